@@ -1,0 +1,16 @@
+# Arb 2 and what it stands on (FLINT, MPFR, GMP) ship neither a CMake config nor pkg-config files on Debian 12,
+# where Arb's library is called flint-arb. Defines Arb::Arb.
+include(FindPackageHandleStandardArgs)
+find_path(Arb_INCLUDE_DIR arb.h)
+set(required Arb_INCLUDE_DIR)
+foreach(part flint-arb flint mpfr gmp)
+  find_library(Arb_${part}_LIBRARY NAMES ${part})
+  list(APPEND required Arb_${part}_LIBRARY)
+  list(APPEND libraries ${Arb_${part}_LIBRARY})
+endforeach()
+find_package_handle_standard_args(Arb REQUIRED_VARS ${required})
+if(Arb_FOUND AND NOT TARGET Arb::Arb)
+  add_library(Arb::Arb INTERFACE IMPORTED)
+  target_include_directories(Arb::Arb INTERFACE ${Arb_INCLUDE_DIR})
+  target_link_libraries(Arb::Arb INTERFACE ${libraries})
+endif()

@@ -1,0 +1,80 @@
+// What a scalar must offer for the text of a variant to compile, and what the lab asks about every scalar.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <string_view>
+
+namespace rlslab {
+
+/// An ordered field, as far as arithmetic goes: +, -, x, / and comparisons, built from int and from double.
+/// Unchecked: that the operations round as the arithmetic's name promises (tests/arithmetic*.cpp do that).
+template <class T>
+concept Field = std::copyable<T> && std::constructible_from<T, int> && std::constructible_from<T, double> &&
+                requires(T a, T const b) {
+                    { b + b } -> std::convertible_to<T>;
+                    { b - b } -> std::convertible_to<T>;
+                    { b * b } -> std::convertible_to<T>;
+                    { b / b } -> std::convertible_to<T>;
+                    { -b } -> std::convertible_to<T>;
+                    a += b;
+                    a -= b;
+                    a *= b;
+                    a /= b;
+                    { b < b } -> std::convertible_to<bool>;
+                    { b == b } -> std::convertible_to<bool>;
+                };
+
+/// A field with a square root: what the square-root forms need and the rational numbers lack.
+/// `sqrt` is found by argument-dependent lookup after `using std::sqrt`.
+template <class T>
+concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
+                   { sqrt(a) } -> std::convertible_to<T>;
+               });
+
+/// False for infinities and NaN; true for every value of a scalar that has neither.
+template <Field T>
+bool is_finite(T const& x) {
+    using std::isfinite;
+    if constexpr (requires { isfinite(x); })
+        return bool(isfinite(x));
+    else
+        return true;
+}
+
+template <Field T>
+T absolute(T const& x) {
+    return x < T(0) ? -x : x;
+}
+
+/// What the lab knows of an arithmetic; each scalar specialises it beside its definition.
+///   name      as on the command line          digits  bits p of the significand, so that u = 2^-p
+///   min_exp, max_exp   exponents e of the smallest and largest normal 1.f x 2^e
+template <class T>
+struct ArithmeticTraits;
+
+template <>
+struct ArithmeticTraits<float> {
+    static constexpr std::string_view name = "float";
+    static constexpr int digits = 24, min_exp = -126, max_exp = 127;
+};
+template <>
+struct ArithmeticTraits<double> {
+    static constexpr std::string_view name = "double";
+    static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
+};
+template <>
+struct ArithmeticTraits<long double> {
+    static_assert(std::numeric_limits<long double>::digits == 64, "extended is the x87 format");
+    static constexpr std::string_view name = "extended";
+    static constexpr int digits = 64, min_exp = -16382, max_exp = 16383;
+};
+
+/// The distance from 1 to the next larger number, 2^(1-p) = 2u: the unit in which error budgets are stated.
+template <class T>
+double epsilon() {
+    return std::ldexp(1.0, 1 - ArithmeticTraits<T>::digits);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,82 @@
+// The wide scalars: Quad (113 bits), Reference (257 bits), Rational (exact); and `widen`, which loses nothing.
+//
+// Fixed precision on the stack and expression templates off: `auto` holds a value, no global precision is consulted.
+#pragma once
+
+#include <rlslab/arithmetic/field.hpp>
+
+#include <Eigen/Core>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/gmp.hpp>
+#include <boost/multiprecision/mpfr.hpp>
+
+namespace rlslab {
+
+/// IEEE binary128: 113 bits, every operation correctly rounded (Boost's own, so g++ and clang agree).
+using Quad = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_quad::backend_type,
+                                           boost::multiprecision::et_off>;
+/// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"
+using Reference = boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>;
+/// Exact rationals: the identities of recursive least squares hold with ==.
+using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
+
+template <>
+struct ArithmeticTraits<Quad> {
+    static constexpr std::string_view name = "quad";
+    static constexpr int digits = 113, min_exp = -16382, max_exp = 16383;
+};
+template <>
+struct ArithmeticTraits<Reference> {
+    static constexpr std::string_view name = "reference";
+    static constexpr int digits = 257, min_exp = -1073741823, max_exp = 1073741822;
+};
+
+inline bool is_finite(Rational const&) { return true; }
+
+/// The same number in the Reference arithmetic, exactly: every arithmetic of the lab has at most 257 bits.
+inline Reference widen(Reference const& x) { return x; }
+inline Reference widen(std::floating_point auto x) { return Reference(x); }
+inline Reference widen(Quad const& x) {
+    if (!isfinite(x)) return Reference(static_cast<double>(x));
+    // 113 = 53 + 53 + 7 bits: each piece is exact in double and so is the sum in Reference. ldexp keeps the pieces
+    // inside double's range whatever the exponent.
+    int exponent = 0;
+    Quad rest = frexp(x, &exponent);
+    Reference sum = 0;
+    for (int piece = 0; piece < 3; ++piece) {
+        double const head = static_cast<double>(rest);
+        rest -= Quad(head);
+        sum += Reference(head);
+    }
+    return ldexp(sum, exponent);
+}
+
+}  // namespace rlslab
+
+namespace rlslab::detail {
+/// What Eigen must know of a scalar to store it. Boost 1.74's own traits name the smallest positive number as lowest().
+template <class T>
+struct StorageTraits : Eigen::GenericNumTraits<T> {
+    using Real = T;
+    using NonInteger = T;
+    using Nested = T;
+    using Literal = double;
+    enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2, AddCost = 10, MulCost = 12 };
+    static T epsilon() { return T(rlslab::epsilon<T>()); }
+    static T dummy_precision() { return T(1000) * epsilon(); }
+    static int digits10() { return int(ArithmeticTraits<T>::digits * 0.30103); }
+};
+}  // namespace rlslab::detail
+
+template <>
+struct Eigen::NumTraits<rlslab::Quad> : rlslab::detail::StorageTraits<rlslab::Quad> {};
+template <>
+struct Eigen::NumTraits<rlslab::Reference> : rlslab::detail::StorageTraits<rlslab::Reference> {};
+template <>
+struct Eigen::NumTraits<rlslab::Rational> : rlslab::detail::StorageTraits<rlslab::Rational> {
+    static rlslab::Rational epsilon() { return 0; }
+    static rlslab::Rational dummy_precision() { return 0; }
+    static int digits10() { return 0; }
+};

@@ -1,0 +1,112 @@
+// The problem every variant solves, and what one update reports.
+#pragma once
+
+#include <rlslab/arithmetic/field.hpp>
+
+#include <Eigen/Core>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace rlslab {
+
+using Index = Eigen::Index;
+inline constexpr int Dynamic = Eigen::Dynamic;
+
+/// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
+template <class T, int N = Dynamic>
+using Vector = Eigen::Matrix<T, N, 1>;
+template <class T, int N = Dynamic>
+using Matrix = Eigen::Matrix<T, N, N>;
+
+/// What is believed before the first row: theta0, and P0 = variance x I or a full P0.
+template <Field T>
+struct Prior {
+    T variance = T(16384);                        ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
+    std::optional<Vector<T>> theta = {};          ///< theta0, size d; absent: 0
+    std::optional<Matrix<T>> covariance = {};     ///< P0, d x d, symmetric positive definite; absent: variance x I
+};
+
+/// Minimise over theta, after k rows,
+///   J_k = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i' theta)^2.
+/// Without a prior the first term is absent; only variants that can start from no information take that.
+template <Field T>
+struct Problem {
+    Index size = 0;                                ///< d >= 1, the number of parameters
+    T forgetting = T(1);                           ///< lambda, 0 < lambda <= 1
+    std::optional<Prior<T>> prior = Prior<T>{};    ///< nullopt: none
+};
+
+/// Breakdown is a result. sound: 0 < gamma <= 1, as for every positive definite P. indefinite: the update saw
+/// psi' P psi < 0. nonfinite: an infinity or a NaN. undetermined: without a prior, fewer independent rows than
+/// parameters so far; theta is not defined yet.
+enum class Health { sound, undetermined, indefinite, nonfinite };
+
+constexpr std::string_view name_of(Health health) {
+    constexpr std::string_view names[] = {"sound", "undetermined", "indefinite", "nonfinite"};
+    return names[static_cast<int>(health)];
+}
+
+/// What one update reports.
+template <Field T>
+struct Step {
+    T innovation;                      ///< e = y - psi' theta(k-1)
+    T residual;                        ///< y - psi' theta(k), evaluated as gamma e
+    T gamma;                           ///< conversion factor lambda / s, in (0, 1]
+    Health health = Health::sound;
+};
+
+/// A report of one update from e and gamma alone; the health they show.
+template <Field T>
+Step<T> report(T const& innovation, T const& gamma) {
+    Health health = Health::sound;
+    if (!is_finite(innovation) || !is_finite(gamma))
+        health = Health::nonfinite;
+    else if (!(T(0) < gamma && gamma <= T(1)))
+        health = Health::indefinite;
+    return {innovation, gamma * innovation, gamma, health};
+}
+
+/// Misuse throws at the door, saying what was expected.
+inline void expects(bool holds, char const* what) {
+    if (!holds) throw std::invalid_argument(std::string("expected ") + what);
+}
+
+/// Throws std::invalid_argument unless the problem is well posed as stated (definiteness of a full P0 is not tested).
+/// A prior that overflowed the scalar's range is let in: what follows is numerical breakdown, not misuse.
+template <Field T>
+Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
+    expects(problem.size >= 1, "size >= 1");
+    expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
+    expects(T(0) < problem.forgetting && problem.forgetting <= T(1), "0 < forgetting <= 1");
+    if (problem.prior) {
+        auto const& prior = *problem.prior;
+        expects(T(0) < prior.variance, "prior variance > 0");
+        expects(!prior.theta || prior.theta->size() == problem.size, "prior theta of the problem's size");
+        expects(!prior.covariance || (prior.covariance->rows() == problem.size && prior.covariance->cols() == problem.size),
+                "prior covariance of the problem's size");
+    }
+    return problem;
+}
+
+/// A regressor psi: a view of d contiguous numbers, from an Eigen vector, a std::vector, a std::array, a row of data.
+template <Field T>
+class Regressor {
+    T const* data_;
+    Index size_;
+
+public:
+    Regressor(T const* data, Index size) : data_(data), size_(size) {}
+    template <class Container>
+        requires requires(Container const& c) {
+            { c.data() } -> std::convertible_to<T const*>;
+            { c.size() } -> std::convertible_to<Index>;
+        }
+    Regressor(Container const& c) : data_(c.data()), size_(Index(c.size())) {}
+    T const* data() const { return data_; }
+    Index size() const { return size_; }
+    T const& operator[](Index i) const { return data_[i]; }
+};
+
+}  // namespace rlslab
