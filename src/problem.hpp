@@ -68,6 +68,30 @@ Step<T> report(T const& innovation, T const& gamma) {
     return {innovation, gamma * innovation, gamma, health};
 }
 
+/// What is not defined: NaN in every scalar that has one.
+template <Field T>
+T undefined() {
+    if constexpr (std::floating_point<T> || requires(T x) { isfinite(x); })
+        return T(std::numeric_limits<double>::quiet_NaN());
+    else
+        return T(0);
+}
+
+/// gamma = 0: without a prior, before theta is defined, there is no innovation to report.
+template <Field T>
+Step<T> report_undetermined() {
+    return {undefined<T>(), T(0), T(0), Health::undetermined};
+}
+
+/// The report of a rotated row: eta at the end of it, and sqrt(gamma), the product of the cosines.
+template <Field T>
+Step<T> report_rotated(T const& eta, T const& root_gamma) {
+    if (root_gamma == T(0)) return report_undetermined<T>();
+    Step<T> step = report(eta / root_gamma, root_gamma * root_gamma);
+    step.residual = eta * root_gamma;
+    return step;
+}
+
 /// Misuse throws at the door, saying what was expected.
 inline void expects(bool holds, char const* what) {
     if (!holds) throw std::invalid_argument(std::string("expected ") + what);

@@ -48,6 +48,12 @@ T absolute(T const& x) {
     return x < T(0) ? -x : x;
 }
 
+template <Real T>
+T square_root(T const& x) {
+    using std::sqrt;
+    return sqrt(x);
+}
+
 /// What the lab knows of an arithmetic; each scalar specialises it beside its definition.
 ///   name      as on the command line          digits  bits p of the significand, so that u = 2^-p
 ///   min_exp, max_exp   exponents e of the smallest and largest normal 1.f x 2^e

@@ -1,0 +1,111 @@
+// A scalar that counts its operations: what an update costs is measured, not typed.
+#pragma once
+
+#include <rlslab/arithmetic/multiprecision.hpp>
+
+#include <compare>
+#include <functional>
+
+namespace rlslab {
+
+/// Operations by kind; subtractions are additions. Signs, comparisons, constructions and conversions are free.
+struct Tally {
+    long additions = 0, multiplications = 0, divisions = 0, square_roots = 0;
+
+    long total() const { return additions + multiplications + divisions + square_roots; }
+    friend Tally operator-(Tally const& a, Tally const& b) {
+        return {a.additions - b.additions, a.multiplications - b.multiplications, a.divisions - b.divisions,
+                a.square_roots - b.square_roots};
+    }
+    friend bool operator==(Tally const&, Tally const&) = default;
+};
+
+namespace detail {
+inline constinit thread_local Tally operations_so_far{};
+}
+
+/// What the call did in this thread, whichever Counted<T> did it. Calls nest: the outer one sees the inner one's too.
+template <std::invocable Work>
+Tally counted(Work&& work) {
+    Tally const before = detail::operations_so_far;
+    std::invoke(std::forward<Work>(work));
+    return detail::operations_so_far - before;
+}
+
+/// A T whose every operation is tallied, whatever the values: a multiplication by 0 or 1 is one.
+template <Field T>
+class Counted {
+    T value_ = T(0);
+
+public:
+    Counted() = default;
+    template <class X>
+        requires(!std::same_as<X, Counted> && std::constructible_from<T, X const&>)
+    explicit Counted(X const& x) : value_(static_cast<T>(x)) {}
+    T const& value() const { return value_; }
+    explicit operator double() const { return static_cast<double>(value_); }
+
+    Counted& operator+=(Counted const& b) {
+        ++detail::operations_so_far.additions;
+        value_ += b.value_;
+        return *this;
+    }
+    Counted& operator-=(Counted const& b) {
+        ++detail::operations_so_far.additions;
+        value_ -= b.value_;
+        return *this;
+    }
+    Counted& operator*=(Counted const& b) {
+        ++detail::operations_so_far.multiplications;
+        value_ *= b.value_;
+        return *this;
+    }
+    Counted& operator/=(Counted const& b) {
+        ++detail::operations_so_far.divisions;
+        value_ /= b.value_;
+        return *this;
+    }
+    friend Counted operator+(Counted a, Counted const& b) { return a += b; }
+    friend Counted operator-(Counted a, Counted const& b) { return a -= b; }
+    friend Counted operator*(Counted a, Counted const& b) { return a *= b; }
+    friend Counted operator/(Counted a, Counted const& b) { return a /= b; }
+    friend Counted operator-(Counted const& a) { return Counted(T(-a.value_)); }
+    friend Counted sqrt(Counted const& a)
+        requires Real<T>
+    {
+        ++detail::operations_so_far.square_roots;
+        return Counted(square_root(a.value_));
+    }
+
+    friend Counted abs(Counted const& a) { return Counted(absolute(a.value_)); }
+    friend bool isfinite(Counted const& a) { return is_finite(a.value_); }
+    friend bool operator==(Counted const& a, Counted const& b) { return a.value_ == b.value_; }
+    friend bool operator!=(Counted const& a, Counted const& b) { return a.value_ != b.value_; }
+    friend bool operator<(Counted const& a, Counted const& b) { return a.value_ < b.value_; }
+    friend bool operator<=(Counted const& a, Counted const& b) { return a.value_ <= b.value_; }
+    friend bool operator>(Counted const& a, Counted const& b) { return a.value_ > b.value_; }
+    friend bool operator>=(Counted const& a, Counted const& b) { return a.value_ >= b.value_; }
+};
+
+template <class T>
+struct ArithmeticTraits<Counted<T>> : ArithmeticTraits<T> {
+    static constexpr std::string_view name = "counted";
+};
+
+template <class T>
+Reference widen(Counted<T> const& x) {
+    return widen(x.value());
+}
+
+}  // namespace rlslab
+
+/// Eigen's constants come from T: asking for one counts nothing.
+template <class T>
+struct Eigen::NumTraits<rlslab::Counted<T>> : rlslab::detail::StorageTraits<rlslab::Counted<T>> {
+    using Number = rlslab::Counted<T>;
+    static Number dummy_precision() { return Number(NumTraits<T>::dummy_precision()); }
+    static Number highest() { return Number(NumTraits<T>::highest()); }
+    static Number lowest() { return Number(NumTraits<T>::lowest()); }
+    static Number infinity() { return Number(NumTraits<T>::infinity()); }
+    static Number quiet_NaN() { return Number(NumTraits<T>::quiet_NaN()); }
+};

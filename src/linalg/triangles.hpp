@@ -1,0 +1,108 @@
+// Triangular factors: the factorisations a filter starts from, and the solves of the information forms.
+//
+// An upper triangular R is kept as L = R', so that row i of R is column i of L and contiguous.
+#pragma once
+
+#include <rlslab/linalg/kernels.hpp>
+
+namespace rlslab {
+
+/// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
+/// Returns false when a pivot is not positive (the factors are then meaningless).
+template <Field T, int N>
+bool factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
+    bool positive = true;
+    for (Index j = D.size() - 1; j >= 0; --j) {
+        D[j] = X(j, j);
+        positive = positive && T(0) < D[j];
+        U(j, j) = T(1);
+        for (Index i = 0; i < j; ++i) U(i, j) = X(i, j) / D[j];
+        for (Index k = 0; k < j; ++k)
+            for (Index i = 0; i <= k; ++i) X(i, k) -= U(i, j) * X(k, j);
+    }
+    return positive;
+}
+
+/// X = L diag(D) L' with L unit lower triangular (root-free Cholesky); X's lower triangle is read.
+/// Returns false when a pivot is not positive.
+template <Field T, int N>
+bool factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
+    Index const d = D.size();
+    bool positive = true;
+    for (Index j = 0; j < d; ++j)
+        for (Index i = j; i < d; ++i) L(i, j) = X(i, j);
+    for (Index j = 0; j < d; ++j) {
+        D[j] = L(j, j);
+        positive = positive && T(0) < D[j];
+        L(j, j) = T(1);
+        for (Index k = j + 1; k < d; ++k) {
+            T const m = L(k, j) / D[j];
+            add_scaled(L.column(k) + k, -m, L.column(j) + k, d - k);
+            L(k, j) = m;
+        }
+    }
+    return positive;
+}
+
+/// Solves L x = x in place, L lower triangular.
+template <Field T, int N>
+void solve_lower(Square<T, N> const& L, Column<T, N>& x) {
+    Index const d = x.size();
+    for (Index i = 0; i < d; ++i) {
+        x[i] /= L(i, i);
+        add_scaled(x.data() + i + 1, -x[i], L.column(i) + i + 1, d - i - 1);
+    }
+}
+
+/// Solves L'x = x in place, L lower triangular.
+template <Field T, int N>
+void solve_lower_transposed(Square<T, N> const& L, Column<T, N>& x) {
+    Index const d = x.size();
+    for (Index i = d - 1; i >= 0; --i) {
+        if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x.data() + i + 1, d - i - 1);
+        x[i] /= L(i, i);
+    }
+}
+
+/// out = L'x, L lower triangular.
+template <Field T, int N>
+void multiply_lower_transposed(Square<T, N> const& L, Column<T, N> const& x, Column<T, N>& out) {
+    Index const d = x.size();
+    for (Index i = 0; i < d; ++i) out[i] = dot(L.column(i) + i, x.data() + i, d - i);
+}
+
+template <Field T, int N>
+Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> x) {
+    solve_lower_transposed(L, x);
+    return x.view();
+}
+
+/// The solution x of L L'x = b.
+template <Field T, int N>
+Vector<T, N> solve_outer(Square<T, N> const& L, Column<T, N> b) {
+    solve_lower(L, b);
+    return solved_lower_transposed(L, b);
+}
+
+/// A A' and A diag(D) A'.
+template <Field T, int N>
+Matrix<T, N> outer(Square<T, N> const& A) {
+    Square<T, N> out(A.size());
+    multiply_by_transposed(A, A, out);
+    return out.view();
+}
+template <Field T, int N>
+void outer(Square<T, N> const& A, Column<T, N> const& D, Square<T, N>& out) {
+    Square<T, N> AD = A;
+    for (Index j = 0; j < D.size(); ++j)
+        for (Index i = 0; i < D.size(); ++i) AD(i, j) *= D[j];
+    multiply_by_transposed(AD, A, out);
+}
+template <Field T, int N>
+Matrix<T, N> outer(Square<T, N> const& A, Column<T, N> const& D) {
+    Square<T, N> out(A.size());
+    outer(A, D, out);
+    return out.view();
+}
+
+}  // namespace rlslab

@@ -1,0 +1,102 @@
+// Regressors are written in place, a column each; a missing value shows as a NaN and the column is used again.
+#include <rlslab/model/regression.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab {
+namespace {
+
+[[noreturn]] void fail(std::string const& file, std::string const& message) {
+    throw InputError(file.empty() ? message : file + ": " + message);
+}
+
+std::string counted(Index n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+void expect_rows(std::string const& file, Index size, Index rows) {
+    if (rows < size)
+        fail(file, fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "",
+                               counted(size, "row"), rows));
+}
+
+/// Rows first ... of y = psi' theta; write(k, psi) fills in the regressor of row k, NaN where a value is missing.
+template <class Write>
+Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first,
+                  Write const& write) {
+    Index const size = Index(names.size()), rows = Index(y.size());
+    expect_rows(file, size, rows);
+    Index const most = std::max(Index(0), rows - first);
+    Records records{.psi = Matrix<double>(size, most), .y = Vector<double>(most), .names = std::move(names)};
+    Index used = 0;
+    for (Index k = first; k < rows; ++k) {
+        write(k, std::span(records.psi.col(used).data(), std::size_t(size)));
+        records.y[used] = y[std::size_t(k)];
+        if (!records.psi.col(used).hasNaN() && !std::isnan(records.y[used])) ++used;
+    }
+    records.skipped = most - used;
+    records.lead_in = rows - most;
+    if (used < size) {
+        std::string const history = records.lead_in > 0 ? fmt::format(" a lead-in of {} and", records.lead_in) : "";
+        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values",
+                               counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), used, history,
+                               records.skipped));
+    }
+    if (used < most) {
+        records.psi.conservativeResize(Eigen::NoChange, used);
+        records.y.conservativeResize(used);
+    }
+    return records;
+}
+
+}  // namespace
+
+Arx arx_of_order(int order) {
+    if (order < 1) fail("", fmt::format("order: expected at least 1, found {}", order));
+    return {.na = order, .nb = order};
+}
+
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept) {
+    if (regressors.empty()) fail(data.file, "expected the name of a regressor at least");
+    std::vector<std::string> names;
+    if (intercept) names.push_back("1");
+    std::vector<double const*> columns;
+    for (auto const& name : regressors) {
+        if (name == output) fail(data.file, fmt::format("column \"{}\" is both regressor and output", printable(name)));
+        if (std::ranges::count(regressors, name) > 1)
+            fail(data.file, fmt::format("column \"{}\" is twice among the regressors", printable(name)));
+        names.push_back(data.header ? name : "column " + name);      // a column "1" is not the intercept
+        columns.push_back(data[name].data());
+    }
+    return collected(data.file, data[output], std::move(names), 0, [&](Index k, std::span<double> psi) {
+        psi[0] = 1;
+        std::ranges::transform(columns, psi.begin() + intercept, [k](double const* column) { return column[k]; });
+    });
+}
+
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file) {
+    expects(u.size() == y.size(), "input and output of equal length");
+    if (model.na < 0) fail("", fmt::format("na: expected at least 0, found {}", model.na));
+    if (model.nb < 0) fail("", fmt::format("nb: expected at least 0, found {}", model.nb));
+    if (model.delay < 0) fail("", fmt::format("delay: expected at least 0, found {}", model.delay));
+    expect_rows(file, model.size(), Index(y.size()));        // before names are made: a mistyped order may be huge
+    std::vector<std::string> names;
+    for (int i = 1; i <= model.na; ++i) names.push_back(fmt::format("a{}", i));
+    for (int i = 0; i <= model.nb; ++i) names.push_back(fmt::format("b{}", i));
+    if (model.intercept) names.push_back("1");
+    return collected(file, y, std::move(names), model.lead_in(), [&](Index k, std::span<double> psi) {
+        auto next = psi.begin();
+        for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];
+        for (Index i = 0; i <= model.nb; ++i) *next++ = u[std::size_t(k - model.delay - i)];
+        if (model.intercept) *next = 1;
+    });
+}
+
+Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model) {
+    if (input == output) fail(data.file, fmt::format("column \"{}\" is both input and output", printable(input)));
+    return arx_records(data[input], data[output], model, data.file);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,42 @@
+// Regression problems out of columns of data: y on given columns, or ARX models.
+#pragma once
+
+#include <rlslab/model/csv.hpp>
+#include <rlslab/model/records.hpp>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only if asked for.
+///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
+struct Arx {
+    int na, nb;                    ///< >= 0; na = 0: a finite impulse response
+    int delay = 0;                 ///< >= 0
+    bool intercept = false;
+    Index size() const { return Index(na) + nb + 1 + intercept; }                  ///< d
+    Index lead_in() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
+};
+
+/// The model of that order: na = nb = order, no delay, no intercept. Throws InputError unless order >= 1.
+Arx arx_of_order(int order);
+
+/// Every row y = regressors' theta of the data whose values are all there; an intercept is a 1 put first.
+/// psi is d x N, d = regressors.size() + intercept. Throws InputError for no regressor, one named twice or as output,
+/// fewer than d usable rows; std::invalid_argument for a column that was not read.
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept = false);
+
+/// Every row of the model's equation on u and y (equally long; NaN: missing) whose values are all there.
+/// psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and fewer than d usable rows;
+/// messages about rows begin with `file`.
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
+                    std::string const& file = "");
+
+/// The same on two columns. Throws InputError if input and output are one column, too.
+Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);
+
+}  // namespace rlslab

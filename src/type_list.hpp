@@ -1,0 +1,36 @@
+// A list of types, and the walk over it.
+#pragma once
+
+#include <type_traits>
+
+namespace rlslab {
+
+template <class... Types>
+struct TypeList {
+    static constexpr int size = sizeof...(Types);
+};
+
+/// Calls visit.template operator()<Type>() for each type in order.
+template <class... Types, class Visit>
+void for_each(TypeList<Types...>, Visit visit) {
+    (visit.template operator()<Types>(), ...);
+}
+
+namespace detail {
+template <class T, class Kept, class... Types>
+struct OverScalar {
+    using type = Kept;
+};
+template <class T, class... Kept, class First, class... Rest>
+struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
+    using type = typename OverScalar<
+        T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
+        Rest...>::type;
+};
+}  // namespace detail
+
+/// Those of the types whose scalar is T, in order.
+template <class T, class... Types>
+using OverScalar = typename detail::OverScalar<T, TypeList<>, Types...>::type;
+
+}  // namespace rlslab

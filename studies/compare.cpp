@@ -1,0 +1,227 @@
+// Runs the comparison: each entry of the catalogue over the records, each step's stored P decided exactly, the last
+// step's theta and P scored against the reference for the very bits the arithmetic was given.
+#include "compare.hpp"
+
+#include <rlslab/model/input_error.hpp>
+#include <rlslab/reference/certified.hpp>
+#include <rlslab/reference/definiteness.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <fmt/format.h>
+#include <mutex>
+#include <tbb/parallel_for_each.h>
+#include <tbb/task_arena.h>
+
+namespace rlslab {
+namespace {
+
+Problem<double> problem_for(Records const& records, CompareOptions const& options, double (*round)(double)) {
+    return {.size = records.size(),
+            .forgetting = round(options.forgetting),
+            .prior = Prior<double>{.variance = round(options.p0)}};
+}
+
+Records rounded(Records const& records, double (*round)(double)) {
+    Records out = records;
+    out.psi = records.psi.unaryExpr(round);
+    out.y = records.y.unaryExpr(round);
+    return out;
+}
+
+/// What an arithmetic is compared with: the same problem with data, lambda and c^2 as it stores them.
+struct Yardstick {
+    Problem<double> problem;
+    Records records;
+    std::optional<Exact> exact;    ///< absent when the rounded problem has no exact solution (an overflow, a zero P0)
+};
+
+Yardstick yardstick(Records const& records, CompareOptions const& options, double (*round)(double), int digits) {
+    Yardstick out{problem_for(records, options, round), rounded(records, round), {}};
+    double const lambda = out.problem.forgetting, p0 = out.problem.prior->variance;
+    if (!(0 < lambda && lambda <= 1 && 0 < p0 && std::isfinite(p0))) return out;
+    std::vector<Exact> exact = certified(out.problem, out.records, {records.rows()}, digits);
+    if (exact.front().status() == Status::certified) out.exact = std::move(exact.front());
+    return out;
+}
+
+std::optional<double> number(double x, double largest) {
+    if (std::isnan(x)) return {};
+    return std::min(x, largest);
+}
+
+/// max |F_ij - F_ji| / max |F_ij|.
+std::optional<double> asymmetry(Stored<Reference> const& stored) {
+    if (stored.kind == Stored<Reference>::Kind::factor) return 0.0;
+    Reference difference = 0, largest = 0;
+    for (Index j = 0; j < stored.F.cols(); ++j)
+        for (Index i = 0; i < stored.F.rows(); ++i) {
+            if (!is_finite(stored.F(i, j))) return {};
+            difference = std::max(difference, absolute(Reference(stored.F(i, j) - stored.F(j, i))));
+            largest = std::max(largest, absolute(stored.F(i, j)));
+        }
+    return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
+}
+
+/// The kind of breakdown that the stored state shows, or "".
+std::string broken(AnyFilter const& filter, Arithmetic const& arithmetic) {
+    double const widening = arithmetic.digits > 53 ? 0x1p-53 : 0;
+    if (surely_positive(filter.stored_in_double(), widening)) return "";
+    switch (definiteness(filter.stored())) {
+        case Definiteness::positive: return "";
+        case Definiteness::not_positive: return "indefinite";
+        default: return "nonfinite";
+    }
+}
+
+bool finite(Vector<Reference> const& x) {
+    return std::all_of(x.begin(), x.end(), [](Reference const& v) { return is_finite(v); });
+}
+
+Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
+    Result result{&entry, {}, {}, {}};
+    Arithmetic const& arithmetic = *entry.arithmetic;
+    double const lambda = yard.problem.forgetting;
+    if (!(0 < lambda && lambda <= 1) || !(0 < yard.problem.prior->variance)) {    // the arithmetic stores a zero
+        result.breakdown = Breakdown{0, "indefinite"};
+        return result;
+    }
+    auto const filter = entry.make(yard.problem, seed);
+    Index const rows = yard.records.rows();
+    std::string kind = broken(*filter, arithmetic);
+    if (!kind.empty()) result.breakdown = Breakdown{0, kind};
+    for (Index k = 0; k < rows; k += entry.block) {
+        Index const last = std::min(rows, k + entry.block);
+        Step<double> const step = entry.block == 1 ? filter->update(yard.records.row(k), yard.records.y[k])
+                                                   : filter->absorb(yard.records, k, last);
+        if (result.breakdown) continue;
+        kind = step.health == Health::indefinite  ? "indefinite"
+               : step.health == Health::nonfinite ? "nonfinite"
+                                                  : broken(*filter, arithmetic);
+        if (!kind.empty()) result.breakdown = Breakdown{last, kind};
+    }
+    Vector<Reference> const theta = filter->theta();
+    Stored<Reference> const stored = filter->stored();
+    if (!result.breakdown && !finite(theta)) result.breakdown = Breakdown{rows, "nonfinite"};
+    result.asymmetry = asymmetry(stored);
+    if (yard.exact) {
+        double const most = arithmetic.decimal_digits();
+        result.theta_digits = number(yard.exact->theta_digits(theta), most);
+        result.theta_digits_worst = number(yard.exact->theta_digits_worst(theta), most);
+        result.covariance_digits = number(yard.exact->covariance_digits(stored), most);
+    }
+    return result;
+}
+
+/// The sound variant with the fewest operations among those within half a digit of the best, digits being the lesser of
+/// theta's and P's. Batch and sparse variants are not recommended: they answer another need than a row at a time.
+Recommendation recommend(std::string const& arithmetic, std::vector<Result> const& results) {
+    std::vector<Result const*> sound;
+    int tried = 0;
+    for (Result const& r : results) {
+        if (r.entry->arithmetic->name != arithmetic || r.entry->block != 1 || !r.operations) continue;
+        ++tried;
+        if (!r.breakdown && r.theta_digits && r.covariance_digits) sound.push_back(&r);
+    }
+    auto const digits = [](Result const* r) { return std::min(*r->theta_digits, *r->covariance_digits); };
+    double best = -std::numeric_limits<double>::infinity();
+    for (Result const* r : sound) best = std::max(best, digits(r));
+    if (tried == 0) return {arithmetic, "", "no variant was tried that takes one row at a time"};
+    if (sound.empty()) return {arithmetic, "", fmt::format("none of {} variants got through without breaking down", tried)};
+    if (best < 0.5)
+        return {arithmetic, "", fmt::format("none of {} variants keeps half a digit of both theta and P", tried)};
+    Result const* choice = nullptr;
+    for (Result const* r : sound)
+        if (digits(r) >= best - 0.5 && (!choice || r->operations->total() < choice->operations->total())) choice = r;
+    return {arithmetic, std::string(choice->entry->variant),
+            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P at {} operations an update, the fewest within half a "
+                        "digit of the best of {} sound variants ({} tried)",
+                        *choice->theta_digits, *choice->covariance_digits, choice->operations->total(), sound.size(), tried)};
+}
+
+/// The entries asked for, in the catalogue's order.
+std::vector<Entry const*> chosen(CompareOptions const& options) {
+    auto const check = [](char const* option, std::vector<std::string> const& asked, auto const& known) {
+        for (std::string const& name : asked)
+            if (std::find(known.begin(), known.end(), name) == known.end())
+                throw InputError(fmt::format("{}: expected one of {}, found \"{}\"", option, fmt::join(known, ", "),
+                                             printable(name)));
+    };
+    std::vector<std::string_view> variants, scalars;
+    for (Entry const& entry : catalogue())
+        if (std::find(variants.begin(), variants.end(), entry.variant) == variants.end()) variants.push_back(entry.variant);
+    for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
+    check("--variants", options.variants, variants);
+    check("--arithmetic", options.arithmetics, scalars);
+    auto const wanted = [](std::vector<std::string> const& asked, std::string_view name) {
+        return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+    };
+    std::vector<Entry const*> out;
+    for (Entry const& entry : catalogue())
+        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name))
+            out.push_back(&entry);
+    if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+    return out;
+}
+
+}  // namespace
+
+Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress) {
+    std::vector<Entry const*> const entries = chosen(options);
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+
+    // The data as they are: the reference that is shown, and whether they determine theta at all.
+    auto const as_is = +[](double x) { return x; };
+    Problem<double> problem = problem_for(records, options, as_is);
+    std::vector<Exact> const with_prior = certified(problem, records, {records.rows()});
+    problem.prior.reset();
+    std::vector<Exact> const without = certified(problem, records, {records.rows()});
+    if (without.front().status() == Status::singular)
+        throw InputError(fmt::format("the regressors ({}) are linearly dependent: exact rank {} of {} over {} rows{}",
+                                     fmt::join(records.names, ", "), without.front().rank(), records.size(), records.rows(),
+                                     " (is the input constant?)"));
+    Comparison out{.rows = records.rows(), .skipped = records.skipped, .size = records.size(), .names = records.names,
+                   .theta = with_prior.front().theta_strings(30), .radius = with_prior.front().radius(),
+                   .bits = with_prior.front().bits(), .condition = condition(records, options.forgetting),
+                   .prior_bias = prior_bias(with_prior.front(), without.front()), .results = {}, .recommendations = {}};
+
+    // One yardstick for each way of rounding the data: arithmetics that hold binary64 share one.
+    std::vector<Arithmetic const*> used;
+    for (Entry const* entry : entries)
+        if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
+    int most_digits = 0;
+    for (Arithmetic const* a : used) most_digits = std::max(most_digits, int(a->decimal_digits()));
+    auto const yard_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
+    std::vector<std::pair<std::string_view, Yardstick>> yards;
+    for (Arithmetic const* a : used)
+        if (std::none_of(yards.begin(), yards.end(), [&](auto const& y) { return y.first == yard_of(a); })) {
+            bool const wide = a->digits >= 53;
+            yards.emplace_back(yard_of(a), yardstick(records, options, a->round, wide ? std::max(30, most_digits + 15) : 30));
+        }
+
+    out.results.assign(entries.size(), {});
+    std::vector<size_t> order(entries.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;    // the slow arithmetics first
+    std::mutex one_at_a_time;
+    size_t done = 0;
+    arena.execute([&] {
+        tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
+            auto const yard = std::find_if(yards.begin(), yards.end(),
+                                           [&](auto const& y) { return y.first == yard_of(entries[i]->arithmetic); });
+            out.results[i] = run(*entries[i], yard->second, Seed{options.seed});
+            std::lock_guard const lock(one_at_a_time);
+            if (progress) progress(double(++done) / double(entries.size()));
+        });
+    });
+    // Alone on the machine, as far as this program goes.
+    for (size_t i = 0; i < entries.size(); ++i) {
+        Problem<double> const rounded_problem = problem_for(records, options, entries[i]->arithmetic->round);
+        out.results[i].operations = operations(entries[i]->variant, problem_for(records, options, as_is));
+        if (options.timings && out.results[i].breakdown.value_or(Breakdown{1, ""}).step > 0)
+            out.results[i].ns_per_update = entries[i]->time(rounded_problem, records, Seed{options.seed});
+    }
+    for (Arithmetic const* a : used) out.recommendations.push_back(recommend(std::string(a->name), out.results));
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,68 @@
+// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
+#pragma once
+
+#include <rlslab/erased.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+struct CompareOptions {
+    double forgetting = 1;                      ///< lambda
+    double p0 = 16384;                          ///< c^2 of P0 = c^2 I
+    std::vector<std::string> variants = {};     ///< empty: all
+    std::vector<std::string> arithmetics = {};  ///< empty: all
+    std::uint64_t seed = 1;                     ///< of stochastic rounding
+    int threads = 0;                            ///< 0: all cores; the results do not depend on it
+    bool timings = true;                        ///< false: ns_per_update is left out
+};
+
+/// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
+struct Breakdown {
+    Index step;            ///< from 1; 0: the prior itself, as this arithmetic stores it
+    std::string kind;      ///< "indefinite" or "nonfinite"
+};
+
+/// One row of the table. Digits are -log10 of a relative error, at most those the arithmetic has, negative when the
+/// error exceeds the answer; absent when there is no finite answer or, for the arithmetic's rounded data, no reference.
+struct Result {
+    Entry const* entry;
+    std::optional<double> theta_digits, theta_digits_worst, covariance_digits;
+    std::optional<Breakdown> breakdown = {};
+    std::optional<double> asymmetry = {};              ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
+    std::optional<Operations> operations = {};
+    std::optional<double> ns_per_update = {};
+};
+
+struct Recommendation {
+    std::string arithmetic;
+    std::string variant;    ///< empty: none
+    std::string why;
+};
+
+struct Comparison {
+    Index rows, skipped, size;
+    std::vector<std::string> names;            ///< of the parameters
+    std::vector<std::string> theta;            ///< the exact minimiser for the data as binary64, 30 digits
+    double radius;                             ///< proven relative error of theta
+    int bits;                                  ///< working precision at which it was certified
+    double condition;                          ///< kappa_2 of the weighted data matrix
+    double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
+    std::vector<Result> results;
+    std::vector<Recommendation> recommendations;
+};
+
+/// Called now and then with the part done, in [0, 1]; from any thread, one at a time.
+using Progress = std::function<void(double)>;
+
+/// Throws InputError when the options name what does not exist, or the regressors are linearly dependent (exact rank).
+Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress = {});
+
+/// The comparison for people (colour: ANSI codes), and for programs.
+std::string as_table(Comparison const& comparison, bool colour);
+std::string as_json(Comparison const& comparison);
+std::string as_csv(Comparison const& comparison);
+
+}  // namespace rlslab

@@ -1,0 +1,133 @@
+// A comparison as a table for people, as JSON and CSV for programs.
+#include "compare.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rlslab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Three decimals of a digit count are far more than it means, and few enough that every machine prints the same.
+double rounded_to(double x, double unit) { return std::round(x / unit) * unit; }
+Json digits_json(std::optional<double> const& digits) {
+    if (!digits || !std::isfinite(*digits)) return nullptr;
+    return Json::parse(fmt::format("{:.3f}", rounded_to(*digits, 1e-3) + 0.0));
+}
+Json short_json(double x) {
+    if (!std::isfinite(x)) return nullptr;
+    return Json::parse(fmt::format("{:.5g}", x));
+}
+
+std::string digits_text(std::optional<double> const& digits) {
+    return digits && std::isfinite(*digits) ? fmt::format("{:.1f}", *digits) : "-";
+}
+std::string breakdown_text(std::optional<Breakdown> const& breakdown) {
+    return breakdown ? fmt::format("{} at {}", breakdown->kind, breakdown->step) : "none";
+}
+std::string asymmetry_text(std::optional<double> const& asymmetry) {
+    if (!asymmetry) return "-";
+    return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
+}
+std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
+std::string operations_text(std::optional<Operations> const& operations) {
+    return operations ? fmt::format("{}", operations->total()) : "-";
+}
+
+/// Colours as in a terminal, or nothing.
+struct Paint {
+    bool on;
+    std::string operator()(char const* code, std::string const& text) const {
+        return on ? fmt::format("\033[{}m{}\033[0m", code, text) : text;
+    }
+};
+
+}  // namespace
+
+std::string as_table(Comparison const& c, bool colour) {
+    Paint const paint{colour};
+    std::string out;
+    out += fmt::format("data        {} rows, {} skipped; {} parameters, condition {:.2g}\n", c.rows, c.skipped, c.size,
+                       c.condition);
+    out += fmt::format("reference   exact for the data in binary64, proven to {:.0e} relative at {} bits; prior bias {:.1e}\n",
+                       c.radius, c.bits, c.prior_bias);
+    size_t width = 0;
+    for (std::string const& name : c.names) width = std::max(width, name.size());
+    for (size_t i = 0; i < c.theta.size(); ++i)
+        out += fmt::format("{}{:<{}}  {:>37}\n", i == 0 ? "theta       " : "            ", c.names[i], width, c.theta[i]);
+
+    std::string_view arithmetic;
+    for (Result const& r : c.results) {
+        Arithmetic const& a = *r.entry->arithmetic;
+        if (a.name != arithmetic) {
+            arithmetic = a.name;
+            std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
+            out += '\n' + paint("1", fmt::format("{:<36}", title)) +
+                   paint("2", fmt::format(" {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", "theta", "worst", "P",
+                                          "breakdown", "asymmetry", "ops", "ns")) + '\n';
+        }
+        bool const best = std::any_of(c.recommendations.begin(), c.recommendations.end(), [&](Recommendation const& rec) {
+            return rec.arithmetic == a.name && rec.variant == r.entry->variant;
+        });
+        std::string const line =
+            fmt::format("{} {:<34} {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", best ? '*' : ' ', r.entry->variant,
+                        digits_text(r.theta_digits), digits_text(r.theta_digits_worst), digits_text(r.covariance_digits),
+                        breakdown_text(r.breakdown), asymmetry_text(r.asymmetry), operations_text(r.operations),
+                        nanoseconds_text(r.ns_per_update));
+        out += paint(best ? "32" : r.breakdown ? "31" : "0", line) + '\n';
+    }
+    out += "\ntheta, worst, P: digits kept, of theta in norm, of its worst component, of the covariance in norm.\n"
+           "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
+           "ops, ns: operations and nanoseconds an update.\n\n";
+    size_t longest = 0;
+    for (Recommendation const& r : c.recommendations) longest = std::max(longest, r.arithmetic.size());
+    for (Recommendation const& r : c.recommendations)
+        out += fmt::format("use in {:<{}}  ", r.arithmetic, longest) +
+               paint(r.variant.empty() ? "31" : "32", r.variant.empty() ? "none" : r.variant) + ": " + r.why + '\n';
+    return out;
+}
+
+std::string as_json(Comparison const& c) {
+    Json out;
+    out["data"] = {{"rows", c.rows}, {"skipped", c.skipped}, {"size", c.size}, {"parameters", c.names}};
+    out["reference"] = {{"theta", c.theta},
+                        {"radius", short_json(c.radius)},
+                        {"bits", c.bits},
+                        {"condition", short_json(c.condition)},
+                        {"prior_bias", short_json(c.prior_bias)}};
+    out["results"] = Json::array();
+    for (Result const& r : c.results)
+        out["results"].push_back(
+            {{"variant", r.entry->variant},
+             {"arithmetic", r.entry->arithmetic->name},
+             {"theta_digits", digits_json(r.theta_digits)},
+             {"theta_digits_worst", digits_json(r.theta_digits_worst)},
+             {"covariance_digits", digits_json(r.covariance_digits)},
+             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", r.breakdown->kind}} : Json(nullptr)},
+             {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
+             {"operations", r.operations ? Json(r.operations->total()) : Json(nullptr)},
+             {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
+    out["recommendation"] = Json::array();
+    for (Recommendation const& r : c.recommendations)
+        out["recommendation"].push_back({{"arithmetic", r.arithmetic},
+                                         {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)},
+                                         {"why", r.why}});
+    return out.dump(2) + '\n';
+}
+
+std::string as_csv(Comparison const& c) {
+    std::string out = "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
+                      "asymmetry,operations,ns_per_update\n";
+    auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
+    for (Result const& r : c.results)
+        out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", r.entry->variant, r.entry->arithmetic->name,
+                           cell(digits_json(r.theta_digits)), cell(digits_json(r.theta_digits_worst)),
+                           cell(digits_json(r.covariance_digits)), r.breakdown ? fmt::format("{}", r.breakdown->step) : "",
+                           r.breakdown ? r.breakdown->kind : "", r.asymmetry ? cell(short_json(*r.asymmetry)) : "",
+                           r.operations ? fmt::format("{}", r.operations->total()) : "",
+                           r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "");
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,196 @@
+// The rlslab program: list what there is, compare variants on data.
+#include "compare.hpp"
+
+#include <rlslab/model/regression.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <unistd.h>
+
+namespace {
+
+using namespace rlslab;
+
+/// A whole number in [least, most], else one line that says so.
+CLI::Validator whole(long least, long most) {
+    return {[=](std::string& text) {
+                long value = 0;
+                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                bool const good = error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
+                return good ? "" : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most, printable(text));
+            },
+            "WHOLE"};
+}
+
+/// A finite number that `holds`, else one line that says what was expected.
+CLI::Validator real(char const* expected, bool (*holds)(double)) {
+    return {[=](std::string& text) {
+                double value = 0;
+                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                bool const good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
+                return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
+            },
+            "REAL"};
+}
+
+/// The whole answer, or an error: a closed pipe is one too.
+void print(std::string const& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
+}
+
+/// "comparing  42 %" on a terminal's or a log's stderr, from the second second on.
+Progress progress_after_a_second() {
+    auto const start = std::chrono::steady_clock::now();
+    bool const terminal = isatty(STDERR_FILENO);
+    return [start, terminal, shown = -1](double part) mutable {
+        int const percent = int(100 * part), step = terminal ? 1 : 25;
+        if (std::chrono::steady_clock::now() - start < std::chrono::seconds(1) || percent / step == shown / step) return;
+        shown = percent;
+        std::fprintf(stderr, terminal ? "\rcomparing %3d %%%s" : "comparing %3d %%\n%s", percent,
+                     terminal && percent == 100 ? "\r               \r" : "");
+    };
+}
+
+struct CompareArguments {
+    std::string file, input, output, format = "table", colour = "auto";
+    std::vector<std::string> regressors;
+    int order = 0, na = -1, nb = -1, delay = 0;
+    bool intercept = false, json = false, csv = false;
+    CompareOptions options;
+};
+
+/// The records the options describe; reads the file once the options make sense.
+Records records_of(CompareArguments const& a) {
+    if (a.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (!a.regressors.empty()) {
+        if (!a.input.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
+            throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+        std::vector<std::string> columns = a.regressors;
+        columns.push_back(a.output);
+        return linear_records(read_columns(a.file, columns), a.regressors, a.output, a.intercept);
+    }
+    if (a.input.empty()) throw InputError("--input: expected the name of the input column (or --regressors a,b,c)");
+    if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
+    if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+    Arx model = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb};
+    model.delay = a.delay;
+    model.intercept = a.intercept;
+    return arx_records(read_columns(a.file, {a.input, a.output}), a.input, a.output, model);
+}
+
+void run_compare(CompareArguments const& a) {
+    if (a.json && a.csv) throw InputError("--json: does not go with --csv");
+    Comparison const comparison = compare(records_of(a), a.options, progress_after_a_second());
+    bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour));
+}
+
+void run_list(bool json) {
+    nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
+                                  {"arithmetics", nlohmann::ordered_json::array()},
+                                  {"studies", nlohmann::ordered_json::array()}};
+    std::string text = "variants                 propagates    no prior  rows at once  in\n";
+    std::vector<Entry const*> variants;
+    for (Entry const& e : catalogue())
+        if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
+            variants.push_back(&e);
+    for (Entry const* v : variants) {
+        std::vector<std::string_view> in;
+        for (Entry const& e : catalogue())
+            if (e.variant == v->variant) in.push_back(e.arithmetic->name);
+        text += fmt::format("  {:<22} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
+                            v->starts_without_prior ? "yes" : "no", v->block,
+                            in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
+        out["variants"].push_back({{"name", v->variant},
+                                   {"propagates", v->propagates},
+                                   {"starts_without_prior", v->starts_without_prior},
+                                   {"rows_at_once", v->block},
+                                   {"arithmetics", in}});
+    }
+    text += "\narithmetics              bits  digits  exponents          rounding\n";
+    for (Arithmetic const& s : arithmetics()) {
+        char const* const rounding = s.stochastic ? "stochastic" : "nearest";
+        text += fmt::format("  {:<22} {:>4}  {:>6.1f}  {:<17}  {}\n", s.name, s.digits, s.decimal_digits(),
+                            fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
+        out["arithmetics"].push_back({{"name", s.name},
+                                      {"digits", s.digits},
+                                      {"min_exp", s.min_exp},
+                                      {"max_exp", s.max_exp},
+                                      {"rounding", rounding}});
+    }
+    text += "\nstudies\n  none yet\n";
+    print(json ? out.dump(2) + '\n' : text);
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
+                 "rlslab");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
+
+    CompareArguments a;
+    CLI::App* const comparing = app.add_subcommand("compare", "every variant in every arithmetic on a record");
+    comparing->add_option("FILE", a.file, "CSV file (-: standard input)")->required();
+    comparing->add_option("--input", a.input, "column of the input u of an ARX model");
+    comparing->add_option("--output", a.output, "column of the output y")->required();
+    comparing->add_option("--order", a.order, "ARX order: na = nb = N")->check(whole(1, 1000));
+    comparing->add_option("--na", a.na, "past outputs in the ARX model")->check(whole(0, 1000));
+    comparing->add_option("--nb", a.nb, "past inputs beyond the first, u[k-delay] ... u[k-delay-nb]")->check(whole(0, 1000));
+    comparing->add_option("--delay", a.delay, "samples from input to output")->check(whole(0, 1000000));
+    comparing->add_option("--regressors", a.regressors, "columns of a plain regression, instead of --input and an order")
+        ->delimiter(',');
+    comparing->add_flag("--intercept", a.intercept, "a constant regressor besides");
+    comparing->add_option("--forgetting", a.options.forgetting, "lambda")
+        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->capture_default_str();
+    comparing->add_option("--p0", a.options.p0, "c^2 of the prior covariance P0 = c^2 I")
+        ->check(real("a positive number", [](double x) { return 0 < x; }))->capture_default_str();
+    comparing->add_option("--variants", a.options.variants, "only these (rlslab list)")->delimiter(',');
+    comparing->add_option("--arithmetic", a.options.arithmetics, "only these (rlslab list)")->delimiter(',');
+    comparing->add_option("--seed", a.options.seed, "of stochastic rounding")
+        ->check(whole(0, std::numeric_limits<long>::max()))->capture_default_str();
+    comparing->add_option("--threads", a.options.threads, "threads (default: all cores); the results are the same")
+        ->check(whole(1, 4096));
+    comparing->add_flag("--json", a.json, "JSON instead of the table");
+    comparing->add_flag("--csv", a.csv, "CSV instead of the table");
+    comparing->add_flag("!--no-timings", a.options.timings, "leave out the only column that differs from run to run");
+
+    bool list_json = false;
+    CLI::App* const listing = app.add_subcommand("list", "variants, arithmetics, studies");
+    listing->add_flag("--json", list_json, "JSON");
+
+    try {
+        app.parse(argc, argv);
+    } catch (CLI::Success const& success) {
+        return app.exit(success);
+    } catch (CLI::ParseError const& error) {
+        std::string line = error.what();
+        std::replace(line.begin(), line.end(), '\n', ' ');
+        std::fprintf(stderr, "rlslab: %s\n", line.c_str());
+        return 2;
+    }
+    if (comparing->parsed()) run_compare(a);
+    if (listing->parsed()) run_list(list_json);
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);    // a closed pipe is then an error like any other, not a silent death
+    try {
+        return run(argc, argv);
+    } catch (std::bad_alloc const&) {
+        std::fputs("rlslab: out of memory\n", stderr);
+    } catch (std::exception const& error) {
+        std::fprintf(stderr, "rlslab: %s\n", error.what());
+    }
+    return 2;
+}

@@ -1,0 +1,37 @@
+# cmake -DSOURCE_DIR=... -DBUILD_DIR=... -DWORK_DIR=... -P run.cmake
+# Installs a built tree, then configures, builds and runs the consumer beside this file against the installation.
+foreach(argument SOURCE_DIR BUILD_DIR WORK_DIR)
+  if(NOT IS_ABSOLUTE "${${argument}}")
+    message(FATAL_ERROR "${argument} must be an absolute path, not '${${argument}}'")
+  endif()
+endforeach()
+file(REMOVE_RECURSE ${WORK_DIR})
+file(MAKE_DIRECTORY ${WORK_DIR})
+
+function(run)
+  execute_process(COMMAND ${ARGV} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/first_prefix)
+# An installation may be packed and moved: it must point neither at itself nor back at the tree it came from.
+set(prefix ${WORK_DIR}/prefix)
+file(RENAME ${WORK_DIR}/first_prefix ${prefix})
+file(GLOB_RECURSE package_files ${prefix}/*.cmake)
+foreach(file IN LISTS package_files)
+  file(READ ${file} text)
+  foreach(place ${SOURCE_DIR} ${BUILD_DIR} ${WORK_DIR}/first_prefix)
+    string(FIND "${text}" "${place}" at)
+    if(NOT at EQUAL -1)
+      message(FATAL_ERROR "${file} names ${place}")
+    endif()
+  endforeach()
+endforeach()
+
+# The compiler of the tree, so that the two agree on the standard library.
+file(STRINGS ${BUILD_DIR}/CMakeCache.txt compiler REGEX "^CMAKE_CXX_COMPILER:")
+string(REGEX REPLACE "^[^=]*=" "" compiler "${compiler}")
+run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=Debug)
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
+run(${WORK_DIR}/build/with_headers)
+run(${WORK_DIR}/build/with_core)

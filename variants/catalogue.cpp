@@ -1,0 +1,77 @@
+// The catalogue: the instances of every arithmetic, in the order of the two lists; and the operation counts.
+#include "instances.hpp"
+
+#include <rlslab/arithmetic/arithmetics.hpp>
+#include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <utility>
+
+namespace rlslab {
+namespace {
+
+static_assert(std::tuple_size_v<Arithmetics> == RLSLAB_ARITHMETICS, "variants/CMakeLists.txt counts the arithmetics");
+
+struct Lists {
+    std::vector<Arithmetic> arithmetics;
+    std::vector<Entry> entries;
+};
+
+template <int... I>
+Lists gathered(std::integer_sequence<int, I...>) {
+    Lists lists;
+    std::vector<Instances> all{instances<I>()...};
+    for (Instances const& one : all) lists.arithmetics.push_back(one.arithmetic);
+    for (size_t a = 0; a < all.size(); ++a)
+        for (Entry entry : all[a].entries) {
+            entry.arithmetic = &lists.arithmetics[a];
+            lists.entries.push_back(entry);
+        }
+    return lists;
+}
+
+Lists const& lists() {
+    static Lists const all = gathered(std::make_integer_sequence<int, RLSLAB_ARITHMETICS>{});
+    return all;
+}
+
+/// One update, or a block, after 2d + 1 rows of noise: past the zeros of the start.
+template <class F>
+Operations counted_update(Problem<double> const& problem) {
+    using T = typename F::scalar;
+    Index const d = problem.size;
+    Problem<T> converted{.size = d, .forgetting = T(problem.forgetting), .prior = std::nullopt};
+    if (problem.prior) converted.prior = Prior<T>{.variance = T(problem.prior->variance)};
+    F filter(converted);
+    Seed seed{1};
+    auto const noise = [&seed](Index n) { return Vector<T>(Vector<T>::NullaryExpr(n, [&seed] { return T(seed.bell()); })); };
+    for (Index k = 0; k < 2 * d + 1; ++k) filter.update(noise(d), T(seed.bell()));
+    auto const per_row = [](Tally const& t, long rows) {
+        return Operations{t.additions / rows, t.multiplications / rows, t.divisions / rows, t.square_roots / rows};
+    };
+    if constexpr (TakesBlocks<F>) {
+        Rows<T> psi(d, F::block);
+        for (Index k = 0; k < F::block; ++k) psi.col(k) = noise(d);
+        Vector<T> const y = noise(F::block);
+        return per_row(counted([&] { filter.absorb(psi, y); }), long(F::block));
+    } else {
+        Vector<T> const psi = noise(d);
+        T const y(seed.bell());
+        return per_row(counted([&] { filter.update(psi, y); }), 1);
+    }
+}
+
+}  // namespace
+
+std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
+std::vector<Entry> const& catalogue() { return lists().entries; }
+
+std::optional<Operations> operations(std::string_view variant, Problem<double> const& problem) {
+    std::optional<Operations> out;
+    for_each(Variants<Counted<double>>{}, [&]<class F>() {
+        if (F::name == variant) out = counted_update<F>(problem);
+    });
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,51 @@
+// Conventional RLS with the row product computed on its own: Verhaegen's distinction.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates P in full storage; column and row products are computed apart, so the lemma holds for the P that is
+/// stored even when it has lost its symmetry, and the antisymmetric part dies out.
+///
+///   (1) f = P psi, h = P'psi       (2) s = lambda + psi'f           (3) K = f / s
+///   (4) P = (P - K h') / lambda    (5) theta += K e
+///
+/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen, Automatica 25(3), 1989.
+template <Field T, int N = Dynamic>
+class ConventionalTwoSided {
+    T lambda_;
+    DividedBy<T> by_lambda_;
+    Column<T, N> theta_, f_, h_, K_;
+    Square<T, N> P_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "conventional_two_sided";
+
+    explicit ConventionalTwoSided(Problem<T> const& problem)
+        : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
+          f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        multiply(P_, psi.data(), f_);                                                                    // (1)
+        multiply_transposed(P_, psi.data(), h_);
+        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        divide(f_, s, K_);                                                                               // (3)
+        Index const d = f_.size();
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j) - K_[i] * h_[j]);               // (4)
+        add_scaled(theta_, e, K_);                                                                       // (5)
+        return report(e, lambda_ / s);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return P_.view(); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+};
+static_assert(ReportsCovariance<ConventionalTwoSided<double>>);
+
+}  // namespace rlslab

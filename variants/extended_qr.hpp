@@ -1,0 +1,65 @@
+// Extended QR: R and its inverse transpose together, so that theta needs no back-substitution.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/rotations.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates the upper triangular R, R'R = P^-1, and W = R^-T, P = W'W, by the same rotations:
+///
+///   (1) [ sqrt(lambda) R   W / sqrt(lambda)   sqrt(lambda) z ]  ->  [ R   W   z   ]    z = R theta
+///       [ psi'             0'                 y              ]      [ 0'  v'  eta ]
+///   (2) sqrt(gamma) = c_1 ... c_d,   e = eta / sqrt(gamma),   K = -sqrt(gamma) v,   theta = theta - eta v
+///
+/// A rounding error in W is never forgotten (its memory is neutral while R's decays): theta and P are reported from W.
+/// Storage 2 d^2 (half used); per update 6 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
+/// Source: Yang & Boehme, IEEE TSP 40, 1992.
+template <Real T, int N = Dynamic>
+class ExtendedQr {
+    T root_lambda_;
+    DividedBy<T> by_root_lambda_;
+    Column<T, N> theta_, z_, K_, x_, v_;
+    Square<T, N> L_, V_;    // R' and W', so that their rows are contiguous
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "extended_qr";
+
+    explicit ExtendedQr(Problem<T> const& problem)
+        : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),
+          theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size),
+          L_(problem.size), V_(start_root<T, N>(problem)) {
+        start_information_root(problem, L_, z_);
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        keep_regressor(psi, x_);
+        Index const d = x_.size();
+        T eta = y, root_gamma = T(1);
+        for (Index i = 0; i < d; ++i) {                                                                  // (1)
+            for (Index j = i; j < d; ++j) L_(j, i) *= root_lambda_;
+            for (Index j = 0; j <= i; ++j) V_(j, i) = by_root_lambda_(V_(j, i));
+            z_[i] *= root_lambda_;
+            v_[i] = T(0);
+            Rotation<T> const turn = givens(L_(i, i), x_[i]);
+            L_(i, i) = turn.r;
+            rotate(turn, L_.column(i) + i + 1, x_.data() + i + 1, d - i - 1);
+            rotate(turn, V_.column(i), v_.data(), i + 1);
+            rotate(turn, &z_[i], &eta, 1);
+            root_gamma *= turn.c;
+        }
+        for (Index i = 0; i < d; ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
+        add_scaled(theta_, -eta, v_);
+        return report_rotated(eta, root_gamma);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return outer(V_); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, V_.view()}; }
+};
+static_assert(ReportsCovariance<ExtendedQr<double>>);
+
+}  // namespace rlslab

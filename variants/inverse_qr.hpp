@@ -1,0 +1,57 @@
+// Inverse QR: the square root of P by rotations, in array form.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/rotations.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates the upper triangular square root S of the covariance, P = S S'; rotations carry a into the leading b:
+///
+///   (1) a = S'psi / sqrt(lambda)
+///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and
+///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S)
+///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
+///
+/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
+/// Source: Alexander & Ghirnikar, IEEE TSP 41, 1993.
+template <Real T, int N = Dynamic>
+class InverseQr {
+    T lambda_;
+    DividedBy<T> by_root_lambda_;
+    Column<T, N> theta_, g_, K_;
+    Square<T, N> S_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "inverse_qr";
+
+    explicit InverseQr(Problem<T> const& problem)
+        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
+          g_(problem.size), K_(problem.size), S_(start_root<T, N>(problem)) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        T b = T(1);
+        for (Index j = 0; j < g_.size(); ++j) {
+            for (Index i = 0; i <= j; ++i) S_(i, j) = by_root_lambda_(S_(i, j));
+            T const a = dot(S_.column(j), psi.data(), j + 1);                                            // (1)
+            Rotation<T> const turn = givens(b, a);                                                       // (2)
+            b = turn.r;
+            g_[j] = T(0);
+            rotate(turn, g_.data(), S_.column(j), j + 1);
+        }
+        divide(g_, b, K_);                                                                               // (3)
+        add_scaled(theta_, e, K_);
+        return report(e, T(1) / (b * b));
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return outer(S_); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+};
+static_assert(ReportsCovariance<InverseQr<double>>);
+
+}  // namespace rlslab

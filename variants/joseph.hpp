@@ -1,0 +1,56 @@
+// Joseph's stabilised form, evaluated as the products it is written in.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates P in full storage as a sum of two semidefinite terms; an error in the gain enters P in second order only.
+///
+///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
+///   (4) A = I - K psi'             (5) P = (A P) A' / lambda + K K'                  (6) theta += K e
+///
+/// Storage 3 d^2; per update 2 d^3 + O(d^2) multiplications. Source: Bucy & Joseph 1968. Nothing is symmetrised.
+template <Field T, int N = Dynamic>
+class Joseph {
+    T lambda_;
+    DividedBy<T> by_lambda_;
+    Column<T, N> theta_, f_, K_;
+    Square<T, N> P_, A_, AP_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "joseph";
+
+    explicit Joseph(Problem<T> const& problem)
+        : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
+          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
+          AP_(problem.size) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        multiply(P_, psi.data(), f_);                                                                    // (1)
+        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        divide(f_, s, K_);                                                                               // (3)
+        Index const d = f_.size();
+        for (Index j = 0; j < d; ++j) {
+            for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi[j]);                                  // (4)
+            A_(j, j) += T(1);
+        }
+        multiply(A_, P_, AP_);                                                                           // (5)
+        multiply_by_transposed(AP_, A_, P_);
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j)) + K_[i] * K_[j];
+        add_scaled(theta_, e, K_);                                                                       // (6)
+        return report(e, lambda_ / s);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return P_.view(); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+};
+static_assert(ReportsCovariance<Joseph<double>>);
+
+}  // namespace rlslab

@@ -1,0 +1,53 @@
+// Joseph's form expanded to a symmetric rank-two update: its immunity to gain errors at O(d^2).
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates P in full storage; for any K, optimal or not, (4)-(5) equals (I - K psi')P(I - K psi')' + lambda K K'.
+///
+///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
+///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
+///
+/// K_i g_j + g_i K_j is the same number with i and j exchanged, so P stays symmetric bit for bit.
+/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
+template <Field T, int N = Dynamic>
+class JosephRankTwo {
+    T lambda_;
+    DividedBy<T> by_lambda_;
+    Column<T, N> theta_, f_, g_, K_;
+    Square<T, N> P_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "joseph_rank_two";
+
+    explicit JosephRankTwo(Problem<T> const& problem)
+        : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
+          f_(problem.size), g_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        multiply(P_, psi.data(), f_);                                                                    // (1)
+        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        divide(f_, s, K_);                                                                               // (3)
+        Index const d = f_.size();
+        T const half = s / T(2);
+        for (Index i = 0; i < d; ++i) g_[i] = f_[i] - half * K_[i];                                      // (4)
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i < d; ++i)
+                P_(i, j) = by_lambda_(P_(i, j) - (K_[i] * g_[j] + g_[i] * K_[j]));                       // (5)
+        add_scaled(theta_, e, K_);                                                                       // (6)
+        return report(e, lambda_ / s);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return P_.view(); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+};
+static_assert(ReportsCovariance<JosephRankTwo<double>>);
+
+}  // namespace rlslab

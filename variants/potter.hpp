@@ -1,0 +1,50 @@
+// Potter's square-root form.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates a full square root S of the covariance, P = S S', semidefinite by construction.
+///
+///   (1) f = S'psi                  (2) s = lambda + f'f             (3) v = S f, K = v / s
+///   (4) S = (S - v f' / (s + sqrt(lambda s))) / sqrt(lambda)        (5) theta += K e
+///
+/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Potter 1963, in Bierman 1977.
+template <Real T, int N = Dynamic>
+class Potter {
+    T lambda_;
+    DividedBy<T> by_root_lambda_;
+    Column<T, N> theta_, f_, v_, K_;
+    Square<T, N> S_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "potter";
+
+    explicit Potter(Problem<T> const& problem)
+        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
+          f_(problem.size), v_(problem.size), K_(problem.size), S_(start_root<T, N>(problem)) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        multiply_transposed(S_, psi.data(), f_);                                                         // (1)
+        T const s = lambda_ + dot(f_, f_);                                                               // (2)
+        multiply(S_, f_.data(), v_);                                                                     // (3)
+        divide(v_, s, K_);
+        divide(f_, s + square_root(lambda_ * s), f_);                                                           // (4)
+        for (Index j = 0; j < f_.size(); ++j)
+            for (Index i = 0; i < f_.size(); ++i) S_(i, j) = by_root_lambda_(S_(i, j) - v_[i] * f_[j]);
+        add_scaled(theta_, e, K_);                                                                       // (5)
+        return report(e, lambda_ / s);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return outer(S_); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+};
+static_assert(ReportsCovariance<Potter<double>>);
+
+}  // namespace rlslab

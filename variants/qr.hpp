@@ -1,0 +1,61 @@
+// QR-RLS (square-root information filter): the triangular factor of P^-1 by Givens rotations.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/rotations.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// Propagates the upper triangular R of the information matrix, R'R = P^-1, and z = R theta:
+///
+///   (1) [ sqrt(lambda) R   sqrt(lambda) z ]  ->  [ R   z   ]     one rotation (c_i, s_i) for each row i
+///       [ psi'             y              ]      [ 0'  eta ]
+///   (2) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
+///
+/// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
+/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R is
+/// singular gamma = 0, the innovation is NaN and health is undetermined.
+/// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
+template <Real T, int N = Dynamic>
+class Qr {
+    T root_lambda_;
+    Column<T, N> z_, psi_, x_;
+    Square<T, N> L_;    // R'
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "qr";
+    static constexpr bool starts_without_prior = true;
+
+    explicit Qr(Problem<T> const& problem)
+        : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), x_(problem.size),
+          L_(problem.size) {
+        start_information_root(problem, L_, z_);
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        keep_regressor(psi, psi_);
+        x_ = psi_;
+        Index const d = x_.size();
+        T eta = y, root_gamma = T(1);
+        for (Index i = 0; i < d; ++i) {                                                                  // (1)
+            for (Index j = i; j < d; ++j) L_(j, i) *= root_lambda_;
+            z_[i] *= root_lambda_;
+            Rotation<T> const turn = givens(L_(i, i), x_[i]);
+            L_(i, i) = turn.r;
+            rotate(turn, L_.column(i) + i + 1, x_.data() + i + 1, d - i - 1);
+            rotate(turn, &z_[i], &eta, 1);
+            root_gamma *= turn.c;
+        }
+        return report_rotated(eta, root_gamma);                                                          // (2)
+    }
+
+    Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
+    Vector<T, N> gain() const { return solve_outer(L_, psi_); }
+    Matrix<T, N> information() const { return outer(L_); }
+    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
+};
+static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);
+
+}  // namespace rlslab

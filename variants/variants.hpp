@@ -1,0 +1,56 @@
+// THE list of variants. A new one is its file and two lines here; tests, studies and the program walk the list.
+#pragma once
+
+#include <rlslab/type_list.hpp>
+#include <rlslab/variants/carlson.hpp>
+#include <rlslab/variants/conventional.hpp>
+#include <rlslab/variants/conventional_two_sided.hpp>
+#include <rlslab/variants/extended_qr.hpp>
+#include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
+#include <rlslab/variants/inverse_qr.hpp>
+#include <rlslab/variants/joseph.hpp>
+#include <rlslab/variants/joseph_rank_two.hpp>
+#include <rlslab/variants/potter.hpp>
+#include <rlslab/variants/qr.hpp>
+#include <rlslab/variants/qr_block.hpp>
+#include <rlslab/variants/symmetric.hpp>
+#include <rlslab/variants/ud.hpp>
+#ifdef RLSLAB_SPARSE
+#include <rlslab/variants/cholesky_sparse.hpp>
+#include <rlslab/variants/qr_sparse.hpp>
+#endif
+
+namespace rlslab {
+
+namespace detail {
+/// The scalar of the forms that take square roots: T where T has one, otherwise one that drops them from T's list.
+template <Field T>
+using Rooted = std::conditional_t<Real<T>, T, double>;
+}  // namespace detail
+
+/// Every variant that exists in the arithmetic T, in the order in which people read about them.
+template <Field T, class R = detail::Rooted<T>>
+using Variants = OverScalar<T,
+    Conventional<T>,
+    ConventionalTwoSided<T>,
+    Symmetric<T>,
+    Joseph<T>,
+    JosephRankTwo<T>,
+    Potter<R>,
+    Carlson<R>,
+    Ud<T>,
+    InverseQr<R>,
+    Information<T>,
+    Qr<R>,
+    Gentleman<T>,
+    ExtendedQr<R>,
+    QrBlock<R>
+#ifdef RLSLAB_SPARSE
+    ,
+    QrSparse,
+    CholeskySparse
+#endif
+    >;
+
+}  // namespace rlslab
