@@ -46,7 +46,8 @@ inline void feed(AnyFilter& f, Records const& records, double scale = 1) {
     for (Index k = 0; k < records.rows(); ++k) f.update(records.row(k), scale * records.y[k]);
 }
 
-inline Problem<double> problem(Index size, double forgetting = 1, double variance = 256) {
+/// P0 = I keeps c^2 |psi|^2 below 1/u even in bfloat16: beyond that P - K f' has no correct bit left at the first step.
+inline Problem<double> problem(Index size, double forgetting = 1, double variance = 1) {
     return {.size = size, .forgetting = forgetting, .prior = Prior<double>{.variance = variance}};
 }
 

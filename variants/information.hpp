@@ -20,9 +20,12 @@ class Information {
     Column<T, N> theta_, b_, psi_, D_, f_;
     Square<T, N> X_, L_;
     bool positive_, started_;
+    Index rows_;    // so far; a prior counts as d
 
     void solve() {
-        positive_ = factor_ldl(X_, L_, D_);                                                              // (3)
+        bool const factors = factor_ldl(X_, L_, D_);                                                     // (3)
+        // Rounding can make a singular X factor; fewer rows than parameters prove that it is.
+        positive_ = factors && rows_ >= theta_.size();
         started_ = started_ || positive_;
         theta_ = b_;
         solve_factored(theta_);
@@ -41,7 +44,7 @@ public:
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
           psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size), positive_(false),
-          started_(problem.prior.has_value()) {
+          started_(problem.prior.has_value()), rows_(started_ ? problem.size : 0) {
         start_information(problem, L_, D_);
         positive_ = started_;
         outer(L_, D_, X_);
@@ -60,9 +63,10 @@ public:
             for (Index i = 0; i < f_.size(); ++i) X_(i, j) = lambda_ * X_(i, j) + psi_[i] * psi_[j];     // (2)
             b_[j] = lambda_ * b_[j] + psi_[j] * y;
         }
+        ++rows_;
         solve();
         Step<T> step = known ? report(e, lambda_ / s) : report_undetermined<T>();
-        if (started_ && !positive_) step.health = Health::indefinite;
+        if (started_ && !positive_ && step.health != Health::nonfinite) step.health = Health::indefinite;
         return step;
     }
 

@@ -11,8 +11,8 @@
 
 namespace rlslab {
 
-/// While one is alive, this thread's stochastic roundings draw from the seed, which is its owner's and advances; then from
-/// the one before again. So whoever holds a Seed beside its numbers is replayed and cloned bit for bit.
+/// While one is alive, this thread's stochastic roundings draw from the seed, which is its owner's and advances; then
+/// from the one before again. So whoever holds a Seed beside its numbers is replayed and cloned bit for bit.
 class [[nodiscard]] StochasticStream {
     static inline constinit thread_local Seed* current_ = nullptr;
     Seed* previous_;
@@ -30,8 +30,8 @@ public:
     }
 };
 
-/// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side of
-/// it the exact one lies, and how far: the tail.
+/// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side
+/// of it the exact one lies, and how far: the tail.
 template <Format F, Rounding R = Rounding::nearest>
 class Chopped {
     static_assert(fits_in_double(F));
@@ -68,7 +68,9 @@ public:
     friend Chopped operator*(Chopped a, Chopped b) { return rounded(a.value_ * b.value_, none); }
     friend Chopped operator/(Chopped a, Chopped b) {
         double const x = a.value_, y = b.value_, quotient = x / y;
-        return rounded(quotient, [=] { return std::fma(-quotient, y, x) / y; });    // the remainder is exact
+        return rounded(quotient, [=] {    // the remainder is exact; none is left by 0 / y and by x / infinity
+            return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
+        });
     }
     friend Chopped operator-(Chopped a) { return {-a.value_, Exact{}}; }
     friend Chopped sqrt(Chopped a) {

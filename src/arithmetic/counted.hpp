@@ -3,8 +3,9 @@
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 
-#include <compare>
+#include <concepts>
 #include <functional>
+#include <utility>
 
 namespace rlslab {
 

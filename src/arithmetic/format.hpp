@@ -10,7 +10,8 @@
 
 namespace rlslab {
 
-/// Numbers of `digits` bits: normal 1.f x 2^e for min_exp <= e <= max_exp, subnormal below, infinities, NaN, signed zero.
+/// Numbers of `digits` bits: normal 1.f x 2^e for min_exp <= e <= max_exp, subnormal below, infinities, NaN, signed
+/// zero.
 struct Format {
     int digits, min_exp, max_exp;
     friend constexpr bool operator==(Format const&, Format const&) = default;
@@ -26,7 +27,9 @@ inline constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
 constexpr std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 constexpr double from_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
 constexpr double magnitude(double x) { return from_bits(bits_of(x) & ~sign_bit); }
-constexpr double with_sign_of(double x, double magnitude) { return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit)); }
+constexpr double with_sign_of(double x, double magnitude) {
+    return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit));
+}
 constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }    ///< -1022 <= e <= 1023
 
 /// The exponent of the smallest subnormal, in units of which every number of the format is an integer.
@@ -44,7 +47,8 @@ constexpr double smallest_subnormal(Format f) { return detail::power_of_two(deta
 /// [2^l, 2^t), and
 ///   precision   2p + 2 <= 53 makes double rounding innocuous to nearest (see round_to_nearest) and products exact;
 ///   products    lie in [2^2l, 2^2t): normal doubles if 2l >= -1022 and 2t <= 1023;
-///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of a quotient q that is not exact is (a - q b) / b, where a - q b
+///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of a quotient q that is not exact is (a - q b) / b, where a -
+///   q b
 ///               is a multiple of ulp(q) ulp(b) > |a| 2^-(53+p): so tails are normal if l - t - 53 - p >= -1022;
 ///   sums and roots lie between.
 constexpr bool fits_in_double(Format f) {
@@ -56,9 +60,12 @@ constexpr bool fits_in_double(Format f) {
 namespace detail {
 
 template <Format F>
-inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);    ///< of a normal number, in a double's bits
+inline constexpr std::uint64_t one_ulp =
+    std::uint64_t{1} << (53 - F.digits);    ///< of a normal number, in a double's bits
 
-constexpr bool is_number(double x) { return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity()); }
+constexpr bool is_number(double x) {
+    return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity());
+}
 /// Infinities as they are and one NaN for all: which of two NaNs the hardware passes on depends on the compiler.
 constexpr double not_a_number(double x) { return x == x ? x : std::numeric_limits<double>::quiet_NaN(); }
 
@@ -86,11 +93,12 @@ constexpr double after(double x) {
 
 /// To the nearest number of the format, ties to even; to infinity from the largest number plus half an ulp on.
 ///
-/// It needs no tail: rounding a result of two p-bit operands first to double and then here gives what one rounding would.
-/// The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the exact result was
-/// elsewhere. But products are exact; sums are exact or within 2^-(51-p) relative of an operand, midpoints no closer than
-/// 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p (2^-(2p+1)) relative, whereas
-/// double moves it by at most 2^-53. The same counts hold among subnormals, where midpoints have fewer bits.
+/// It needs no tail: rounding a result of two p-bit operands first to double and then here gives what one rounding
+/// would. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the exact
+/// result was elsewhere. But products are exact; sums are exact or within 2^-(51-p) relative of an operand, midpoints
+/// no closer than 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p (2^-(2p+1))
+/// relative, whereas double moves it by at most 2^-53. The same counts hold among subnormals, where midpoints have
+/// fewer bits.
 template <Format F>
 constexpr double round_to_nearest(double x) {
     static_assert(fits_in_double(F));
@@ -112,8 +120,8 @@ constexpr double round_to_nearest(double x) {
     return with_sign_of(x, double(whole + up) * smallest_subnormal(F));
 }
 
-/// head + tail toward zero, where head is the double nearest to the exact value and tail has the sign of what is missing.
-/// Finite values beyond the largest number become the largest number.
+/// head + tail toward zero, where head is the double nearest to the exact value and tail has the sign of what is
+/// missing. Finite values beyond the largest number become the largest number.
 template <Format F>
 constexpr double round_toward_zero(double head, double tail = 0) {
     static_assert(fits_in_double(F));
@@ -123,31 +131,27 @@ constexpr double round_toward_zero(double head, double tail = 0) {
     return with_sign_of(head, below > largest(F) ? largest(F) : below);
 }
 
-/// head + tail to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to the outer one
-/// and u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact value.
-/// A number of the format stays, and draws nothing. Overflow is as if exponents had no bound: between the largest number L
-/// and 2^(max_exp+1) the neighbours are L and infinity; from there on it is infinity, undrawn.
+/// head + tail to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to the outer
+/// one and u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact value. A
+/// number of the format stays, and draws nothing. Overflow is as if exponents had no bound: the largest number's outer
+/// neighbour is 2^(max_exp+1), and from there on everything is infinity.
 template <Format F, class Uniform>
 constexpr double round_stochastically(double head, double tail, Uniform&& uniform) {
     static_assert(fits_in_double(F));
     using namespace detail;
     if (!is_number(head)) return not_a_number(head);
-    double const size = magnitude(head), floor = floor_of(head, tail);
-    double chosen = std::numeric_limits<double>::infinity();
-    if (floor < power_of_two(F.max_exp + 1)) {
-        chosen = truncated<F>(floor);
-        if (chosen != size || tail != 0) {
-            // u < f is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of
-            // gap 2^-53 and at most gap; or |head| < gap / 2 has finer bits, and then the difference is exact or too
-            // large for its rounding, or for the tail, to matter.
-            double const below = chosen, above = after<F>(below), gap = above - below;
-            bool const up = uniform() * gap - (size - below) < outward(head, tail);
-            // A coin toss: added, not branched on.
-            chosen = from_bits(bits_of(below) + up * (bits_of(above) - bits_of(below)));
-        }
-        if (chosen > largest(F)) chosen = std::numeric_limits<double>::infinity();
+    double const size = magnitude(head), below = truncated<F>(floor_of(head, tail));
+    double chosen = below;
+    if (below != size || tail != 0) {
+        // u < f is u gap < (|head| - below) + tail. The left side below is exact: both terms are multiples of gap 2^-53
+        // and at most gap; or |head| < gap / 2 has finer bits, and then the difference is exact or too large for its
+        // rounding, or for the tail, to matter.
+        double const above = after<F>(below), gap = above - below;
+        bool const up = uniform() * gap - (size - below) < outward(head, tail);
+        // A coin toss: added, not branched on.
+        chosen = from_bits(bits_of(below) + up * (bits_of(above) - bits_of(below)));
     }
-    return with_sign_of(head, chosen);
+    return with_sign_of(head, chosen > largest(F) ? std::numeric_limits<double>::infinity() : chosen);
 }
 
 }  // namespace rlslab

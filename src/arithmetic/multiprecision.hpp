@@ -12,7 +12,8 @@
 
 namespace rlslab {
 
-/// IEEE binary128: 113 bits, every operation correctly rounded (Boost's own, so g++ and clang agree).
+/// IEEE binary128 but for subnormals, which it lacks: 113 bits, every operation correctly rounded (Boost's own, so g++ and
+/// clang agree).
 using Quad = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_quad::backend_type,
                                            boost::multiprecision::et_off>;
 /// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"
@@ -30,7 +31,7 @@ struct ArithmeticTraits<Quad> {
 template <>
 struct ArithmeticTraits<Reference> {
     static constexpr std::string_view name = "reference";
-    static constexpr int digits = 257, min_exp = -1073741823, max_exp = 1073741822;
+    static constexpr int digits = 257, min_exp = -1073741824, max_exp = 1073741822;
 };
 
 inline bool is_finite(Rational const&) { return true; }
@@ -39,7 +40,7 @@ inline bool is_finite(Rational const&) { return true; }
 inline Reference widen(Reference const& x) { return x; }
 inline Reference widen(std::floating_point auto x) { return Reference(x); }
 inline Reference widen(Quad const& x) {
-    if (!isfinite(x)) return Reference(static_cast<double>(x));
+    if (!isfinite(x) || x == 0) return Reference(static_cast<double>(x));
     // 113 = 53 + 53 + 7 bits: each piece is exact in double and so is the sum in Reference. ldexp keeps the pieces
     // inside double's range whatever the exponent.
     int exponent = 0;
@@ -76,6 +77,9 @@ template <>
 struct Eigen::NumTraits<rlslab::Reference> : rlslab::detail::StorageTraits<rlslab::Reference> {};
 template <>
 struct Eigen::NumTraits<rlslab::Rational> : rlslab::detail::StorageTraits<rlslab::Rational> {
+    /// There is no largest rational: Eigen hears double's, which bounds all data.
+    static rlslab::Rational highest() { return rlslab::Rational((std::numeric_limits<double>::max)()); }
+    static rlslab::Rational lowest() { return -highest(); }
     static rlslab::Rational epsilon() { return 0; }
     static rlslab::Rational dummy_precision() { return 0; }
     static int digits10() { return 0; }

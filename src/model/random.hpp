@@ -19,8 +19,8 @@ struct Seed {
     /// Uniform in [0, 1): 53 bits, so the conversion and the scaling are exact.
     double uniform() { return double(next() >> 11) * 0x1p-53; }
 
-    /// Nearly normal, mean 0 and variance 1: the sum of twelve 48-bit uniforms, minus six. The sum is below 2^52 in units
-    /// of 2^-48, hence exact in integers and in its one conversion. Never beyond 6 in magnitude.
+    /// Nearly normal, mean 0 and variance 1: the sum of twelve 48-bit uniforms, minus six. The sum is below 2^52 in
+    /// units of 2^-48, hence exact in integers and in its one conversion. Never beyond 6 in magnitude.
     double bell() {
         std::int64_t sum = -(std::int64_t{6} << 48);
         for (int i = 0; i < 12; ++i) sum += std::int64_t(next() >> 16);

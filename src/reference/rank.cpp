@@ -14,23 +14,26 @@ namespace {
 
 constexpr mp_limb_t prime = (mp_limb_t(1) << 61) - 1;
 
-/// m 2^e mod p. 2^61 = 1 mod p, so only e mod 61 matters.
-mp_limb_t residue(mp_limb_t mantissa, long exponent, mp_limb_t inverse) {
-    long const shift = ((exponent % 61) + 61) % 61;
-    return n_mulmod2_preinv(mantissa, mp_limb_t(1) << shift, prime, inverse);
+/// a b mod p for a, b < p: 2^61 = 1 mod p, so the product's upper and lower 61 bits are added.
+mp_limb_t times(mp_limb_t a, mp_limb_t b) {
+    mp_limb_t high, low;
+    umul_ppmm(high, low, a, b);
+    mp_limb_t const sum = (low & prime) + ((high << 3) | (low >> 61));
+    return sum >= prime ? sum - prime : sum;
 }
 
-mp_limb_t residue(double x, mp_limb_t inverse) {
+/// |x| = m 2^e; of 2^e only e mod 61 matters.
+mp_limb_t residue(double x) {
     int exponent = 0;
     double const mantissa = std::ldexp(std::frexp(std::abs(x), &exponent), 53);
-    mp_limb_t const positive = residue(mp_limb_t(mantissa), exponent - 53, inverse);
+    long const shift = (((exponent - 53) % 61) + 61) % 61;
+    mp_limb_t const positive = times(mp_limb_t(mantissa), mp_limb_t(1) << shift);
     return x < 0 ? n_negmod(positive, prime) : positive;
 }
 
 /// Rows reduced modulo p as they come: the number kept never exceeds the true rank.
 class ModularEchelon {
     Index size_;
-    mp_limb_t inverse_ = n_preinvert_limb(prime);
     std::vector<std::vector<mp_limb_t>> basis_;    ///< [j]: the row whose first nonzero entry, a 1, is at j
     std::vector<mp_limb_t> row_;
     Index rank_ = 0;
@@ -40,19 +43,19 @@ public:
     Index rank() const { return rank_; }
 
     void add(double const* psi) {
-        for (size_t j = 0; j < size_t(size_); ++j) row_[j] = residue(psi[j], inverse_);
+        for (size_t j = 0; j < size_t(size_); ++j) row_[j] = residue(psi[j]);
         for (size_t j = 0; j < size_t(size_); ++j) {
             if (row_[j] == 0) continue;
             if (basis_[j].empty()) {
                 mp_limb_t const scale = n_invmod(row_[j], prime);
-                for (mp_limb_t& x : row_) x = n_mulmod2_preinv(x, scale, prime, inverse_);
+                for (mp_limb_t& x : row_) x = times(x, scale);
                 basis_[j] = row_;
                 ++rank_;
                 return;
             }
             mp_limb_t const factor = n_negmod(row_[j], prime);
             for (size_t i = j; i < size_t(size_); ++i)
-                row_[i] = n_addmod(row_[i], n_mulmod2_preinv(basis_[j][i], factor, prime, inverse_), prime);
+                row_[i] = n_addmod(row_[i], times(basis_[j][i], factor), prime);
         }
     }
 };

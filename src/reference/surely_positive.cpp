@@ -24,7 +24,7 @@ namespace {
 // factor 1 + 2^-10 they are enlarged by. 2^-160 covers underflow: with diagonals in 2^+-900 an absolute error
 // of 2^-1074 before scaling is 2^-173 after it, and intermediate products lose less than 2^-600.
 constexpr double u = 0x1p-53, enlarge = 1 + 0x1p-10, underflow = 0x1p-160;
-constexpr int widest = 900;
+constexpr double smallest = 0x1p-900, biggest = 0x1p900;
 constexpr Index inline_size = 32, largest = 1000;    // d u enlarge and d^2 2^-160 stay far below 2^-10 u d
 
 /// Whether B, lower triangle, d x d by columns, has a Cholesky factor in floating point. Overwrites B. Every entry's
@@ -56,19 +56,19 @@ bool plain_is_positive(Matrix<double> const& F, double rho) {
     double* const row_error = scale + d;
     for (Index j = 0; j < d; ++j) {
         double const diagonal = F(j, j);
-        if (!(diagonal > 0 && std::isfinite(diagonal))) return false;
+        if (!(diagonal >= smallest && diagonal < biggest)) return false;
         int const exponent = std::ilogb(diagonal);
-        if (exponent < -widest || exponent > widest) return false;
         scale[j] = std::ldexp(1.0, -((exponent + 1) >> 1));
         row_error[j] = 0;
     }
+    double const relative = rho / (1 - rho) / 2;
     double trace = 0;
     for (Index j = 0; j < d; ++j) {
         for (Index i = j; i < d; ++i) {
             double const below = F(i, j) * scale[i] * scale[j], above = F(j, i) * scale[i] * scale[j];
             double const mean = below == above ? below : (below + above) / 2;
             // e_ij: the perturbation of what is stored, and the rounding of the mean.
-            double error = rho / (1 - rho) * (std::abs(below) + std::abs(above)) / 2;
+            double error = relative * (std::abs(below) + std::abs(above));
             if (below != above) error += u * std::abs(mean);
             B[j * d + i] = mean;
             row_error[i] += error;

@@ -1,0 +1,165 @@
+// Where stochastic rounding's draws come from: replay, streams that nest and do not interact, unbiasedness; and the bits of
+// every short arithmetic, the same in every build.
+#include <rlslab/arithmetic/chopped.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <thread>
+
+namespace rlslab {
+namespace {
+
+/// Ups among n sums that lie a quarter of an ulp above a number, n/4 expected: within 6.5 standard deviations, so that a
+/// false alarm has probability 1e-10 over seeds.
+bool a_quarter_goes_up_a_quarter_of_the_time(std::function<double(double, Seed&)> const& one_plus) {
+    constexpr int n = 1 << 18;
+    Seed seed{11};
+    int ups = 0;
+    for (int k = 0; k < n; ++k) ups += one_plus(0x1p-12, seed) > 1;
+    return std::abs(ups - n / 4) < 6.5 * std::sqrt(n * 3 / 16.0);
+}
+TEST(Stochastic, MeansAreExact) {
+    EXPECT_TRUE(a_quarter_goes_up_a_quarter_of_the_time([](double x, Seed& seed) {
+        StochasticStream const stream(seed);
+        return double(HalfStochastic(1) + HalfStochastic(x));
+    }));
+    auto const drawing = [](auto draw) {
+        return [draw](double x, Seed& seed) { return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); }); };
+    };
+    EXPECT_TRUE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return seed.uniform(); })));
+    EXPECT_FALSE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return 0.9 * seed.uniform(); })));
+    EXPECT_FALSE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed&) { return 0.5; })));
+}
+
+/// A long run of mixed operations, hashed; NaNs count as one, whatever their bits.
+template <class C>
+std::uint64_t long_run(Seed data, int steps) {
+    std::uint64_t hash = 0xcbf29ce484222325;    // FNV-1a, by words
+    C x[8];
+    for (C& each : x) each = C(data.bell());
+    for (int k = 0; k < steps; ++k) {
+        std::uint64_t const pick = data.next();
+        C &a = x[pick % 8], b = x[pick / 8 % 8];
+        switch (pick / 64 % 8) {
+            case 0: a += b; break;
+            case 1: a -= b; break;
+            case 2: a *= b; break;
+            case 3: a /= b; break;
+            case 4: a = sqrt(abs(a)); break;
+            case 5: a = C(data.bell()) * b; break;
+            default: a = C(data.bell()); break;
+        }
+        double const value = double(a);
+        hash = (hash ^ (std::isnan(value) ? 0 : std::bit_cast<std::uint64_t>(value))) * 0x100000001b3;
+    }
+    return hash;
+}
+template <class C>
+std::uint64_t seeded_run(Seed seed, int steps = 4000) {
+    StochasticStream const stream(seed);
+    return long_run<C>(Seed{1}, steps);
+}
+
+TEST(Stochastic, IsReplayedBySeedAndThreadsDoNotInteract) {
+    std::uint64_t const alone = seeded_run<BrainStochastic>(Seed{5}), other = seeded_run<BrainStochastic>(Seed{6});
+    EXPECT_EQ(alone, seeded_run<BrainStochastic>(Seed{5}));
+    EXPECT_NE(alone, other);
+    std::uint64_t there = 0;
+    std::thread thread([&] { there = seeded_run<BrainStochastic>(Seed{6}); });
+    std::uint64_t const here = seeded_run<BrainStochastic>(Seed{5});
+    thread.join();
+    EXPECT_EQ(here, alone);
+    EXPECT_EQ(there, other);
+}
+TEST(Stochastic, InterleavedStreamsDoNotInteract) {
+    auto const step = [](Seed& seed, BrainStochastic& x) {
+        StochasticStream const stream(seed);
+        x = x * x / BrainStochastic(1.5) + BrainStochastic(0.25);
+    };
+    Seed alone{5}, a{5}, b{6};
+    BrainStochastic x_alone(0.25), x(0.25), y(0.25);
+    for (int k = 0; k < 100; ++k) step(alone, x_alone);
+    for (int k = 0; k < 100; ++k) {
+        step(a, x);
+        step(b, y);
+    }
+    EXPECT_EQ(x, x_alone);
+    EXPECT_EQ(a, alone);
+}
+TEST(Stochastic, StreamsNestAndTheOwnersSeedAdvances) {
+    BrainStochastic const one(1), divisor(0.328125);
+    Seed outer{1}, inner{2};
+    {
+        StochasticStream const stream(outer);
+        {
+            StochasticStream const nested(inner);
+            EXPECT_NE(double(one / divisor), 0);
+        }
+        EXPECT_EQ(outer, Seed{1});
+        EXPECT_NE(inner, Seed{2});
+        EXPECT_NE(double(one / divisor), 0);
+    }
+    Seed one_draw_from_1{1}, one_draw_from_2{2};
+    one_draw_from_1.next();
+    one_draw_from_2.next();
+    EXPECT_EQ(outer, one_draw_from_1);
+    EXPECT_EQ(inner, one_draw_from_2);
+}
+TEST(Stochastic, AStreamIsRestoredWhenAnExceptionPasses) {
+    Seed outer{1}, inner{2};
+    StochasticStream const stream(outer);
+    try {
+        StochasticStream const nested(inner);
+        throw 0;
+    } catch (int) {
+    }
+    StochasticStream::uniform();
+    EXPECT_NE(outer, Seed{1});
+    EXPECT_EQ(inner, Seed{2});
+}
+TEST(Stochastic, WithoutAStreamOnlyExactResultsAreComputed) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    BrainStochastic const one(1), zero(0), endless(infinity);
+    EXPECT_THROW(one / BrainStochastic(3), std::logic_error);
+    EXPECT_THROW(one - BrainStochastic(0x1p-100), std::logic_error);
+    EXPECT_THROW(sqrt(BrainStochastic(2)), std::logic_error);
+    EXPECT_THROW(BrainStochastic(0.1), std::logic_error);
+    EXPECT_NO_THROW(one + one * BrainStochastic(0.5) - endless);
+    EXPECT_NO_THROW(sqrt(BrainStochastic(2.25)) / BrainStochastic(1.5));
+    EXPECT_NO_THROW(one / endless + zero / one + one / zero + zero / zero + sqrt(zero) + sqrt(-one) + sqrt(endless));
+    EXPECT_NO_THROW(BrainStochastic(-0.0) < abs(-one));
+}
+
+/// Recorded from g++ 12 at -O2. -O0, -O3 and -march=native, which has FMA instructions, must give the same.
+TEST(Chopped, SameBitsInEveryBuild) {
+    constexpr int steps = 200000;
+    EXPECT_EQ(seeded_run<Half>(Seed{1}, steps), 0u);
+    EXPECT_EQ(seeded_run<HalfZero>(Seed{1}, steps), 0u);
+    EXPECT_EQ(seeded_run<HalfStochastic>(Seed{1}, steps), 0u);
+    EXPECT_EQ(seeded_run<BrainZero>(Seed{1}, steps), 0u);
+    EXPECT_EQ(seeded_run<TensorStochastic>(Seed{1}, steps), 0u);
+    EXPECT_EQ((seeded_run<Chopped<Format{25, -400, 400}, Rounding::stochastic>>(Seed{1}, steps)), 0u);
+}
+
+TEST(Seed, IsSplitMix64AndItsBellIsNormalised) {
+    Seed seed{1234567};    // the published sequence
+    for (std::uint64_t expected : {6457827717110365317u, 3203168211198807973u, 9817491932198370423u, 4593380528125082431u})
+        EXPECT_EQ(seed.next(), expected);
+    constexpr int n = 100000;
+    double sum = 0, squares = 0;
+    for (int k = 0; k < n; ++k) {
+        double const x = seed.bell();
+        sum += x;
+        squares += x * x;
+        ASSERT_TRUE(-6 <= x && x < 6);
+    }
+    // Var x = 1 and var x^2 = 1.9, so that false alarms have probability 1e-10 over seeds.
+    EXPECT_LT(std::abs(sum), 6.5 * std::sqrt(n));
+    EXPECT_LT(std::abs(squares - n), 6.5 * std::sqrt(1.9 * n));
+}
+
+}  // namespace
+}  // namespace rlslab
