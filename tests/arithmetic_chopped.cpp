@@ -2,7 +2,6 @@
 //
 // Every check is a predicate over the thing checked, so that a saboteur shows that it can fail.
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/problem.hpp>
 
 #include <gtest/gtest.h>
 
@@ -16,16 +15,26 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// All numbers >= 0 of a format in order, then the first power of two that it lacks. Made without asking format.hpp, so
-/// that a neighbour search in it is an independent rounding. Odd places hold odd significands.
-std::vector<double> numbers(Format f) {
+/// The numbers >= 0 of a format have places 0, 1, 2...; odd ones hold odd significands; the last is the first power of
+/// two that the format lacks. Nothing in format.hpp is asked, so that a search among them is an independent rounding.
+std::size_t binade(Format f) { return std::size_t{1} << (f.digits - 1); }
+std::size_t last_place(Format f) { return binade(f) * std::size_t(f.max_exp - f.min_exp + 2); }
+double number(Format f, std::size_t place) {
+    std::size_t const m = place % binade(f), row = place / binade(f);    // row 0 has the subnormals
+    return std::ldexp(double(row == 0 ? m : binade(f) + m), f.min_exp - f.digits + (row == 0 ? 1 : int(row)));
+}
+std::vector<double> numbers(Format f, std::size_t from, std::size_t to) {
     std::vector<double> out;
-    int const half = 1 << (f.digits - 1);
-    for (int m = 0; m < half; ++m) out.push_back(std::ldexp(m, f.min_exp - f.digits + 1));
-    for (int e = f.min_exp; e <= f.max_exp; ++e)
-        for (int m = half; m < 2 * half; ++m) out.push_back(std::ldexp(m, e - f.digits + 1));
-    out.push_back(std::ldexp(1, f.max_exp + 1));
+    for (std::size_t place = from; place <= to; ++place) out.push_back(number(f, place));
     return out;
+}
+std::vector<double> numbers(Format f) { return numbers(f, 0, last_place(f)); }
+/// Those close to x only, from an even place on: for formats with too many.
+std::vector<double> numbers_around(Format f, double x) {
+    x = std::min(x, std::ldexp(1, f.max_exp + 1));
+    int const e = x == 0 ? f.min_exp : std::max(std::ilogb(x), f.min_exp);
+    std::size_t const place = std::size_t(e - f.min_exp) * binade(f) + std::size_t(std::ldexp(x, f.digits - 1 - e));
+    return numbers(f, place < 4 ? 0 : (place - 2) / 2 * 2, std::min(place + 4, last_place(f)));
 }
 
 /// The same number, with the same sign of zero; NaN is NaN.
@@ -70,8 +79,9 @@ bool rounds_toward_zero(Rounder const& round, std::vector<double> const& all) {
     bool good = symmetric(round, 1e-300, 0, 0, 0);
     for (double const x : {all.back(), 1e300}) good = good && symmetric(round, x, 0, 0, top);
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
-        double const here = all[i], next = all[i + 1], tiny = next * 0x1p-100;
-        for (double const x : {std::nextafter(here, infinity), (here + next) / 2, std::nextafter(next, 0)})
+        double const here = all[i], next = all[i + 1], middle = (here + next) / 2, tiny = next * 0x1p-100;
+        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0), middle,
+                               std::nextafter(middle, infinity), std::nextafter(next, 0)})
             good = good && symmetric(round, x, 0, 0, here);
         good = good && symmetric(round, next, -tiny, 0, here) && (here == 0 || symmetric(round, here, tiny, 0, here));
     }
@@ -85,13 +95,14 @@ bool rounds_up_iff_the_draw_is_below_the_fraction(Rounder const& round, std::vec
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         double const here = all[i], gap = all[i + 1] - here, next = i + 2 == all.size() ? infinity : all[i + 1];
         double const just_above = here == 0 ? gap * 0x1p-200 : std::nextafter(here, infinity);
-        for (double const x : {just_above, here + gap / 4, here + gap / 2, here + gap / 2 + gap / 8,
-                               std::nextafter(all[i + 1], 0)}) {
+        double const middle = here + gap / 2;
+        for (double const x : {just_above, here + gap / 4, std::nextafter(middle, 0), middle,
+                               std::nextafter(middle, infinity), middle + gap / 8, std::nextafter(all[i + 1], 0)}) {
             double const fraction = (x - here) / gap, tiny = std::min(x, gap) * 0x1p-80;
             double const highest_up = draw * (std::ceil(fraction / draw) - 1);
             good = good && symmetric(round, x, 0, 0, next) && symmetric(round, x, 0, highest_up, next) &&
                    symmetric(round, x, 0, highest_up + draw, here) && symmetric(round, x, 0, last_draw, here);
-            if (fraction >= draw)    // a multiple of the draw: the tail decides
+            if (std::fmod(fraction, draw) == 0)    // the tail decides
                 good = good && symmetric(round, x, tiny, fraction, next) &&
                        symmetric(round, x, tiny, fraction + draw, here) && symmetric(round, x, -tiny, fraction, here) &&
                        symmetric(round, x, -tiny, highest_up, next);
@@ -106,8 +117,7 @@ bool rounds_up_iff_the_draw_is_below_the_fraction(Rounder const& round, std::vec
 template <Format F>
 void round_everything() {
     auto const all = numbers(F);
-    EXPECT_EQ(largest(F), all[all.size() - 2]);
-    EXPECT_EQ(smallest_subnormal(F), all[1]);
+    EXPECT_TRUE(largest(F) == all[all.size() - 2] && smallest_subnormal(F) == all[1]);
     for (Rounding r : {Rounding::nearest, Rounding::toward_zero, Rounding::stochastic})
         EXPECT_TRUE(keeps_every_number(rounder<F>(r), all));
     EXPECT_TRUE(rounds_to_nearest_even(rounder<F>(Rounding::nearest), all));
@@ -118,11 +128,8 @@ constexpr Format small{4, -3, 4}, smallest{2, -1, 1}, widest{25, -400, 400};
 
 TEST(Format, BoundsAreThoseOfDouble) {
     EXPECT_TRUE(fits_in_double(binary16) && fits_in_double(bfloat16) && fits_in_double(tf32) && fits_in_double(widest));
-    EXPECT_FALSE(fits_in_double({26, -100, 100}));
-    EXPECT_FALSE(fits_in_double({1, -100, 100}));
-    EXPECT_FALSE(fits_in_double({11, -14, 511}));
-    EXPECT_FALSE(fits_in_double({11, -502, 15}));
-    EXPECT_FALSE(fits_in_double({25, -460, 460}));
+    for (Format const f : {Format{26, -100, 100}, {1, -100, 100}, {11, -14, 511}, {11, -502, 15}, {25, -460, 460}})
+        EXPECT_FALSE(fits_in_double(f));
 }
 TEST(Format, RoundsEveryNumberMidpointAndNeighbour) {
     EXPECT_EQ(numbers(binary16).size(), 31745u);    // 0x7c00 and the power of two after them
@@ -202,14 +209,40 @@ double operate(char op, double x, double y) {
     }
 }
 
-/// One operation under a stream of its own: the value, and that one draw is taken at most.
+/// One operation under a stream of its own: the value, and that a draw is taken if and only if the result is inexact.
+/// (What overflows may draw or not: no draw can change it.)
 bool rounds_once(Operation const& f, std::vector<double> const& all, Rounding rounding, char op, double a, double b,
                  Seed seed) {
     Seed copy = seed, used = seed;
     double const u = copy.uniform();
     StochasticStream const stream(used);
     double const result = f(op, a, b);
-    return same(result, oracle(all, rounding, op, a, b, u)) && (used == seed || used == copy);
+    if (!same(result, oracle(all, rounding, op, a, b, u))) return false;
+    if (rounding != Rounding::stochastic) return used == seed;
+    double const high = oracle(all, rounding, op, a, b, 0), low = oracle(all, rounding, op, a, b, 1);
+    return used == (same(low, high) ? seed : copy) || (used == copy && std::isinf(low));
+}
+
+/// A seed whose next draw is k 2^-53: SplitMix64 backwards.
+Seed seed_drawing(std::uint64_t k) {
+    std::uint64_t z = k << 11;
+    z = (z ^ (z >> 31) ^ (z >> 62)) * 0x319642b2d24d8ec3;
+    z = (z ^ (z >> 27) ^ (z >> 54)) * 0x96de1b173f119089;
+    return Seed{(z ^ (z >> 30) ^ (z >> 60)) - 0x9e3779b97f4a7c15};
+}
+/// Up at the last draw below the exact fraction, down at the next: it takes the right tail to the last bit of a draw.
+bool turns_at_the_fraction(Operation const& f, std::vector<double> const& all, char op, double a, double b) {
+    auto const expected = [&](std::uint64_t k) {
+        return oracle(all, Rounding::stochastic, op, a, b, double(k) * 0x1p-53);
+    };
+    std::uint64_t up = 0, down = std::uint64_t{1} << 53;
+    if (same(expected(up), expected(down))) return true;    // exact
+    while (down - up > 1) {
+        std::uint64_t const k = (up + down) / 2;
+        (same(expected(k), expected(0)) ? up : down) = k;
+    }
+    return rounds_once(f, all, Rounding::stochastic, op, a, b, seed_drawing(up)) &&
+           (down >> 53 || rounds_once(f, all, Rounding::stochastic, op, a, b, seed_drawing(down)));
 }
 
 /// Every number and both signs, infinities and NaN.
@@ -228,29 +261,42 @@ bool all_pairs(Operation const& f, std::vector<double> const& all, Rounding r, s
     return good;
 }
 /// Pairs drawn from all numbers, every second one of neighbouring places: cancellation, quotients close to 1.
-bool random_pairs(Operation const& f, std::vector<double> const& all, Rounding r, int count, Seed seed) {
+using Check = std::function<bool(std::vector<double> const& around, char op, double a, double b, Seed)>;
+bool random_pairs(Format f, int count, Check const& check) {
     bool good = true;
-    std::size_t const n = all.size() - 1;
+    Seed seed{7};
+    std::size_t const n = last_place(f);
     for (int k = 0; k < count && good; ++k) {
         std::size_t const i = seed.next() % n, j = k % 2 ? seed.next() % n : std::min(n - 1, i + seed.next() % 4096);
-        double const a = seed.next() % 2 ? all[i] : -all[i], b = seed.next() % 2 ? all[j] : -all[j];
-        for (char const op : {'+', '-', '*', '/'}) good = good && rounds_once(f, all, r, op, a, b, Seed{seed.next()});
+        double const a = (seed.next() % 2 ? 1 : -1) * number(f, i), b = (seed.next() % 2 ? 1 : -1) * number(f, j);
+        for (char const op : {'+', '-', '*', '/', 'r'}) {
+            double const head = std::abs(operate<double>(op, a, b));
+            good = good && check(numbers_around(f, std::isfinite(head) ? head : 0), op, a, b, Seed{seed.next()});
+        }
     }
     return good;
 }
+Check rounding_once(Operation const& f, Rounding r) {
+    return [=](auto const& all, char op, double a, double b, Seed s) { return rounds_once(f, all, r, op, a, b, s); };
+}
+Check turning_at_the_fraction(Operation const& f) {
+    return [=](auto const& all, char op, double a, double b, Seed) { return turns_at_the_fraction(f, all, op, a, b); };
+}
 
 template <Format F, Rounding R>
+void operate_on_samples() {
+    EXPECT_TRUE(random_pairs(F, 5000, rounding_once(&operate<Chopped<F, R>>, R)));
+}
+template <Format F, Rounding R>
 void operate_on_specials_and_samples() {
-    auto const all = numbers(F);
-    std::size_t const one = std::size_t(std::find(all.begin(), all.end(), 1) - all.begin()), n = all.size() - 1;
-    std::size_t const normal = std::size_t{1} << (F.digits - 1);
+    std::size_t const all = last_place(F), normal = binade(F), one = normal * std::size_t(1 - F.min_exp);
     std::vector<double> some;
-    for (std::size_t const i :
+    for (std::size_t const place :
          {std::size_t{0}, std::size_t{1}, normal - 1, normal, normal + 1, one / 2, one - 1, one, one + 1,
-          one + normal / 2, one + normal, one + 3 * normal / 2, n - 2, n - 1})
-        some.push_back(all[i]);
-    EXPECT_TRUE(all_pairs(&operate<Chopped<F, R>>, all, R, with_signs_and_specials(some)));
-    EXPECT_TRUE(random_pairs(&operate<Chopped<F, R>>, all, R, 10000, Seed{7}));
+          one + normal / 2, one + normal, one + 3 * normal / 2, all - 2, all - 1})
+        some.push_back(number(F, place));
+    EXPECT_TRUE(all_pairs(&operate<Chopped<F, R>>, numbers(F), R, with_signs_and_specials(some)));
+    operate_on_samples<F, R>();
 }
 template <Format F, Rounding R>
 void operate_on_all_pairs() {
@@ -262,17 +308,31 @@ void operate_on_everything() {
     operate_on_specials_and_samples<binary16, R>();
     operate_on_specials_and_samples<bfloat16, R>();
     operate_on_specials_and_samples<tf32, R>();
+    operate_on_samples<widest, R>();
     operate_on_all_pairs<small, R>();
     operate_on_all_pairs<smallest, R>();
 }
 TEST(Chopped, NearestRoundsOnce) { operate_on_everything<Rounding::nearest>(); }
 TEST(Chopped, TowardZeroRoundsOnce) { operate_on_everything<Rounding::toward_zero>(); }
 TEST(Chopped, StochasticRoundsOnce) { operate_on_everything<Rounding::stochastic>(); }
+template <Format F>
+void steer() {
+    EXPECT_TRUE(random_pairs(F, 200, turning_at_the_fraction(&operate<Chopped<F, Rounding::stochastic>>)));
+}
+TEST(Chopped, StochasticTurnsAtTheFraction) {
+    EXPECT_EQ(seed_drawing(12345).uniform(), 12345 * 0x1p-53);
+    steer<binary16>();
+    steer<bfloat16>();
+    steer<tf32>();
+    steer<widest>();
+}
 
 bool all_roots(Operation const& f, Rounding r) {
-    auto const all = numbers(binary16);
     bool good = true;
-    for (std::size_t i = 0; i + 1 < all.size() && good; ++i) good = rounds_once(f, all, r, 'r', all[i], 0, Seed{i});
+    for (std::size_t i = 0; i < last_place(binary16) && good; ++i) {
+        double const x = number(binary16, i);
+        good = rounds_once(f, numbers_around(binary16, std::sqrt(x)), r, 'r', x, 0, Seed{i});
+    }
     return good;
 }
 TEST(Chopped, RootsOfEveryHalf) {
@@ -294,6 +354,12 @@ template <class C>
 double twice(char op, double a, double b) {
     return double(C(operate<double>(op, a, b)));
 }
+/// Up for half as many draws as is due.
+template <Format F>
+double biased(char op, double a, double b) {
+    auto const draw = [] { return std::min(2 * StochasticStream::uniform(), 1 - 0x1p-53); };
+    return round_stochastically<F>(operate<double>(op, a, b), 0, draw);
+}
 TEST(Chopped, ChecksOfOperationsCanFail) {
     auto const few = numbers(small), all = with_signs_and_specials({few.begin(), few.end() - 1});
     using Nearest = Chopped<small>;
@@ -303,7 +369,12 @@ TEST(Chopped, ChecksOfOperationsCanFail) {
     EXPECT_FALSE(all_pairs(&operate<Zero>, few, Rounding::nearest, all));
     EXPECT_FALSE(all_pairs(&operate<Nearest>, few, Rounding::toward_zero, all));
     EXPECT_FALSE(all_pairs(&operate<Nearest>, few, Rounding::stochastic, all));
-    EXPECT_FALSE(random_pairs(&twice<BrainZero>, numbers(bfloat16), Rounding::toward_zero, 4000, Seed{7}));
+    // The same without its tail, and with half of every fraction.
+    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BrainZero>, Rounding::toward_zero)));
+    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BrainStochastic>, Rounding::stochastic)));
+    EXPECT_FALSE(random_pairs(bfloat16, 1000, turning_at_the_fraction(&twice<BrainStochastic>)));
+    EXPECT_FALSE(all_pairs(&biased<small>, few, Rounding::stochastic, all));
+    EXPECT_TRUE(all_pairs(&operate<Stochastic>, few, Rounding::stochastic, all));
     auto const drawing_twice = [](char op, double a, double b) {
         operate<Stochastic>(op, a, b);
         return operate<Stochastic>(op, a, b);
@@ -322,26 +393,6 @@ TEST(Chopped, TwentyFourBitsAreFloat) {
         ASSERT_TRUE(same(double(sqrt(Float(a))), std::sqrt(a)));
         ASSERT_EQ(Float(a) < Float(b), a < b);
     }
-}
-
-template <class C>
-bool has_traits(std::string_view name, Format f) {
-    using Traits = ArithmeticTraits<C>;
-    using Storage = Eigen::NumTraits<C>;
-    return Traits::name == name && Format{Traits::digits, Traits::min_exp, Traits::max_exp} == f &&
-           double(Storage::highest()) == largest(f) && double(Storage::lowest()) == -largest(f) &&
-           double(Storage::epsilon()) == std::ldexp(1, 1 - f.digits) && Storage::dummy_precision() > C(0);
-}
-TEST(Chopped, Traits) {
-    static_assert(Real<Half> && Real<BrainZero> && Real<TensorStochastic>);
-    EXPECT_TRUE(has_traits<Half>("binary16", binary16) && has_traits<Brain>("bfloat16", bfloat16));
-    EXPECT_TRUE(has_traits<HalfZero>("binary16-zero", binary16) && has_traits<TensorZero>("tf32-zero", tf32));
-    EXPECT_TRUE(has_traits<BrainStochastic>("bfloat16-stochastic", bfloat16));
-    EXPECT_FALSE(has_traits<Brain>("bfloat16", binary16));
-    for (double const x : numbers(small)) EXPECT_EQ(widen(Brain(-x)), Reference(-x));
-    EXPECT_TRUE(isnan(widen(Half(nan))) && isinf(widen(Half(-infinity))) && widen(Half(-infinity)) < 0);
-    EXPECT_TRUE(is_finite(Half(65504)) && !is_finite(Half(65520)) && !is_finite(Half(nan)));
-    EXPECT_EQ((Matrix<Half>::Identity(3, 3) * Half(2)).trace(), Half(6));
 }
 
 }  // namespace

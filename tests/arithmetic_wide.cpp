@@ -2,6 +2,7 @@
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/model/random.hpp>
+#include <rlslab/problem.hpp>
 
 #include <gtest/gtest.h>
 
@@ -216,14 +217,35 @@ TYPED_TEST(Traits, BoundsHaveBothSigns) {
     EXPECT_TRUE(is_finite(Storage::highest()) && !is_finite(Storage::infinity()) && !is_finite(Storage::quiet_NaN()));
 }
 
+template <class C>
+bool has_traits(std::string_view name, Format f) {
+    using Traits = ArithmeticTraits<C>;
+    using Storage = Eigen::NumTraits<C>;
+    return Traits::name == name && Format{Traits::digits, Traits::min_exp, Traits::max_exp} == f &&
+           double(Storage::highest()) == largest(f) && double(Storage::lowest()) == -largest(f) &&
+           double(Storage::epsilon()) == std::ldexp(1, 1 - f.digits) && Storage::dummy_precision() > C(0);
+}
+TEST(Chopped, TraitsAreTheFormat) {
+    static_assert(Real<Half> && Real<BrainZero> && Real<TensorStochastic>);
+    EXPECT_TRUE(has_traits<Half>("binary16", binary16) && has_traits<Brain>("bfloat16", bfloat16));
+    EXPECT_TRUE(has_traits<HalfZero>("binary16-zero", binary16) && has_traits<TensorZero>("tf32-zero", tf32));
+    EXPECT_TRUE(has_traits<BrainStochastic>("bfloat16-stochastic", bfloat16));
+    EXPECT_FALSE(has_traits<Brain>("bfloat16", binary16));
+    EXPECT_EQ(widen(Brain(-0x1.fep-126)), Reference(-0x1.fep-126));
+    EXPECT_TRUE(isnan(widen(Half(nan))) && isinf(widen(Half(-infinity))) && widen(Half(-infinity)) < 0);
+    EXPECT_TRUE(is_finite(Half(65504)) && !is_finite(Half(65520)) && !is_finite(Half(nan)));
+    EXPECT_EQ((Matrix<Half>::Identity(3, 3) * Half(2)).trace(), Half(6));
+}
+
 template <class... T>
 bool all_names_differ(std::tuple<T...>*) {
     return std::set<std::string_view>{ArithmeticTraits<T>::name...}.size() == sizeof...(T);
 }
 TEST(Names, AreUnique) {
-    std::tuple<HalfZero, BrainZero, Tensor, TensorZero, TensorStochastic, Counted<double>, Chopped<Format{4, -3, 4}>>* others{};
+    using Others = std::tuple<HalfZero, BrainZero, Tensor, TensorZero, TensorStochastic, Counted<double>,
+                              Chopped<Format{4, -3, 4}>>;
     EXPECT_TRUE(all_names_differ(static_cast<Arithmetics*>(nullptr)));
-    EXPECT_TRUE(all_names_differ(static_cast<decltype(std::tuple_cat(Arithmetics(), *others))*>(nullptr)));
+    EXPECT_TRUE(all_names_differ(static_cast<decltype(std::tuple_cat(Arithmetics(), Others()))*>(nullptr)));
     EXPECT_FALSE(all_names_differ(static_cast<std::tuple<Half, Brain, Half>*>(nullptr)));
 }
 

@@ -88,7 +88,8 @@ Truth truth(Problem<double> const& problem, Records const& data, Index k, Order 
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) {
                 M(i, j) += power[size_t(k)] * inverse(i, j);
-                if (problem.prior->theta) b(i) += power[size_t(k)] * inverse(i, j) * Rational((*problem.prior->theta)(j));
+                if (!problem.prior->theta) continue;
+                b(i) += power[size_t(k)] * inverse(i, j) * Rational((*problem.prior->theta)(j));
             }
     }
     for (Index row = 0; row < k; ++row) {
@@ -210,6 +211,31 @@ TEST(Certified, PrecisionRisesWithIllConditioning) {
         EXPECT_LE(bits[0], bits[1]);
         EXPECT_LT(bits[0], bits[2]);
     }
+}
+
+TEST(Certified, PrecisionFollowsThePriorIntoWindUp) {
+    // Twin regressors: their difference is known from the prior alone, by 0.9^k of it.
+    Records data = random_records(2, 3000, 17);
+    data.psi.row(1) = data.psi.row(0);
+    Problem<double> const problem{.size = 2, .forgetting = 0.9};
+    auto const exact = certified(problem, data, {20, 300, 3000});
+    for (auto const& e : exact) EXPECT_EQ(e.status(), Status::certified);
+    EXPECT_TRUE(exact[1].encloses(truth(problem, data, 300).theta));
+    EXPECT_TRUE(exact[1].encloses(truth(problem, data, 300).covariance));
+    EXPECT_GT(exact[2].bits(), 3000 * std::log2(1 / 0.9));
+    EXPECT_GT(exact[2].covariance()(0, 0), 1e130);
+}
+
+TEST(Certified, UnresolvedIsSaid) {
+    // Twins again; after 400 rows the prior is 2^-80000 of the data, and no more than 2^16 bits are carried.
+    Records data = random_records(2, 400, 17);
+    data.psi.row(1) = data.psi.row(0);
+    auto const exact = certified({.size = 2, .forgetting = 0x1p-200}, data, {1, 100, 400});
+    EXPECT_EQ(exact[1].status(), Status::certified);
+    EXPECT_GT(exact[1].bits(), 20000);
+    EXPECT_EQ(exact[2].status(), Status::unresolved);
+    EXPECT_TRUE(std::isnan(exact[2].radius()));
+    EXPECT_TRUE(isnan(exact[2].covariance()(1, 1)));
 }
 
 TEST(Certified, MoreDigitsOnRequest) {

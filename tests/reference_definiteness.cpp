@@ -93,7 +93,7 @@ TEST(Definiteness, TurnsOnTheLastBit) {
 }
 
 TEST(Definiteness, OfSingularMatricesThatBallsCannotSettle) {
-    // The third pivot is exactly zero, after divisions by 3 that are not exact: its ball contains zero at any precision.
+    // The third pivot is exactly zero, after inexact divisions by 3: at any precision its ball contains zero.
     Matrix<double> B = Matrix<double>::Zero(4, 4);
     B << 3, 0, 0, 0, 1, 7, 0, 0, 2, 5, 0, 0, 1, 1, 0, 0;
     Matrix<double> const A = B * B.transpose();

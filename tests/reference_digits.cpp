@@ -23,7 +23,9 @@ Records integers() {
     data.y = data.psi.transpose() * (Vector<double>(3) << 3, -4, 12).finished();
     return data;
 }
-Exact solution(int digits = 30) { return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front(); }
+Exact solution(int digits = 30) {
+    return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front();
+}
 
 Vector<Reference> theta(double a, double b, double c) {
     Vector<Reference> x(3);
@@ -121,8 +123,9 @@ TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     double const norm = std::sqrt(84.0) / 8;
     P(0, 1) += Reference(1e-6);
     EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
-    EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, Matrix<Reference>(covariance() * Reference(1 + 1e-9))), 9, 1e-6);
-    EXPECT_NEAR(digits_of(Of::information, Kind::plain, Matrix<Reference>(information() * Reference(1 + 1e-9))), 9, 1e-6);
+    Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9), shrunk = information() * Reference(1 + 1e-9);
+    EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, swollen), 9, 1e-6);
+    EXPECT_NEAR(digits_of(Of::information, Kind::plain, shrunk), 9, 1e-6);
     EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     EXPECT_NEAR(digits_of(Of::covariance, Kind::factor, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     Matrix<Reference> asymmetric = information();    // dP = -P E P, E = 1e-8 e_0 e_2'

@@ -10,8 +10,7 @@
 
 namespace rlslab {
 
-/// Numbers of `digits` bits: normal 1.f x 2^e for min_exp <= e <= max_exp, subnormal below, infinities, NaN, signed
-/// zero.
+/// Numbers of p = `digits` bits: 1.f x 2^e for min_exp <= e <= max_exp, subnormal below; infinities, NaN, both zeros.
 struct Format {
     int digits, min_exp, max_exp;
     friend constexpr bool operator==(Format const&, Format const&) = default;
@@ -47,8 +46,7 @@ constexpr double smallest_subnormal(Format f) { return detail::power_of_two(deta
 /// [2^l, 2^t), and
 ///   precision   2p + 2 <= 53 makes double rounding innocuous to nearest (see round_to_nearest) and products exact;
 ///   products    lie in [2^2l, 2^2t): normal doubles if 2l >= -1022 and 2t <= 1023;
-///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of a quotient q that is not exact is (a - q b) / b, where a -
-///   q b
+///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of an inexact quotient q is (a - q b) / b, where a - q b
 ///               is a multiple of ulp(q) ulp(b) > |a| 2^-(53+p): so tails are normal if l - t - 53 - p >= -1022;
 ///   sums and roots lie between.
 constexpr bool fits_in_double(Format f) {
@@ -59,9 +57,9 @@ constexpr bool fits_in_double(Format f) {
 
 namespace detail {
 
+/// Of a normal number, in a double's bits.
 template <Format F>
-inline constexpr std::uint64_t one_ulp =
-    std::uint64_t{1} << (53 - F.digits);    ///< of a normal number, in a double's bits
+inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);
 
 constexpr bool is_number(double x) {
     return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity());

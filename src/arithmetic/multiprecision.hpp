@@ -12,8 +12,8 @@
 
 namespace rlslab {
 
-/// IEEE binary128 but for subnormals, which it lacks: 113 bits, every operation correctly rounded (Boost's own, so g++ and
-/// clang agree).
+/// IEEE binary128 but for subnormals, which it lacks: 113 bits, every operation correctly rounded (Boost's own, so g++
+/// and clang agree).
 using Quad = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_quad::backend_type,
                                            boost::multiprecision::et_off>;
 /// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"

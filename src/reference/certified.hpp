@@ -64,7 +64,8 @@ public:
     double theta_digits_worst(Vector<Reference> const& estimate) const;
     /// -log10(||estimate - P||_F / ||P||_F), P rebuilt from the stored numbers in balls at rising precision, so that
     /// none of the probe's own rounding is charged; a plain matrix is taken as it is, not symmetrised.
-    /// NaN also when an information form is singular. Cost O(d^3).
+    /// NaN also when an information form is singular. Cost O(d^3). Throws std::range_error when only integers of more
+    /// than 2^20 bits could decide that.
     double covariance_digits(Stored<Reference> const& estimate) const;
 
     /// Whether these numbers lie inside the enclosure: what a proof must never fail.
@@ -95,9 +96,9 @@ private:
 std::vector<Exact> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
                              int digits = 30);
 
-/// kappa_2 of the weighted data matrix, rows scaled by sqrt(lambda^(N-k)): to about 12 digits, from the certified inverse
-/// of its Gram matrix. Infinity when singular (proven) or beyond double's range; NaN when the data are not finite.
-/// The cost of `certified` for one step, and 40 products of d x d doubles.
+/// kappa_2 of the weighted data matrix, rows scaled by sqrt(lambda^(N-k)): to about 12 digits, from the certified
+/// inverse of its Gram matrix. Infinity when singular (proven) or beyond double's range; NaN when the regressors are
+/// not finite. The cost of `certified` for one step, and 40 products of d x d doubles.
 double condition(Records const& data, double forgetting);
 
 /// ||theta_with - theta_without||_2 / ||theta_without||_2: what the prior costs, whatever the variant. NaN unless both

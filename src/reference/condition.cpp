@@ -12,7 +12,7 @@ namespace {
 
 using namespace balls;
 
-/// log2 of the largest eigenvalue of a positive definite matrix, to about 1e-15 d: with t_i the trace and A_i scaled by it,
+/// log2 of the largest eigenvalue of a positive definite matrix, to about 1e-15 d: with t_i the trace of A_i,
 ///
 ///   (1)  A_(i+1) = (A_i / t_i)^2        log2 trace(A^m)^(1/m),  m = 2^i,  is  sum_(l<=i) log2(t_l) / 2^l
 ///

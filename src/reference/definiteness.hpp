@@ -22,17 +22,17 @@ constexpr std::string_view name_of(Definiteness definiteness) {
 ///            leading block.
 ///   factor   F diag(D) F' is, if and only if every D_j > 0 and F is nonsingular: read off a triangle's diagonal,
 ///            else from F's rank in integers (modulo a prime where that suffices).
-/// Cost O(d^3) short multiplications unless P is singular or within 2^-500 of it. Throws std::invalid_argument when F is
-/// not square or D not of its size; std::range_error when a decision needs integers of more than 2^20 bits.
+/// Cost O(d^3) short multiplications unless P is singular or within 2^-500 of it. Throws std::invalid_argument when F
+/// is not square or D not of its size; std::range_error when only integers of more than 2^20 bits could decide.
 Definiteness definiteness(Stored<Reference> const& stored);
 
 /// True proves that P is positive definite; false says nothing: ask `definiteness`. For every step of every filter:
 /// d^3/6 flops in double, no heap up to d = 32.
 ///
-/// The numbers given are what is stored, each rounded to double with at most this relative perturbation |x~ - x| <= rho |x|
-/// (0 if exact; entries of a plain matrix may also have underflowed, those of a factor may not).
-///   plain    S. M. Rump, Verification of positive definiteness (BIT 2006): if Cholesky's factorisation of A - c I runs to
-///            completion in floating point, then A is positive definite, where c bounds its backward error.
+/// The numbers given are what is stored, each rounded to double with at most this relative perturbation,
+/// |x~ - x| <= rho |x| (0 if exact; entries of a plain matrix may also have underflowed, those of a factor may not).
+///   plain    S. M. Rump, Verification of positive definiteness (BIT 2006): if Cholesky's factorisation of A - c I runs
+///            to completion in floating point, then A is positive definite, where c bounds its backward error.
 ///   factor   a triangle with a nonzero diagonal, and D > 0; any other F only when rho = 0, modulo a prime.
 bool surely_positive(Stored<double> const& stored, double relative_perturbation = 0);
 

@@ -9,8 +9,8 @@
 
 namespace rlslab::balls {
 
-/// G = sum_i a_i a_i', a_i = (psi_i, y_i), in integers: every column j has its own unit 2^e_j, the smallest power of two
-/// all its entries are multiples of, so that columns of very different scale do not lengthen one another.
+/// G = sum_i a_i a_i', a_i = (psi_i, y_i), in integers: every column j has its own unit 2^e_j, the largest power of two
+/// that divides all its entries, so that columns of very different scale do not lengthen one another.
 ///
 ///   G_ij = 2^(e_i + e_j) sum_k m_ki m_kj
 ///
