@@ -139,6 +139,14 @@ Recommendation recommend(std::string const& arithmetic, std::vector<Result> cons
                         *choice->theta_digits, *choice->covariance_digits, choice->operations->total(), sound.size(), tried)};
 }
 
+/// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
+std::string constant_regressors(Records const& records) {
+    std::vector<std::string> names;
+    for (Index i = 0; i < records.size(); ++i)
+        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) names.push_back(records.names[size_t(i)]);
+    return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
+}
+
 /// The entries asked for, in the catalogue's order.
 std::vector<Entry const*> chosen(CompareOptions const& options) {
     auto const check = [](char const* option, std::vector<std::string> const& asked, auto const& known) {
@@ -177,9 +185,9 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     problem.prior.reset();
     std::vector<Exact> const without = certified(problem, records, {records.rows()});
     if (without.front().status() == Status::singular)
-        throw InputError(fmt::format("the regressors ({}) are linearly dependent: exact rank {} of {} over {} rows{}",
-                                     fmt::join(records.names, ", "), without.front().rank(), records.size(), records.rows(),
-                                     " (is the input constant?)"));
+        throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
+                                     "over {} rows{}",
+                                     without.front().rank(), records.size(), records.rows(), constant_regressors(records)));
     Comparison out{.rows = records.rows(), .skipped = records.skipped, .size = records.size(), .names = records.names,
                    .theta = with_prior.front().theta_strings(30), .radius = with_prior.front().radius(),
                    .bits = with_prior.front().bits(), .condition = condition(records, options.forgetting),

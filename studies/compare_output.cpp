@@ -55,7 +55,8 @@ std::string as_table(Comparison const& c, bool colour) {
     size_t width = 0;
     for (std::string const& name : c.names) width = std::max(width, name.size());
     for (size_t i = 0; i < c.theta.size(); ++i)
-        out += fmt::format("{}{:<{}}  {:>37}\n", i == 0 ? "theta       " : "            ", c.names[i], width, c.theta[i]);
+        out += fmt::format("{}{:<{}}  {:>37}\n", i == 0 ? "theta       " : "            ", c.names[i], width,
+                           c.theta[i].ends_with("e0") ? c.theta[i].substr(0, c.theta[i].size() - 2) + "  " : c.theta[i]);
 
     std::string_view arithmetic;
     for (Result const& r : c.results) {
@@ -63,7 +64,7 @@ std::string as_table(Comparison const& c, bool colour) {
         if (a.name != arithmetic) {
             arithmetic = a.name;
             std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
-            out += '\n' + paint("1", fmt::format("{:<36}", title)) +
+            out += '\n' + paint("1", fmt::format("{:<42}", title)) +
                    paint("2", fmt::format(" {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", "theta", "worst", "P",
                                           "breakdown", "asymmetry", "ops", "ns")) + '\n';
         }
@@ -71,7 +72,7 @@ std::string as_table(Comparison const& c, bool colour) {
             return rec.arithmetic == a.name && rec.variant == r.entry->variant;
         });
         std::string const line =
-            fmt::format("{} {:<34} {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", best ? '*' : ' ', r.entry->variant,
+            fmt::format("{} {:<40} {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", best ? '*' : ' ', r.entry->variant,
                         digits_text(r.theta_digits), digits_text(r.theta_digits_worst), digits_text(r.covariance_digits),
                         breakdown_text(r.breakdown), asymmetry_text(r.asymmetry), operations_text(r.operations),
                         nanoseconds_text(r.ns_per_update));

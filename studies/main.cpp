@@ -133,11 +133,12 @@ void run_list(bool json) {
 int run(int argc, char** argv) {
     CLI::App app("Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
                  "rlslab");
-    app.require_subcommand(1);
     app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
 
     CompareArguments a;
     CLI::App* const comparing = app.add_subcommand("compare", "every variant in every arithmetic on a record");
+    comparing->footer("an ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
+                      "a plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
     comparing->add_option("FILE", a.file, "CSV file (-: standard input)")->required();
     comparing->add_option("--input", a.input, "column of the input u of an ARX model");
     comparing->add_option("--output", a.output, "column of the output y")->required();
@@ -151,7 +152,7 @@ int run(int argc, char** argv) {
     comparing->add_option("--forgetting", a.options.forgetting, "lambda")
         ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->capture_default_str();
     comparing->add_option("--p0", a.options.p0, "c^2 of the prior covariance P0 = c^2 I")
-        ->check(real("a positive number", [](double x) { return 0 < x; }))->capture_default_str();
+        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->capture_default_str();
     comparing->add_option("--variants", a.options.variants, "only these (rlslab list)")->delimiter(',');
     comparing->add_option("--arithmetic", a.options.arithmetics, "only these (rlslab list)")->delimiter(',');
     comparing->add_option("--seed", a.options.seed, "of stochastic rounding")
@@ -170,14 +171,20 @@ int run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (CLI::Success const& success) {
         return app.exit(success);
+    } catch (CLI::ExtrasError const&) {
+        std::string const word = app.remaining(true).empty() ? "" : printable(app.remaining(true).front());
+        throw InputError((word.starts_with("-") ? fmt::format("no option \"{}\"", word)
+                                                : fmt::format("\"{}\" is one word too many", word)) +
+                         " (rlslab --help, rlslab compare --help)");
     } catch (CLI::ParseError const& error) {
-        std::string line = error.what();
-        std::replace(line.begin(), line.end(), '\n', ' ');
-        std::fprintf(stderr, "rlslab: %s\n", line.c_str());
-        return 2;
+        throw InputError(printable(error.what(), 200));
     }
-    if (comparing->parsed()) run_compare(a);
-    if (listing->parsed()) run_list(list_json);
+    if (comparing->parsed())
+        run_compare(a);
+    else if (listing->parsed())
+        run_list(list_json);
+    else
+        throw InputError("expected a subcommand: compare or list (rlslab --help tells more)");
     return 0;
 }
 
