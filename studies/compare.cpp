@@ -134,8 +134,8 @@ Recommendation recommend(std::string const& arithmetic, std::vector<Result> cons
     for (Result const* r : sound)
         if (digits(r) >= best - 0.5 && (!choice || r->operations->total() < choice->operations->total())) choice = r;
     return {arithmetic, std::string(choice->entry->variant),
-            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P at {} operations an update, the fewest within half a "
-                        "digit of the best of {} sound variants ({} tried)",
+            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P with the fewest operations ({}) within half a digit of the "
+                        "best; {} of {} variants came through sound",
                         *choice->theta_digits, *choice->covariance_digits, choice->operations->total(), sound.size(), tried)};
 }
 

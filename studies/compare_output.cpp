@@ -35,6 +35,24 @@ std::string operations_text(std::optional<Operations> const& operations) {
     return operations ? fmt::format("{}", operations->total()) : "-";
 }
 
+/// Text broken at spaces before column 114, the width of the table; it begins at column `at`, later lines at `indent`.
+std::string wrapped(std::string const& text, size_t indent, size_t at) {
+    constexpr size_t width = 114;
+    std::string out;
+    for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
+        end = std::min(text.find(' ', begin), text.size());
+        if (at + end - begin > width) {
+            out += '\n' + std::string(indent, ' ');
+            at = indent;
+        } else if (!out.empty()) {
+            out += ' ';
+        }
+        out += text.substr(begin, end - begin);
+        at += end - begin + 1;
+    }
+    return out;
+}
+
 /// Colours as in a terminal, or nothing.
 struct Paint {
     bool on;
@@ -83,9 +101,11 @@ std::string as_table(Comparison const& c, bool colour) {
            "ops, ns: operations and nanoseconds an update.\n\n";
     size_t longest = 0;
     for (Recommendation const& r : c.recommendations) longest = std::max(longest, r.arithmetic.size());
-    for (Recommendation const& r : c.recommendations)
-        out += fmt::format("use in {:<{}}  ", r.arithmetic, longest) +
-               paint(r.variant.empty() ? "31" : "32", r.variant.empty() ? "none" : r.variant) + ": " + r.why + '\n';
+    for (Recommendation const& r : c.recommendations) {
+        std::string const variant = r.variant.empty() ? "none" : r.variant;
+        out += fmt::format("use in {:<{}}  ", r.arithmetic, longest) + paint(r.variant.empty() ? "31" : "32", variant) + ": " +
+               wrapped(r.why, longest + 9, longest + 11 + variant.size()) + '\n';
+    }
     return out;
 }
 
