@@ -26,7 +26,7 @@ CLI::Validator whole(long least, long most) {
                 bool const good = error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
                 return good ? "" : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most, printable(text));
             },
-            "WHOLE"};
+            ""};
 }
 
 /// A finite number that `holds`, else one line that says what was expected.
@@ -37,7 +37,7 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
                 bool const good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
                 return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
             },
-            "REAL"};
+            ""};
 }
 
 /// The whole answer, or an error: a closed pipe is one too.
@@ -97,7 +97,7 @@ void run_list(bool json) {
     nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
                                   {"arithmetics", nlohmann::ordered_json::array()},
                                   {"studies", nlohmann::ordered_json::array()}};
-    std::string text = "variants                 propagates    no prior  rows at once  in\n";
+    std::string text = "variants                  propagates    no prior  rows at once  in\n";
     std::vector<Entry const*> variants;
     for (Entry const& e : catalogue())
         if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
@@ -106,7 +106,7 @@ void run_list(bool json) {
         std::vector<std::string_view> in;
         for (Entry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
-        text += fmt::format("  {:<22} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
+        text += fmt::format("  {:<23} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
                             v->starts_without_prior ? "yes" : "no", v->block,
                             in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
         out["variants"].push_back({{"name", v->variant},
@@ -115,10 +115,10 @@ void run_list(bool json) {
                                    {"rows_at_once", v->block},
                                    {"arithmetics", in}});
     }
-    text += "\narithmetics              bits  digits  exponents          rounding\n";
+    text += "\narithmetics               bits  digits  exponents                      rounding\n";
     for (Arithmetic const& s : arithmetics()) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
-        text += fmt::format("  {:<22} {:>4}  {:>6.1f}  {:<17}  {}\n", s.name, s.digits, s.decimal_digits(),
+        text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<29}  {}\n", s.name, s.digits, s.decimal_digits(),
                             fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
         out["arithmetics"].push_back({{"name", s.name},
                                       {"digits", s.digits},
@@ -136,35 +136,42 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
 
     CompareArguments a;
-    CLI::App* const comparing = app.add_subcommand("compare", "every variant in every arithmetic on a record");
-    comparing->footer("an ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
-                      "a plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
-    comparing->add_option("FILE", a.file, "CSV file (-: standard input)")->required();
-    comparing->add_option("--input", a.input, "column of the input u of an ARX model");
-    comparing->add_option("--output", a.output, "column of the output y")->required();
-    comparing->add_option("--order", a.order, "ARX order: na = nb = N")->check(whole(1, 1000));
-    comparing->add_option("--na", a.na, "past outputs in the ARX model")->check(whole(0, 1000));
-    comparing->add_option("--nb", a.nb, "past inputs beyond the first, u[k-delay] ... u[k-delay-nb]")->check(whole(0, 1000));
-    comparing->add_option("--delay", a.delay, "samples from input to output")->check(whole(0, 1000000));
-    comparing->add_option("--regressors", a.regressors, "columns of a plain regression, instead of --input and an order")
-        ->delimiter(',');
+    CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
+    comparing->footer("An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
+                      "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
+    comparing->add_option("FILE", a.file, "CSV file (-: standard input)")->required()->type_name("");
+    comparing->add_option("--input", a.input, "column of the input u of an ARX model")->type_name("COLUMN");
+    comparing->add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+    auto const count = [&](char const* name, int& into, long least, long most, char const* help) {
+        CLI::Option* const option = comparing->add_option(name, into, help)->check(whole(least, most));
+        option->type_name("N");
+    };
+    count("--order", a.order, 1, 1000, "ARX order: na = nb = N");
+    count("--na", a.na, 0, 1000, "past outputs in the ARX model");
+    count("--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
+    count("--delay", a.delay, 0, 1000000, "samples from input to output");
+    auto const names = [&](char const* name, std::vector<std::string>& into, char const* help) {
+        // One word each: a list must not swallow FILE behind it.
+        comparing->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+    };
+    names("--regressors", a.regressors, "columns of a plain regression, instead of --input and an order");
     comparing->add_flag("--intercept", a.intercept, "a constant regressor besides");
-    comparing->add_option("--forgetting", a.options.forgetting, "lambda")
-        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->capture_default_str();
-    comparing->add_option("--p0", a.options.p0, "c^2 of the prior covariance P0 = c^2 I")
-        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->capture_default_str();
-    comparing->add_option("--variants", a.options.variants, "only these (rlslab list)")->delimiter(',');
-    comparing->add_option("--arithmetic", a.options.arithmetics, "only these (rlslab list)")->delimiter(',');
-    comparing->add_option("--seed", a.options.seed, "of stochastic rounding")
-        ->check(whole(0, std::numeric_limits<long>::max()))->capture_default_str();
-    comparing->add_option("--threads", a.options.threads, "threads (default: all cores); the results are the same")
-        ->check(whole(1, 4096));
+    comparing->add_option("--forgetting", a.options.forgetting, "forgetting factor, in (0, 1]; default 1")
+        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->type_name("LAMBDA");
+    comparing->add_option("--p0", a.options.p0, "c^2 of the prior covariance P0 = c^2 I; default 2^14 = 16384")
+        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->type_name("C2");
+    names("--variants", a.options.variants, "only these (rlslab list)");
+    names("--arithmetic", a.options.arithmetics, "only these (rlslab list)");
+    comparing->add_option("--seed", a.options.seed, "of stochastic rounding; default 1")
+        ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+    count("--threads", a.options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a.json, "JSON instead of the table");
     comparing->add_flag("--csv", a.csv, "CSV instead of the table");
-    comparing->add_flag("!--no-timings", a.options.timings, "leave out the only column that differs from run to run");
+    comparing->add_flag_callback("--no-timings", [&a] { a.options.timings = false; },
+                                 "leave out nanoseconds, the only column that differs from run to run");
 
     bool list_json = false;
-    CLI::App* const listing = app.add_subcommand("list", "variants, arithmetics, studies");
+    CLI::App* const listing = app.add_subcommand("list", "Variants, arithmetics, studies.");
     listing->add_flag("--json", list_json, "JSON");
 
     try {

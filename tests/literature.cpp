@@ -2,7 +2,7 @@
 #include "laws.hpp"
 
 #include <rlslab/model/regression.hpp>
-#include <rlslab/variants/variants.hpp>
+#include <rlslab/variants/conventional.hpp>
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>

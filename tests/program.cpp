@@ -140,6 +140,11 @@ TEST_F(Program, SkipsAndCountsMissingValues) {
     EXPECT_EQ(json::parse(run.out)["data"]["skipped"], 2);
     EXPECT_EQ(json::parse(run.out)["data"]["rows"], 37);
 }
+TEST_F(Program, AListDoesNotSwallowTheFileBehindIt) {
+    Outcome const run = shell("rlslab compare --output y --variants ud,qr --arithmetic double --regressors u ok.csv --csv");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 3) << run.out;
+}
 TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     Outcome const run = shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json");
     ASSERT_EQ(run.code, 0) << run.err;
