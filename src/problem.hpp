@@ -38,9 +38,11 @@ struct Problem {
     std::optional<Prior<T>> prior = Prior<T>{};    ///< nullopt: none
 };
 
-/// Breakdown is a result. sound: 0 < gamma <= 1, as for every positive definite P. indefinite: the update saw
-/// psi' P psi < 0. nonfinite: an infinity or a NaN. undetermined: without a prior, fewer independent rows than
-/// parameters so far; theta is not defined yet.
+/// Breakdown is a result.
+///   sound          0 < gamma <= 1, as for every positive definite P
+///   undetermined   without a prior: fewer independent rows than parameters so far, theta is not defined yet
+///   indefinite     the update saw psi'P psi < 0, or a factorisation met a pivot <= 0
+///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 enum class Health { sound, undetermined, indefinite, nonfinite };
 
 constexpr std::string_view name_of(Health health) {
@@ -61,9 +63,9 @@ struct Step {
 template <Field T>
 Step<T> report(T const& innovation, T const& gamma) {
     Health health = Health::sound;
-    if (!is_finite(innovation) || !is_finite(gamma))
+    if (!is_finite(innovation) || !is_finite(gamma) || gamma == T(0))    // gamma = 0: s overflowed
         health = Health::nonfinite;
-    else if (!(T(0) < gamma && gamma <= T(1)))
+    else if (gamma < T(0) || T(1) < gamma)
         health = Health::indefinite;
     return {innovation, gamma * innovation, gamma, health};
 }
