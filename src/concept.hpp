@@ -9,7 +9,7 @@ namespace rlslab {
 ///              inverse; gain() is K_k = P_k psi_k.
 /// Members:     scalar, name                   T and the variant's name on the command line
 ///              F(Problem<T>)                  throws std::invalid_argument on misuse
-///              update(psi, y) -> Step<T>      one row; allocates nothing; breakdown is Step::health
+///              update(psi, y) -> Step<T>      one row; allocates nothing (dense variants); breakdown is Step::health
 ///              theta(), gain(), stored()      reports; theta() and gain() are views into the filter where it holds them
 /// Unchecked:   determinism; that copying copies the whole state; that reports do not change what follows.
 ///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.

@@ -33,6 +33,12 @@ struct Operations {
     long total() const { return additions + multiplications + divisions + square_roots; }
 };
 
+/// What one row costs: the update, and theta() after it where a variant solves for theta on request.
+struct Cost {
+    Operations update, theta;
+    long total() const { return update.total() + theta.total(); }
+};
+
 /// What the lab knows of an arithmetic, as data.
 struct Arithmetic {
     std::string_view name;
@@ -53,7 +59,7 @@ struct Entry {
     /// The filter for a problem given in binary64; the seed is that of stochastic rounding, unused elsewhere.
     /// Throws std::invalid_argument on misuse.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);
-    /// Nanoseconds per row, the least over stretches of the records; the types are not erased inside.
+    /// Nanoseconds per row with theta() after it, the least over stretches of the records; the types are not erased inside.
     double (*time)(Problem<double> const&, Records const&, Seed);
 };
 
@@ -61,7 +67,8 @@ struct Entry {
 std::vector<Entry> const& catalogue();
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
-/// The operations one update of a variant takes at steady state, per row; nullopt where its arithmetic is a library's.
-std::optional<Operations> operations(std::string_view variant, Problem<double> const& problem);
+/// The operations a variant of this size takes at steady state (lambda = 0.99), per row; theta once for each block where
+/// rows come in blocks. nullopt where the arithmetic is a library's.
+std::optional<Cost> cost(std::string_view variant, Index size);
 
 }  // namespace rlslab

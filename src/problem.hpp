@@ -39,10 +39,12 @@ struct Problem {
 };
 
 /// Breakdown is a result.
-///   sound          0 < gamma <= 1, as for every positive definite P
-///   undetermined   without a prior: fewer independent rows than parameters so far, theta is not defined yet
+///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow
+///   undetermined   without a prior: fewer independent rows than parameters before this one, so that there was no theta
+///                  to innovate on; the row that determines theta is the last to say so
 ///   indefinite     the update saw psi'P psi < 0, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
+/// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
 enum class Health { sound, undetermined, indefinite, nonfinite };
 
 constexpr std::string_view name_of(Health health) {
@@ -55,7 +57,7 @@ template <Field T>
 struct Step {
     T innovation;                      ///< e = y - psi' theta(k-1)
     T residual;                        ///< y - psi' theta(k), evaluated as gamma e
-    T gamma;                           ///< conversion factor lambda / s, in (0, 1]
+    T gamma;                           ///< conversion factor lambda / s, in (0, 1]; 0 when it underflows
     Health health = Health::sound;
 };
 
@@ -63,11 +65,19 @@ struct Step {
 template <Field T>
 Step<T> report(T const& innovation, T const& gamma) {
     Health health = Health::sound;
-    if (!is_finite(innovation) || !is_finite(gamma) || gamma == T(0))    // gamma = 0: s overflowed
+    if (!is_finite(innovation) || !is_finite(gamma))
         health = Health::nonfinite;
     else if (gamma < T(0) || T(1) < gamma)
         health = Health::indefinite;
     return {innovation, gamma * innovation, gamma, health};
+}
+
+/// The same where s is at hand: gamma = lambda / s, and an overflow of s does not pass as a small gamma.
+template <Field T>
+Step<T> report(T const& innovation, T const& lambda, T const& s) {
+    Step<T> step = report(innovation, T(lambda / s));
+    if (!is_finite(s)) step.health = Health::nonfinite;
+    return step;
 }
 
 /// What is not defined: NaN in every scalar that has one.
@@ -85,10 +95,11 @@ Step<T> report_undetermined() {
     return {undefined<T>(), T(0), T(0), Health::undetermined};
 }
 
-/// The report of a rotated row: eta at the end of it, and sqrt(gamma), the product of the cosines.
+/// The report of a rotated row: eta at the end of it, sqrt(gamma), the product of the cosines, and whether R had no zero
+/// on its diagonal before. Where sqrt(gamma) underflows the innovation is lost and said to be: nonfinite.
 template <Field T>
-Step<T> report_rotated(T const& eta, T const& root_gamma) {
-    if (root_gamma == T(0)) return report_undetermined<T>();
+Step<T> report_rotated(T const& eta, T const& root_gamma, bool determined) {
+    if (!determined) return report_undetermined<T>();
     Step<T> step = report(eta / root_gamma, root_gamma * root_gamma);
     step.residual = eta * root_gamma;
     return step;
@@ -99,7 +110,7 @@ inline void expects(bool holds, char const* what) {
     if (!holds) throw std::invalid_argument(std::string("expected ") + what);
 }
 
-/// Throws std::invalid_argument unless the problem is well posed as stated (definiteness of a full P0 is not tested).
+/// Throws std::invalid_argument unless the problem is well posed as stated (definiteness of a full P0: start.hpp).
 /// A prior that overflowed the scalar's range is let in: what follows is numerical breakdown, not misuse.
 template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
@@ -112,6 +123,10 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         expects(!prior.theta || prior.theta->size() == problem.size, "prior theta of the problem's size");
         expects(!prior.covariance || (prior.covariance->rows() == problem.size && prior.covariance->cols() == problem.size),
                 "prior covariance of the problem's size");
+        if (prior.covariance)
+            for (Index j = 0; j < problem.size; ++j)
+                for (Index i = 0; i < j; ++i)
+                    expects((*prior.covariance)(i, j) == (*prior.covariance)(j, i), "a symmetric prior covariance");
     }
     return problem;
 }

@@ -7,6 +7,7 @@
 #include <rlslab/reference/definiteness.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <fmt/format.h>
 #include <mutex>
@@ -95,9 +96,8 @@ Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
         Step<double> const step = entry.block == 1 ? filter->update(yard.records.row(k), yard.records.y[k])
                                                    : filter->absorb(yard.records, k, last);
         if (result.breakdown) continue;
-        kind = step.health == Health::indefinite  ? "indefinite"
-               : step.health == Health::nonfinite ? "nonfinite"
-                                                  : broken(*filter, arithmetic);
+        kind = broken(*filter, arithmetic);    // what is stored decides, not what the step saw of it
+        if (kind.empty() && step.health == Health::nonfinite && !finite(filter->theta())) kind = "nonfinite";
         if (!kind.empty()) result.breakdown = Breakdown{last, kind};
     }
     Vector<Reference> const theta = filter->theta();
@@ -113,30 +113,60 @@ Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
     return result;
 }
 
-/// The sound variant with the fewest operations among those within half a digit of the best, digits being the lesser of
-/// theta's and P's. Batch and sparse variants are not recommended: they answer another need than a row at a time.
-Recommendation recommend(std::string const& arithmetic, std::vector<Result> const& results) {
+/// The prior moves theta by more than this: which variant computes that theta best is then not the question.
+constexpr double most_prior_bias = 0.01;
+
+/// The sound variant with the fewest operations among those as good as the best: within `noise` of it in theta, in its
+/// worst component and in P. That many digits the same variant gains or loses when rows are merely taken in another order.
+/// Batch and sparse variants are not recommended: they answer another need than a row at a time.
+Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
+    std::string const arithmetic(of.name);
+    std::vector<Result> const& results = comparison.results;
+    double const noise = std::min(1.0, of.decimal_digits() / 4);
+    if (comparison.prior_bias > most_prior_bias)
+        return {arithmetic, "", fmt::format("the prior moves theta by {:.2g}: raise --p0 first", comparison.prior_bias)};
     std::vector<Result const*> sound;
     int tried = 0;
     for (Result const& r : results) {
-        if (r.entry->arithmetic->name != arithmetic || r.entry->block != 1 || !r.operations) continue;
+        if (r.entry->arithmetic->name != of.name || r.entry->block != 1 || !r.operations) continue;
         ++tried;
         if (!r.breakdown && r.theta_digits && r.covariance_digits) sound.push_back(&r);
     }
-    auto const digits = [](Result const* r) { return std::min(*r->theta_digits, *r->covariance_digits); };
-    double best = -std::numeric_limits<double>::infinity();
-    for (Result const* r : sound) best = std::max(best, digits(r));
     if (tried == 0) return {arithmetic, "", "no variant was tried that takes one row at a time"};
-    if (sound.empty()) return {arithmetic, "", fmt::format("none of {} variants got through without breaking down", tried)};
-    if (best < 0.5)
-        return {arithmetic, "", fmt::format("none of {} variants keeps half a digit of both theta and P", tried)};
-    Result const* choice = nullptr;
-    for (Result const* r : sound)
-        if (digits(r) >= best - 0.5 && (!choice || r->operations->total() < choice->operations->total())) choice = r;
-    return {arithmetic, std::string(choice->entry->variant),
-            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P with the fewest operations ({}) within half a digit of the "
-                        "best; {} of {} variants came through sound",
-                        *choice->theta_digits, *choice->covariance_digits, choice->operations->total(), sound.size(), tried)};
+    if (sound.empty())
+        return {arithmetic, "", fmt::format("none of {} row-at-a-time variants got through without breaking down", tried)};
+    auto const digits = [](Result const* r) { return std::array{*r->theta_digits, *r->theta_digits_worst, *r->covariance_digits}; };
+    auto const least = [&](Result const* r) { return std::ranges::min(digits(r)); };
+    // The best is the one whose least of the three is greatest.
+    Result const* const best = *std::ranges::max_element(sound, {}, least);
+    if (std::min(*best->theta_digits, *best->covariance_digits) < 0.5)
+        return {arithmetic, "", fmt::format("none of {} row-at-a-time variants keeps half a digit of both theta and P", tried)};
+    std::vector<Result const*> good;
+    for (Result const* r : sound) {
+        auto const mine = digits(r), bests = digits(best);
+        if (mine[0] >= bests[0] - noise && mine[1] >= bests[1] - noise && mine[2] >= bests[2] - noise) good.push_back(r);
+    }
+    std::ranges::stable_sort(good, {}, [](Result const* r) { return *r->operations; });
+    std::vector<std::string_view> others;
+    for (Result const* r : good)
+        if (r != good.front()) others.push_back(r->entry->variant);
+    Result const& choice = *good.front();
+    return {arithmetic, std::string(choice.entry->variant),
+            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P with the fewest operations ({}) of the {} as good to {:.1f} of a "
+                        "digit{}; {} of {} row-at-a-time variants came through sound",
+                        *choice.theta_digits, *choice.covariance_digits, *choice.operations, good.size(), noise,
+                        others.empty() ? "" : fmt::format(" ({} after it)", fmt::join(others, ", ")), sound.size(), tried)};
+}
+
+/// What the rounding of the data to this arithmetic does to the exact answer.
+Storage storage(Arithmetic const& arithmetic, Yardstick const& yard, Exact const& with_prior) {
+    Problem<double> problem = yard.problem;
+    problem.prior.reset();
+    Storage out{arithmetic.name, problem.forgetting, 0, {}};
+    if (0 < problem.forgetting && yard.records.psi.allFinite() && yard.records.y.allFinite())
+        out.rank = certified(problem, yard.records, {yard.records.rows()}).front().rank();
+    if (yard.exact) out.theta_digits = number(-std::log10(relative_change(*yard.exact, with_prior)), 15.9);
+    return out;
 }
 
 /// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
@@ -191,7 +221,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     Comparison out{.rows = records.rows(), .skipped = records.skipped, .size = records.size(), .names = records.names,
                    .theta = with_prior.front().theta_strings(30), .radius = with_prior.front().radius(),
                    .bits = with_prior.front().bits(), .condition = condition(records, options.forgetting),
-                   .prior_bias = prior_bias(with_prior.front(), without.front()), .results = {}, .recommendations = {}};
+                   .prior_bias = relative_change(with_prior.front(), without.front()),
+                   .forgetting = options.forgetting, .p0 = options.p0, .storage = {}, .results = {}, .recommendations = {}};
 
     // One yardstick for each way of rounding the data: arithmetics that hold binary64 share one.
     std::vector<Arithmetic const*> used;
@@ -205,6 +236,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
         if (std::none_of(yards.begin(), yards.end(), [&](auto const& y) { return y.first == yard_of(a); })) {
             bool const wide = a->digits >= 53;
             yards.emplace_back(yard_of(a), yardstick(records, options, a->round, wide ? std::max(30, most_digits + 15) : 30));
+            if (!wide) out.storage.push_back(storage(*a, yards.back().second, with_prior.front()));
         }
 
     out.results.assign(entries.size(), {});
@@ -224,11 +256,11 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     // Alone on the machine, as far as this program goes.
     for (size_t i = 0; i < entries.size(); ++i) {
         Problem<double> const rounded_problem = problem_for(records, options, entries[i]->arithmetic->round);
-        out.results[i].operations = operations(entries[i]->variant, problem_for(records, options, as_is));
+        if (auto const counted = cost(entries[i]->variant, records.size())) out.results[i].operations = counted->total();
         if (options.timings && out.results[i].breakdown.value_or(Breakdown{1, ""}).step > 0)
             out.results[i].ns_per_update = entries[i]->time(rounded_problem, records, Seed{options.seed});
     }
-    for (Arithmetic const* a : used) out.recommendations.push_back(recommend(std::string(a->name), out.results));
+    for (Arithmetic const* a : used) out.recommendations.push_back(recommend(*a, out));
     return out;
 }
 

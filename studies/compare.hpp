@@ -32,8 +32,16 @@ struct Result {
     std::optional<double> theta_digits, theta_digits_worst, covariance_digits;
     std::optional<Breakdown> breakdown = {};
     std::optional<double> asymmetry = {};              ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
-    std::optional<Operations> operations = {};
+    std::optional<long> operations = {};               ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
+};
+
+/// What storing the problem costs in an arithmetic shorter than binary64, before any variant computes with it.
+struct Storage {
+    std::string_view arithmetic;
+    double forgetting;                       ///< lambda as stored
+    Index rank;                              ///< exact, of the regressors as stored
+    std::optional<double> theta_digits;      ///< of the exact theta for binary64 data, left in the exact theta for the stored
 };
 
 struct Recommendation {
@@ -50,6 +58,8 @@ struct Comparison {
     int bits;                                  ///< working precision at which it was certified
     double condition;                          ///< kappa_2 of the weighted data matrix
     double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
+    double forgetting, p0;                     ///< as asked for
+    std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
 };

@@ -31,8 +31,23 @@ std::string asymmetry_text(std::optional<double> const& asymmetry) {
     return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
 }
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
-std::string operations_text(std::optional<Operations> const& operations) {
-    return operations ? fmt::format("{}", operations->total()) : "-";
+std::string operations_text(std::optional<long> const& operations) {
+    return operations ? fmt::format("{}", *operations) : "-";
+}
+
+/// "stored: lambda 0.9906, rank 5 of 5; exact theta keeps 2.3 digits of binary64's"
+std::string storage_text(Storage const& s, Comparison const& c) {
+    return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
+                       s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
+                                      : "no exact theta: the problem leaves the range");
+}
+
+/// "warning: ..." when the prior, not the data, decides theta; or nothing. The bias falls as 1 / p0.
+std::string prior_warning(Comparison const& c) {
+    if (!(c.prior_bias > 0.01)) return "";
+    double const enough = std::pow(10, std::ceil(std::log10(c.p0 * c.prior_bias / 1e-3)));
+    return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} relative, the data alone say otherwise; try --p0 {:.0e}\n",
+                       c.p0, c.prior_bias, enough);
 }
 
 /// Text broken at spaces before column 114, the width of the table; it begins at column `at`, later lines at `indent`.
@@ -75,6 +90,7 @@ std::string as_table(Comparison const& c, bool colour) {
     for (size_t i = 0; i < c.theta.size(); ++i)
         out += fmt::format("{}{:<{}}  {:>37}\n", i == 0 ? "theta       " : "            ", c.names[i], width,
                            c.theta[i].ends_with("e0") ? c.theta[i].substr(0, c.theta[i].size() - 2) + "  " : c.theta[i]);
+    out += paint("31", prior_warning(c));
 
     std::string_view arithmetic;
     for (Result const& r : c.results) {
@@ -85,6 +101,8 @@ std::string as_table(Comparison const& c, bool colour) {
             out += '\n' + paint("1", fmt::format("{:<42}", title)) +
                    paint("2", fmt::format(" {:>6} {:>6} {:>6}   {:<20}{:>10} {:>7} {:>9}", "theta", "worst", "P",
                                           "breakdown", "asymmetry", "ops", "ns")) + '\n';
+            for (Storage const& s : c.storage)
+                if (s.arithmetic == a.name) out += paint("2", "  " + storage_text(s, c)) + '\n';
         }
         bool const best = std::any_of(c.recommendations.begin(), c.recommendations.end(), [&](Recommendation const& rec) {
             return rec.arithmetic == a.name && rec.variant == r.entry->variant;
@@ -96,9 +114,11 @@ std::string as_table(Comparison const& c, bool colour) {
                         nanoseconds_text(r.ns_per_update));
         out += paint(best ? "32" : r.breakdown ? "31" : "0", line) + '\n';
     }
-    out += "\ntheta, worst, P: digits kept, of theta in norm, of its worst component, of the covariance in norm.\n"
+    out += "\ntheta, worst, P: digits kept at the last row, of theta in norm, of its worst component, of the covariance in norm;\n"
+           "at most the arithmetic's own, against the exact answer for the data as stored.\n"
            "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
-           "ops, ns: operations and nanoseconds an update.\n\n";
+           "ops, ns: operations and nanoseconds a row, solving for theta included. qr_block and the sparse forms take rows in blocks:\n"
+           "their breakdown is known to the block, their cost is spread over it, and they are not recommended for single rows.\n\n";
     size_t longest = 0;
     for (Recommendation const& r : c.recommendations) longest = std::max(longest, r.arithmetic.size());
     for (Recommendation const& r : c.recommendations) {
@@ -117,6 +137,12 @@ std::string as_json(Comparison const& c) {
                         {"bits", c.bits},
                         {"condition", short_json(c.condition)},
                         {"prior_bias", short_json(c.prior_bias)}};
+    out["storage"] = Json::array();
+    for (Storage const& s : c.storage)
+        out["storage"].push_back({{"arithmetic", s.arithmetic},
+                                  {"forgetting", s.forgetting},
+                                  {"rank", s.rank},
+                                  {"theta_digits", digits_json(s.theta_digits)}});
     out["results"] = Json::array();
     for (Result const& r : c.results)
         out["results"].push_back(
@@ -127,7 +153,7 @@ std::string as_json(Comparison const& c) {
              {"covariance_digits", digits_json(r.covariance_digits)},
              {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", r.breakdown->kind}} : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
-             {"operations", r.operations ? Json(r.operations->total()) : Json(nullptr)},
+             {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
     out["recommendation"] = Json::array();
     for (Recommendation const& r : c.recommendations)
@@ -146,7 +172,7 @@ std::string as_csv(Comparison const& c) {
                            cell(digits_json(r.theta_digits)), cell(digits_json(r.theta_digits_worst)),
                            cell(digits_json(r.covariance_digits)), r.breakdown ? fmt::format("{}", r.breakdown->step) : "",
                            r.breakdown ? r.breakdown->kind : "", r.asymmetry ? cell(short_json(*r.asymmetry)) : "",
-                           r.operations ? fmt::format("{}", r.operations->total()) : "",
+                           r.operations ? fmt::format("{}", *r.operations) : "",
                            r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "");
     return out;
 }

@@ -60,7 +60,7 @@ Progress progress_after_a_second() {
 }
 
 struct CompareArguments {
-    std::string file, input, output, format = "table", colour = "auto";
+    std::string file, input, output;
     std::vector<std::string> regressors;
     int order = 0, na = -1, nb = -1, delay = 0;
     bool intercept = false, json = false, csv = false;

@@ -14,7 +14,7 @@ std::string row(Entry const& entry) {
     std::ostringstream out;
     out << "| `" << entry.variant << "` | " << entry.propagates << " | ";
     for (Index d : {4, 10, 32}) {
-        auto const count = operations(entry.variant, {.size = d, .forgetting = 0.99});
+        auto const count = cost(entry.variant, d);
         out << (count ? std::to_string(count->total()) : "–") << " | ";
     }
     out << (entry.starts_without_prior ? "yes" : "no") << " |";

@@ -205,11 +205,11 @@ TEST(PriorBias, IsTheRelativeDistance) {
     Records const data{.psi = Eigen::MatrixXd::Ones(1, 1), .y = Vector<double>::Ones(1), .names = {}};
     auto at = [&](Problem<double> const& problem) { return certified(problem, data, {1}).front(); };
     Exact const without = at({.size = 1, .prior = std::nullopt});
-    EXPECT_NEAR(prior_bias(at({.size = 1, .prior = Prior<double>{.variance = 3}}), without), 0.25, 1e-15);
-    EXPECT_NEAR(prior_bias(at({.size = 1}), without), 1 / 16385.0, 1e-19);
+    EXPECT_NEAR(relative_change(at({.size = 1, .prior = Prior<double>{.variance = 3}}), without), 0.25, 1e-15);
+    EXPECT_NEAR(relative_change(at({.size = 1}), without), 1 / 16385.0, 1e-19);
     Exact const none(1, 1, 0, Status::singular);
-    EXPECT_TRUE(std::isnan(prior_bias(none, without)));
-    EXPECT_TRUE(std::isnan(prior_bias(without, none)));
+    EXPECT_TRUE(std::isnan(relative_change(none, without)));
+    EXPECT_TRUE(std::isnan(relative_change(without, none)));
 }
 
 }  // namespace

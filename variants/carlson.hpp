@@ -9,10 +9,10 @@ namespace rlslab {
 /// Propagates the upper triangular square root S of the covariance, P = S S', column by column.
 ///
 ///   (1) f = S'psi                  s_0 = lambda, v = 0, and for j = 1 ... d, t = the old S_ij, i <= j:
-///   (2) s_j = s_{j-1} + f_j^2      (3) S_ij = (t sqrt(s_{j-1}/s_j) - v_i f_j / sqrt(s_{j-1} s_j)) / sqrt(lambda)
+///   (2) s_j = s_{j-1} + f_j^2      (3) S_ij = (t sqrt(s_{j-1}/s_j) - (v_i f_j / s_{j-1}) sqrt(s_{j-1}/s_j)) / sqrt(lambda)
 ///   (4) v_i += t f_j               then (5) K = v / s_d, theta += K e
 ///
-/// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, 2 d square roots.
+/// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots.
 /// Source: Carlson, AIAA J. 11(9), 1973.
 template <Real T, int N = Dynamic>
 class Carlson {
@@ -37,7 +37,7 @@ public:
             T const before = s;
             s += f * f;                                                                                  // (2)
             T const keep = square_root(before / s);
-            T const mix = f / square_root(before * s);
+            T const mix = f / before * keep;    // not f / sqrt(before s): the product may overflow
             v_[j] = T(0);
             for (Index i = 0; i <= j; ++i) {
                 T const t = S_(i, j);
@@ -47,7 +47,7 @@ public:
         }
         divide(v_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

@@ -44,7 +44,7 @@ public:
     Step<double> update(Regressor<double> psi, double y) {
         expects(psi.size() == theta_.size(), "a regressor of the problem's size");
         psi_ = Eigen::Map<Vector<double> const>(psi.data(), psi.size());
-        double const e = y - dot(psi.data(), theta_.data(), psi.size());                                                           // (1)
+        double const e = y - dot(psi.data(), theta_.data(), psi.size());                                 // (1)
         Vector<double> const f = factor_.solve(psi_);
         double const gamma = lambda_ / (lambda_ + dot(psi.data(), f.data(), psi.size()));
         factor_.scale(lambda_);                                                                          // (2)

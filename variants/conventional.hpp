@@ -12,7 +12,8 @@ namespace rlslab {
 ///   (4) P = (P - K f') / lambda    (5) theta += K e
 ///
 /// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989): kept as the cautionary form.
-/// Storage d^2; per update 3 d^2 + O(d) multiplications. Breakdown shows as gamma outside (0, 1].
+/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] proves breakdown; P may be
+/// indefinite and gamma inside all the same, where psi does not see it.
 /// Source: Plackett, Biometrika 37, 1950.
 template <Field T, int N = Dynamic>
 class Conventional {
@@ -38,7 +39,7 @@ public:
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j) - K_[i] * f_[j]);               // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

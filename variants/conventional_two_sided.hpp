@@ -38,7 +38,7 @@ public:
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j) - K_[i] * h_[j]);               // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

@@ -52,7 +52,7 @@ public:
         }
         for (Index i = 0; i < d; ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
         add_scaled(theta_, -eta, v_);
-        return report_rotated(eta, root_gamma);
+        return report_rotated(eta, root_gamma, true);
     }
 
     auto theta() const { return theta_.view(); }

@@ -13,8 +13,8 @@ namespace rlslab {
 ///   (2) gamma = w,   e = eta
 ///
 /// theta (R theta = z) and K are solved for when asked. Storage d^2 (half used); per update 1.5 d^2 + O(d)
-/// multiplications, no square root. Starts without a prior: while D has a zero gamma = 0, the innovation is NaN and
-/// health is undetermined. Sources: Gentleman, AS 75, 1974; Miller, AS 274, 1992.
+/// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
+/// undetermined. Sources: Gentleman, AS 75, 1974; Miller, AS 274, 1992.
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;
@@ -38,14 +38,13 @@ public:
         x_ = psi_;
         Index const d = x_.size();
         T eta = y, w = T(1);
+        bool determined = true;
         for (Index i = 0; i < d; ++i) {                                                                  // (1)
             T const before = lambda_ * D_[i];
             T const x = x_[i];
-            if (w == T(0) || x == T(0)) {
-                D_[i] = before;
-                continue;
-            }
+            determined = determined && before != T(0);
             D_[i] = before + w * x * x;
+            if (x == T(0) || D_[i] == T(0)) continue;
             T const c = before / D_[i], s = w * x / D_[i];
             w *= c;
             for (Index j = i + 1; j < d; ++j) {
@@ -57,7 +56,7 @@ public:
             z_[i] = c * t + s * eta;
             eta -= x * t;
         }
-        return w == T(0) ? report_undetermined<T>() : report(eta, w);                                    // (2)
+        return determined ? report(eta, w) : report_undetermined<T>();                                   // (2)
     }
 
     Vector<T, N> theta() const {

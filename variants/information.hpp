@@ -65,7 +65,7 @@ public:
         }
         ++rows_;
         solve();
-        Step<T> step = known ? report(e, lambda_ / s) : report_undetermined<T>();
+        Step<T> step = known ? report(e, lambda_, s) : report_undetermined<T>();
         if (started_ && !positive_ && step.health != Health::nonfinite) step.health = Health::indefinite;
         return step;
     }

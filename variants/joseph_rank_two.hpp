@@ -40,7 +40,7 @@ public:
             for (Index i = 0; i < d; ++i)
                 P_(i, j) = by_lambda_(P_(i, j) - (K_[i] * g_[j] + g_[i] * K_[j]));                       // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

@@ -33,11 +33,11 @@ public:
         T const s = lambda_ + dot(f_, f_);                                                               // (2)
         multiply(S_, f_.data(), v_);                                                                     // (3)
         divide(v_, s, K_);
-        divide(f_, s + square_root(lambda_ * s), f_);                                                           // (4)
+        divide(f_, s + square_root(lambda_ * s), f_);                                                    // (4)
         for (Index j = 0; j < f_.size(); ++j)
             for (Index i = 0; i < f_.size(); ++i) S_(i, j) = by_root_lambda_(S_(i, j) - v_[i] * f_[j]);
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

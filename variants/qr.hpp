@@ -14,8 +14,8 @@ namespace rlslab {
 ///   (2) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
 /// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
-/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R is
-/// singular gamma = 0, the innovation is NaN and health is undetermined.
+/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
+/// zero on its diagonal the innovation is NaN and health undetermined.
 /// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <Real T, int N = Dynamic>
 class Qr {
@@ -39,16 +39,18 @@ public:
         x_ = psi_;
         Index const d = x_.size();
         T eta = y, root_gamma = T(1);
+        bool determined = true;
         for (Index i = 0; i < d; ++i) {                                                                  // (1)
             for (Index j = i; j < d; ++j) L_(j, i) *= root_lambda_;
             z_[i] *= root_lambda_;
+            determined = determined && L_(i, i) != T(0);
             Rotation<T> const turn = givens(L_(i, i), x_[i]);
             L_(i, i) = turn.r;
             rotate(turn, L_.column(i) + i + 1, x_.data() + i + 1, d - i - 1);
             rotate(turn, &z_[i], &eta, 1);
             root_gamma *= turn.c;
         }
-        return report_rotated(eta, root_gamma);                                                          // (2)
+        return report_rotated(eta, root_gamma, determined);                                                          // (2)
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

@@ -22,7 +22,7 @@ class QrBlock {
     T root_lambda_;
     Column<T, N> z_, psi_;
     Square<T, N> L_;                                  // R'
-    Rows<T> X_, row_;    // a block and one row, each with y as its last column
+    Rows<T> A_, row_;    // a block and one row, each with y as its last column
 
 public:
     using scalar = T;
@@ -40,16 +40,16 @@ public:
     void absorb(Rows<T> const& psi, Vector<T> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
-        X_.resize(rows, d + 1);
+        A_.resize(rows, d + 1);
         T weight = T(1);
         for (Index k = rows - 1; k >= 0; --k) {                                                          // (1)
-            for (Index i = 0; i < d; ++i) X_(k, i) = weight * psi(i, k);
-            X_(k, d) = weight * y[k];
+            for (Index i = 0; i < d; ++i) A_(k, i) = weight * psi(i, k);
+            A_(k, d) = weight * y[k];
             weight *= root_lambda_;
         }
         scale(weight);
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        fold(L_, z_, X_);
+        fold(L_, z_, A_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -57,8 +57,10 @@ public:
         for (Index i = 0; i < z_.size(); ++i) row_(0, i) = psi_[i];
         row_(0, z_.size()) = y;
         scale(root_lambda_);
+        bool determined = true;
+        for (Index i = 0; i < z_.size(); ++i) determined = determined && L_(i, i) != T(0);
         T const root_gamma = fold(L_, z_, row_);
-        return report_rotated(T(row_(0, z_.size())), root_gamma);
+        return report_rotated(T(row_(0, z_.size())), root_gamma, determined);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

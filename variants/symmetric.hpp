@@ -35,7 +35,7 @@ public:
         for (Index j = 0; j < f_.size(); ++j)
             for (Index i = 0; i <= j; ++i) P_(j, i) = P_(i, j) = by_lambda_(P_(i, j) - K_[i] * f_[j]);   // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

@@ -50,7 +50,7 @@ public:
         }
         divide(v_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
-        return report(e, lambda_ / s);
+        return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }

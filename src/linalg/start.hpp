@@ -14,11 +14,15 @@ Column<T, N> start_theta(Problem<T> const& problem) {
     return theta;
 }
 
-/// P0. Throws std::invalid_argument without a prior.
+/// P0. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
 template <Field T, int N>
 Square<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
     Square<T, N> P(problem.size);
+    if (problem.prior->covariance) {
+        Column<T, N> D(problem.size);
+        expects(factor_udu(*problem.prior->covariance, P, D), "a positive definite prior covariance");
+    }
     for (Index j = 0; j < problem.size; ++j)
         if (problem.prior->covariance)
             for (Index i = 0; i < problem.size; ++i) P(i, j) = (*problem.prior->covariance)(i, j);

@@ -101,8 +101,8 @@ std::vector<Exact> certified(Problem<double> const& problem, Records const& data
 /// not finite. The cost of `certified` for one step, and 40 products of d x d doubles.
 double condition(Records const& data, double forgetting);
 
-/// ||theta_with - theta_without||_2 / ||theta_without||_2: what the prior costs, whatever the variant. NaN unless both
-/// are certified.
-double prior_bias(Exact const& with_prior, Exact const& without_prior);
+/// ||theta - theta_from||_2 / ||theta_from||_2 of two exact solutions: what the prior costs, whatever the variant, or the
+/// rounding of the data. 0 for two zeros, infinity for a change of zero, NaN unless both are certified.
+double relative_change(Exact const& theta, Exact const& from);
 
 }  // namespace rlslab

@@ -91,16 +91,19 @@ double condition(Records const& data, double forgetting) {
     return std::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
 }
 
-double prior_bias(Exact const& with_prior, Exact const& without_prior) {
-    expects(with_prior.size() == without_prior.size(), "two solutions of one size");
-    if (!with_prior.enclosure() || !without_prior.enclosure()) return std::numeric_limits<double>::quiet_NaN();
-    auto const &with = *with_prior.enclosure(), &without = *without_prior.enclosure();
-    long const bits = std::max(with.bits, without.bits);
-    BallMatrix difference(with.theta.rows(), 1);
-    arb_mat_sub(difference, with.theta, without.theta, bits);
-    Ball bias = norm(difference, bits);
-    arb_div(bias, bias, norm(without.theta, bits), bits);
-    return arf_get_d(arb_midref(static_cast<arb_srcptr>(bias)), ARF_RND_NEAR);
+double relative_change(Exact const& theta, Exact const& from) {
+    expects(theta.size() == from.size(), "two solutions of one size");
+    if (!theta.enclosure() || !from.enclosure()) return std::numeric_limits<double>::quiet_NaN();
+    auto const &a = *theta.enclosure(), &b = *from.enclosure();
+    long const bits = std::max(a.bits, b.bits);
+    BallMatrix difference(a.theta.rows(), 1);
+    arb_mat_sub(difference, a.theta, b.theta, bits);
+    Ball change = norm(difference, bits);
+    Ball const size = norm(b.theta, bits);
+    if (arb_is_zero(change)) return 0;
+    if (arb_is_zero(size)) return std::numeric_limits<double>::infinity();
+    arb_div(change, change, size, bits);
+    return arf_get_d(arb_midref(static_cast<arb_srcptr>(change)), ARF_RND_NEAR);
 }
 
 }  // namespace rlslab
