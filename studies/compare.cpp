@@ -23,6 +23,8 @@ Problem<double> problem_for(Records const& records, CompareOptions const& option
             .prior = Prior<double>{.variance = round(options.p0)}};
 }
 
+double as_is(double x) { return x; }
+
 Records rounded(Records const& records, double (*round)(double)) {
     Records out = records;
     out.psi = records.psi.unaryExpr(round);
@@ -124,7 +126,8 @@ Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
     std::vector<Result> const& results = comparison.results;
     double const noise = std::min(1.0, of.decimal_digits() / 4);
     if (comparison.prior_bias > most_prior_bias)
-        return {arithmetic, "", fmt::format("the prior moves theta by {:.2g}: raise --p0 first", comparison.prior_bias)};
+        return {arithmetic, "", fmt::format("the prior, not the data, decides theta (it moves it by {:.2g}): raise --p0 first",
+                                            comparison.prior_bias)};
     std::vector<Result const*> sound;
     int tried = 0;
     for (Result const& r : results) {
@@ -151,11 +154,23 @@ Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
     for (Result const* r : good)
         if (r != good.front()) others.push_back(r->entry->variant);
     Result const& choice = *good.front();
+    std::string const why =
+        others.empty() ? fmt::format("no other comes within {:.1f} digits of it", noise)
+                       : fmt::format("with the fewest operations ({}) of those within {:.1f} digits of the best (then {})",
+                                     *choice.operations, noise, fmt::join(others, ", "));
     return {arithmetic, std::string(choice.entry->variant),
-            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P with the fewest operations ({}) of the {} as good to {:.1f} of a "
-                        "digit{}; {} of {} row-at-a-time variants came through sound",
-                        *choice.theta_digits, *choice.covariance_digits, *choice.operations, good.size(), noise,
-                        others.empty() ? "" : fmt::format(" ({} after it)", fmt::join(others, ", ")), sound.size(), tried)};
+            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P, {}; {} of {} row-at-a-time variants came through sound",
+                        *choice.theta_digits, *choice.covariance_digits, why, sound.size(), tried)};
+}
+
+/// The least p0 10^k whose bias is at most 1e-3; nothing within binary64's range has none.
+std::optional<double> less_biased(Records const& records, CompareOptions const& options, Exact const& without) {
+    CompareOptions other = options;
+    for (other.p0 = std::pow(10, std::ceil(std::log10(options.p0))); other.p0 < 1e300; other.p0 *= 10) {
+        auto const with = certified(problem_for(records, other, &as_is), records, {records.rows()});
+        if (relative_change(with.front(), without) <= 1e-3) return other.p0;
+    }
+    return {};
 }
 
 /// What the rounding of the data to this arithmetic does to the exact answer.
@@ -209,8 +224,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
 
     // The data as they are: the reference that is shown, and whether they determine theta at all.
-    auto const as_is = +[](double x) { return x; };
-    Problem<double> problem = problem_for(records, options, as_is);
+    Problem<double> problem = problem_for(records, options, &as_is);
     std::vector<Exact> const with_prior = certified(problem, records, {records.rows()});
     problem.prior.reset();
     std::vector<Exact> const without = certified(problem, records, {records.rows()});
@@ -222,7 +236,9 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
                    .theta = with_prior.front().theta_strings(30), .radius = with_prior.front().radius(),
                    .bits = with_prior.front().bits(), .condition = condition(records, options.forgetting),
                    .prior_bias = relative_change(with_prior.front(), without.front()),
-                   .forgetting = options.forgetting, .p0 = options.p0, .storage = {}, .results = {}, .recommendations = {}};
+                   .p0 = options.p0, .better_p0 = {}, .storage = {}, .results = {}, .recommendations = {}};
+
+    if (out.prior_bias > most_prior_bias) out.better_p0 = less_biased(records, options, without.front());
 
     // One yardstick for each way of rounding the data: arithmetics that hold binary64 share one.
     std::vector<Arithmetic const*> used;

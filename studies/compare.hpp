@@ -58,7 +58,8 @@ struct Comparison {
     int bits;                                  ///< working precision at which it was certified
     double condition;                          ///< kappa_2 of the weighted data matrix
     double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
-    double forgetting, p0;                     ///< as asked for
+    double p0;                                 ///< as asked for
+    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; only where p0's is above 1e-2
     std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;

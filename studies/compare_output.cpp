@@ -42,12 +42,11 @@ std::string storage_text(Storage const& s, Comparison const& c) {
                                       : "no exact theta: the problem leaves the range");
 }
 
-/// "warning: ..." when the prior, not the data, decides theta; or nothing. The bias falls as 1 / p0.
+/// "warning ..." when the prior, not the data, decides theta; or nothing.
 std::string prior_warning(Comparison const& c) {
-    if (!(c.prior_bias > 0.01)) return "";
-    double const enough = std::pow(10, std::ceil(std::log10(c.p0 * c.prior_bias / 1e-3)));
-    return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} relative, the data alone say otherwise; try --p0 {:.0e}\n",
-                       c.p0, c.prior_bias, enough);
+    if (!c.better_p0) return "";
+    return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} of itself: try --p0 {:.0e}, which moves it by 1e-3 at most\n",
+                       c.p0, c.prior_bias, *c.better_p0);
 }
 
 /// Text broken at spaces before column 114, the width of the table; it begins at column `at`, later lines at `indent`.

@@ -202,7 +202,8 @@ TEST(Report, NamesTheBreakdown) {
     EXPECT_EQ(report(1.0, 1e-300).health, Health::sound);
     EXPECT_EQ(report(1.0, 1.0 + 0x1p-52).health, Health::indefinite);
     EXPECT_EQ(report(1.0, -0.5).health, Health::indefinite);
-    EXPECT_EQ(report(1.0, 1.0 / infinity).health, Health::nonfinite);
+    EXPECT_EQ(report(1.0, 1.0, infinity).health, Health::nonfinite);    // s overflowed
+    EXPECT_EQ(report(1.0, 0.0).health, Health::sound);                  // gamma underflowed
     EXPECT_EQ(report(1.0, undefined<double>()).health, Health::nonfinite);
     EXPECT_EQ(report(infinity, 0.5).health, Health::nonfinite);
     EXPECT_EQ(report(3.0, 0.5).residual, 1.5);

@@ -13,7 +13,7 @@ namespace rlslab {
 ///
 /// Squares the condition number: the other cautionary form. A pivot D_j <= 0 is breakdown (indefinite): theta is then
 /// NaN until a later X factors again. Starts without a prior: theta is NaN and health undetermined until X factors.
-/// Storage 2 d^2; per update d^3/6 + 2.5 d^2 + O(d) multiplications, no square root. Source: Gauss; Bierman 1977.
+/// Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d) multiplications, no square root. Source: Gauss; Bierman 1977.
 template <Field T, int N = Dynamic>
 class Information {
     T lambda_;

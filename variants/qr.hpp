@@ -14,7 +14,7 @@ namespace rlslab {
 ///   (2) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
 /// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
-/// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
+/// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
 /// zero on its diagonal the innovation is NaN and health undetermined.
 /// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <Real T, int N = Dynamic>

@@ -15,7 +15,7 @@ namespace rlslab {
 ///   (2) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for when asked
 ///
 /// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 2 d^2 + O(d) multiplications. Starts without a prior.
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications. Starts without a prior.
 /// Sources: Golub, Numer. Math. 7, 1965; Demmel, Grigori, Hoemmen & Langou (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
