@@ -34,9 +34,7 @@ public:
         multiply_transposed(P_, psi.data(), h_);
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        Index const d = f_.size();
-        for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j) - K_[i] * h_[j]);               // (4)
+        subtract_rank_one(P_, K_, h_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s);
     }

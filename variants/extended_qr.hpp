@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/concept.hpp>
-#include <rlslab/linalg/rotations.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -20,7 +20,7 @@ template <Real T, int N = Dynamic>
 class ExtendedQr {
     T root_lambda_;
     DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, z_, K_, x_, v_;
+    Column<T, N> theta_, z_, K_, x_, v_, c_, s_;
     Square<T, N> L_, V_;    // R' and W', so that their rows are contiguous
 
 public:
@@ -29,28 +29,21 @@ public:
 
     explicit ExtendedQr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),
-          theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size),
+          theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size), c_(problem.size), s_(problem.size),
           L_(problem.size), V_(start_root<T, N>(problem)) {
         start_information_root(problem, L_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, x_);
-        Index const d = x_.size();
         T eta = y, root_gamma = T(1);
-        for (Index i = 0; i < d; ++i) {                                                                  // (1)
-            for (Index j = i; j < d; ++j) L_(j, i) *= root_lambda_;
-            for (Index j = 0; j <= i; ++j) V_(j, i) = by_root_lambda_(V_(j, i));
-            z_[i] *= root_lambda_;
-            v_[i] = T(0);
-            Rotation<T> const turn = givens(L_(i, i), x_[i]);
-            L_(i, i) = turn.r;
-            rotate(turn, L_.column(i) + i + 1, x_.data() + i + 1, d - i - 1);
-            rotate(turn, V_.column(i), v_.data(), i + 1);
-            rotate(turn, &z_[i], &eta, 1);
-            root_gamma *= turn.c;
+        rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
+        for (Index i = 0; i < x_.size(); ++i) {
+            root_gamma *= c_[i];
+            s_[i] = -s_[i];    // W's row is the first of the pair, v the second
         }
-        for (Index i = 0; i < d; ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
+        sweep_rotations(V_, c_, s_, by_root_lambda_, v_);
+        for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
         add_scaled(theta_, -eta, v_);
         return report_rotated(eta, root_gamma, true);
     }

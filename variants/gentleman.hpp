@@ -3,23 +3,47 @@
 
 #include <rlslab/concept.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
-/// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row carries a weight w, 1 at first:
+/// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row is eliminated before any division, and
+/// carries a weight w, 1 at first:
 ///
-///   (1) for i = 1 ... d:  D = lambda D_i + w x_i^2,  c = lambda D_i / D,  s = w x_i / D,  D_i = D,  w = c w,
-///       and for each later column, t = the old R_ij:  R_ij = c t + s x_j,  x_j -= x_i t;   z_i and eta alike
-///   (2) gamma = w,   e = eta
+///   (1) x = psi, and for i = 1 ... d, j > i:  x_j -= x_i R_ij         (2) 1/w_{i+1} = 1/w_i + x_i^2 / (lambda D_i)
+///   (3) D' = lambda D_i + w_i x_i^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
+///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j,  x_j -= x_i t;   z_i and eta alike
+///   (5) gamma = w_{d+1},   e = eta
 ///
-/// theta (R theta = z) and K are solved for when asked. Storage d^2 (half used); per update 1.5 d^2 + O(d)
+/// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
+/// theta (R theta = z) and K are solved for when asked. Storage d^2 (half used); per update 2 d^2 + O(d)
 /// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
 /// undetermined. Sources: Gentleman, AS 75, 1974; Miller, AS 274, 1992.
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;
-    Column<T, N> D_, z_, psi_, x_;
+    Column<T, N> D_, z_, psi_, x_, rest_, before_, inverse_, c_, s_;
     Square<T, N> L_;    // R'
+
+    /// s_i = w_i x_i; returns w_{d+1}.
+    T weigh() {
+        scale(x_, x_, c_);
+        divide(c_, before_, c_);
+        T inverse = T(1);
+        for (Index i = 0; i < c_.size(); ++i) {
+            inverse_[i] = inverse;
+            inverse += c_[i];
+        }
+        divide(x_, inverse_, s_);
+        if (is_finite(inverse)) return T(1) / inverse;
+        T w = T(1);
+        for (Index i = 0; i < c_.size(); ++i) {
+            s_[i] = w * x_[i];
+            T const D = before_[i] + s_[i] * x_[i];
+            if (!(x_[i] == T(0)) && !(D == T(0))) w *= before_[i] / D;
+        }
+        return w;
+    }
 
 public:
     using scalar = T;
@@ -28,35 +52,37 @@ public:
 
     explicit Gentleman(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), D_(problem.size), z_(problem.size), psi_(problem.size),
-          x_(problem.size), L_(problem.size) {
+          x_(problem.size), rest_(problem.size), before_(problem.size), inverse_(problem.size), c_(problem.size), s_(problem.size),
+          L_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        x_ = psi_;
         Index const d = x_.size();
-        T eta = y, w = T(1);
+        x_ = rest_ = psi_;
+        eliminate(L_, x_);                                                                               // (1)
         bool determined = true;
-        for (Index i = 0; i < d; ++i) {                                                                  // (1)
-            T const before = lambda_ * D_[i];
-            T const x = x_[i];
-            determined = determined && before != T(0);
-            D_[i] = before + w * x * x;
-            if (x == T(0) || D_[i] == T(0)) continue;
-            T const c = before / D_[i], s = w * x / D_[i];
-            w *= c;
-            for (Index j = i + 1; j < d; ++j) {
-                T const t = L_(j, i);
-                L_(j, i) = c * t + s * x_[j];
-                x_[j] -= x * t;
-            }
-            T const t = z_[i];
-            z_[i] = c * t + s * eta;
-            eta -= x * t;
+        for (Index i = 0; i < d; ++i) {
+            before_[i] = lambda_ * D_[i];
+            determined = determined && before_[i] != T(0);
         }
-        return determined ? report(eta, w) : report_undetermined<T>();                                   // (2)
+        T const w = weigh();                                                                             // (2)
+        for (Index i = 0; i < d; ++i) D_[i] = before_[i] + s_[i] * x_[i];                                // (3)
+        divide(before_, D_, c_);
+        divide(s_, D_, s_);
+        if (!determined)
+            for (Index i = 0; i < d; ++i)
+                if (D_[i] == T(0)) c_[i] = T(1), s_[i] = T(0);    // before and after this row
+        sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
+        T eta = y;
+        for (Index i = 0; i < d; ++i) {
+            T const t = z_[i];
+            z_[i] = c_[i] * t + s_[i] * eta;
+            eta -= x_[i] * t;
+        }
+        return determined ? report(eta, w) : report_undetermined<T>();                                   // (5)
     }
 
     Vector<T, N> theta() const {

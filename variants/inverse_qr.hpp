@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/concept.hpp>
-#include <rlslab/linalg/rotations.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -11,7 +11,8 @@ namespace rlslab {
 ///
 ///   (1) a = S'psi / sqrt(lambda)
 ///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and
-///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S)
+///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S):  b_j = |(b_{j-1}, a_j)|,  c_j = b_{j-1} / b_j,
+///                                                      s_j = a_j / b_j
 ///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
 ///
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
@@ -20,7 +21,7 @@ template <Real T, int N = Dynamic>
 class InverseQr {
     T lambda_;
     DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, g_, K_;
+    Column<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
     Square<T, N> S_;
 
 public:
@@ -29,19 +30,17 @@ public:
 
     explicit InverseQr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
-          g_(problem.size), K_(problem.size), S_(start_root<T, N>(problem)) {}
+          a_(problem.size), before_(problem.size), b_(problem.size), c_(problem.size), s_(problem.size), g_(problem.size),
+          K_(problem.size), S_(start_root<T, N>(problem)) {}
 
     Step<T> update(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
-        T b = T(1);
-        for (Index j = 0; j < g_.size(); ++j) {
-            for (Index i = 0; i <= j; ++i) S_(i, j) = by_root_lambda_(S_(i, j));
-            T const a = dot(S_.column(j), psi.data(), j + 1);                                            // (1)
-            Rotation<T> const turn = givens(b, a);                                                       // (2)
-            b = turn.r;
-            g_[j] = T(0);
-            rotate(turn, g_.data(), S_.column(j), j + 1);
-        }
+        multiply_upper_transposed(S_, psi.data(), a_);                                                   // (1)
+        for (Index j = 0; j < a_.size(); ++j) a_[j] = by_root_lambda_(a_[j]);
+        T const b = prefix_norms(a_, before_, b_);                                                       // (2)
+        divide(before_, b_, c_);
+        divide(a_, b_, s_);
+        sweep_rotations(S_, c_, s_, by_root_lambda_, g_);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
         return report(e, T(1) / (b * b));

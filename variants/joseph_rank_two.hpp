@@ -33,12 +33,9 @@ public:
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        Index const d = f_.size();
         T const half = s / T(2);
-        for (Index i = 0; i < d; ++i) g_[i] = f_[i] - half * K_[i];                                      // (4)
-        for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i < d; ++i)
-                P_(i, j) = by_lambda_(P_(i, j) - (K_[i] * g_[j] + g_[i] * K_[j]));                       // (5)
+        for (Index i = 0; i < f_.size(); ++i) g_[i] = f_[i] - half * K_[i];                              // (4)
+        subtract_rank_two(P_, K_, g_, by_lambda_);                                                       // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
         return report(e, lambda_, s);
     }

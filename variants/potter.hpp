@@ -34,8 +34,7 @@ public:
         multiply(S_, f_.data(), v_);                                                                     // (3)
         divide(v_, s, K_);
         divide(f_, s + square_root(lambda_ * s), f_);                                                    // (4)
-        for (Index j = 0; j < f_.size(); ++j)
-            for (Index i = 0; i < f_.size(); ++i) S_(i, j) = by_root_lambda_(S_(i, j) - v_[i] * f_[j]);
+        subtract_rank_one(S_, v_, f_, by_root_lambda_);
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s);
     }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/concept.hpp>
-#include <rlslab/linalg/rotations.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -20,7 +20,7 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class Qr {
     T root_lambda_;
-    Column<T, N> z_, psi_, x_;
+    Column<T, N> z_, psi_, x_, c_, s_;
     Square<T, N> L_;    // R'
 
 public:
@@ -30,26 +30,18 @@ public:
 
     explicit Qr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), x_(problem.size),
-          L_(problem.size) {
+          c_(problem.size), s_(problem.size), L_(problem.size) {
         start_information_root(problem, L_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
         x_ = psi_;
-        Index const d = x_.size();
         T eta = y, root_gamma = T(1);
         bool determined = true;
-        for (Index i = 0; i < d; ++i) {                                                                  // (1)
-            for (Index j = i; j < d; ++j) L_(j, i) *= root_lambda_;
-            z_[i] *= root_lambda_;
-            determined = determined && L_(i, i) != T(0);
-            Rotation<T> const turn = givens(L_(i, i), x_[i]);
-            L_(i, i) = turn.r;
-            rotate(turn, L_.column(i) + i + 1, x_.data() + i + 1, d - i - 1);
-            rotate(turn, &z_[i], &eta, 1);
-            root_gamma *= turn.c;
-        }
+        for (Index i = 0; i < x_.size(); ++i) determined = determined && L_(i, i) != T(0);
+        rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
+        for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
         return report_rotated(eta, root_gamma, determined);                                                          // (2)
     }
 

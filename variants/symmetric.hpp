@@ -3,20 +3,21 @@
 
 #include <rlslab/concept.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
-/// Propagates the upper triangle of P and mirrors it.
+/// Propagates the upper triangle of P; what is below the diagonal is its mirror image.
 ///
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji = (P_ij - K_i f_j) / lambda for i <= j                   (5) theta += K e
 ///
-/// Storage d^2; per update 2 d^2 + O(d) multiplications. Source: Haykin, Adaptive Filter Theory (the Tri rule).
+/// Storage d^2 (half used); per update 2 d^2 + O(d) multiplications. Source: Haykin, Adaptive Filter Theory (the Tri rule).
 template <Field T, int N = Dynamic>
 class Symmetric {
     T lambda_;
     DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, K_;
+    Column<T, N> theta_, f_, h_, K_;
     Square<T, N> P_;
 
 public:
@@ -25,23 +26,25 @@ public:
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
+          f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {
+        for (Index j = 0; j < problem.size; ++j)
+            for (Index i = j + 1; i < problem.size; ++i) P_(i, j) = T(0);
+    }
 
     Step<T> update(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
-        multiply(P_, psi.data(), f_);                                                                    // (1)
+        multiply_symmetric(P_, psi.data(), h_, f_);                                                      // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        for (Index j = 0; j < f_.size(); ++j)
-            for (Index i = 0; i <= j; ++i) P_(j, i) = P_(i, j) = by_lambda_(P_(i, j) - K_[i] * f_[j]);   // (4)
+        subtract_rank_one_upper(P_, K_, f_, by_lambda_);                                                 // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
-    Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Matrix<T, N> covariance() const { return mirrored(P_); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, mirrored(P_)}; }
 };
 static_assert(ReportsCovariance<Symmetric<double>>);
 

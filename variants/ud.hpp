@@ -3,21 +3,23 @@
 
 #include <rlslab/concept.hpp>
 #include <rlslab/linalg/start.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
-/// Propagates P = U D U', U unit upper triangular, column by column.
+/// Propagates P = U D U', U unit upper triangular. Nothing in a sweep over U's columns waits for a division:
 ///
-///   (1) f = U'psi, g = D f         s_0 = lambda, v = 0, and for j = 1 ... d, t = the old U_ij, i < j:
-///   (2) s_j = s_{j-1} + f_j g_j    (3) D_j = D_j s_{j-1} / (s_j lambda)
-///   (4) U_ij = t - v_i f_j / s_{j-1}, v_i += t g_j; v_j = g_j       then (5) K = v / s_d, theta += K e
+///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
+///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j,  v_i += t g_j
+///   (5) K = v / s_d, theta += K e
 ///
-/// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications. P is definite exactly while every D_j > 0.
+/// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications. P is definite exactly while every D_j > 0.
 /// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977; Thornton 1976.
 template <Field T, int N = Dynamic>
 class Ud {
     T lambda_;
-    Column<T, N> theta_, D_, v_, K_;
+    DividedBy<T> by_lambda_;
+    Column<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
     Square<T, N> U_;
 
 public:
@@ -25,30 +27,22 @@ public:
     static constexpr std::string_view name = "ud";
 
     explicit Ud(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), D_(problem.size),
-          v_(problem.size), K_(problem.size), U_(problem.size) {
+        : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
+          D_(problem.size), f_(problem.size), g_(problem.size), before_(problem.size), s_(problem.size), mu_(problem.size),
+          K_(problem.size), U_(problem.size) {
         start_ud(problem, U_, D_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
-        T s = lambda_;
-        for (Index j = 0; j < v_.size(); ++j) {
-            T f = psi[j];
-            if (j > 0) f += dot(U_.column(j), psi.data(), j);                                            // (1)
-            T const g = D_[j] * f;
-            T const before = s;
-            s += f * g;                                                                                  // (2)
-            D_[j] = D_[j] * (before / s) / lambda_;                                                      // (3)
-            T const mu = f / before;
-            for (Index i = 0; i < j; ++i) {
-                T const t = U_(i, j);
-                U_(i, j) = t - v_[i] * mu;                                                               // (4)
-                v_[i] += t * g;
-            }
-            v_[j] = g;
-        }
-        divide(v_, s, K_);                                                                               // (5)
+        multiply_upper_transposed(U_, psi.data(), f_);                                                   // (1)
+        scale(D_, f_, g_);
+        T const s = prefix_sums(lambda_, f_, g_, before_, s_);                                           // (2)
+        divide(f_, before_, mu_);
+        divide(before_, s_, before_);                                                                    // (3)
+        for (Index j = 0; j < D_.size(); ++j) D_[j] = by_lambda_(D_[j] * before_[j]);
+        sweep_ud(U_, g_, mu_, K_);                                                                       // (4)
+        divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
         return report(e, lambda_, s);
     }

@@ -5,9 +5,7 @@
 // No operation is fused unless written so (the build says -ffp-contract=off).
 #pragma once
 
-#include <rlslab/linalg/storage.hpp>
-
-#include <algorithm>
+#include <rlslab/linalg/dispatch.hpp>
 
 namespace rlslab {
 
@@ -41,45 +39,58 @@ void add_scaled(T* y, T const& a, T const* x, Index n) {
 }
 template <Field T, int N>
 void add_scaled(Column<T, N>& y, T const& a, Column<T, N> const& x) {
-    add_scaled(y.data(), a, x.data(), y.size());
+    run<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, a, x.data()});
 }
 
 /// out = A x, as a sum of columns.
 template <Field T, int N>
 void multiply(Square<T, N> const& A, T const* x, Column<T, N>& out) {
-    Index const d = out.size();
-    for (Index i = 0; i < d; ++i) out[i] = A(i, 0) * x[0];
-    for (Index j = 1; j < d; ++j) add_scaled(out.data(), x[j], A.column(j), d);
+    run<T, N>(kernels::Multiply<T, false>{A.size(), A.stride(), A.column(0), out.data(), x});
 }
 
 /// out = A'x, a dot product for each column.
 template <Field T, int N>
 void multiply_transposed(Square<T, N> const& A, T const* x, Column<T, N>& out) {
-    for (Index j = 0; j < out.size(); ++j) out[j] = dot(A.column(j), x, out.size());
+    run<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
 }
 
 /// out = A B and out = A B', as sums of columns.
 template <Field T, int N>
 void multiply(Square<T, N> const& A, Square<T, N> const& B, Square<T, N>& out) {
-    Index const d = out.size();
-    for (Index j = 0; j < d; ++j) {
-        for (Index i = 0; i < d; ++i) out(i, j) = A(i, 0) * B(0, j);
-        for (Index k = 1; k < d; ++k) add_scaled(out.column(j), B(k, j), A.column(k), d);
-    }
+    run<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
 }
 template <Field T, int N>
 void multiply_by_transposed(Square<T, N> const& A, Square<T, N> const& B, Square<T, N>& out) {
-    Index const d = out.size();
-    for (Index j = 0; j < d; ++j) {
-        for (Index i = 0; i < d; ++i) out(i, j) = A(i, 0) * B(j, 0);
-        for (Index k = 1; k < d; ++k) add_scaled(out.column(j), B(j, k), A.column(k), d);
-    }
+    run<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
 }
 
-/// out = x / s, elementwise.
+/// Elementwise: out = x / s,  x / y,  x y,  sqrt(x); out may be x.
 template <Field T, int N>
 void divide(Column<T, N> const& x, T const& s, Column<T, N>& out) {
-    for (Index i = 0; i < out.size(); ++i) out[i] = x[i] / s;
+    run<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
+}
+template <Field T, int N>
+void divide(Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& out) {
+    run<T, N>(kernels::Divide<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Field T, int N>
+void scale(Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& out) {
+    run<T, N>(kernels::Scale<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Real T, int N>
+void take_roots(Column<T, N> const& x, Column<T, N>& out) {
+    run<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
+}
+
+/// before_j = s_{j-1}, after_j = s_j of s_j = s_{j-1} + x_j y_j; returns the last s.
+template <Field T, int N>
+T prefix_sums(T s, Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& before, Column<T, N>& after) {
+    for (Index j = 0; j < x.size(); ++j) {
+        before[j] = s;
+        s += x[j] * y[j];
+        after[j] = s;
+    }
+    return s;
 }
 
 /// x / r for 1/2 <= r <= 1, written x + x (1 - r)/r: no division in the loop. 1 - r is exact there, so the rounding of
@@ -92,7 +103,18 @@ class DividedBy {
 public:
     explicit DividedBy(T const& r) : excess_((T(1) - r) / r) {}
     T operator()(T const& x) const { return x + x * excess_; }
+    T const& excess() const { return excess_; }
 };
+
+/// A = (A - x f') / r  and  A = (A - (x g' + g x')) / r.
+template <Field T, int N>
+void subtract_rank_one(Square<T, N>& A, Column<T, N> const& x, Column<T, N> const& f, DividedBy<T> const& by_r) {
+    run<T, N>(kernels::SubtractRankOne<T, false>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.excess()});
+}
+template <Field T, int N>
+void subtract_rank_two(Square<T, N>& A, Column<T, N> const& x, Column<T, N> const& g, DividedBy<T> const& by_r) {
+    run<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.excess()});
+}
 
 /// e = y - psi' theta: the door of every update.
 template <Field T, int N>

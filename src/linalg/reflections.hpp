@@ -13,10 +13,8 @@ using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
 /// range in which its terms are normal numbers.
 template <Real T>
 T norm(T const& a, T const* x, Index n, T const& largest) {
-    // A sum this large cannot owe a digit to squares that went subnormal; beyond binary64's exponents: not zero.
-    T const least = T(std::ldexp(1.0, ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits));
     T const sum = a * a + dot(x, x, n);
-    if (is_finite(sum) && least < sum) return square_root(sum);
+    if (is_finite(sum) && least_sum_of_squares<T>() < sum) return square_root(sum);
     T scaled = (a / largest) * (a / largest);
     for (Index k = 0; k < n; ++k) scaled += (x[k] / largest) * (x[k] / largest);
     return largest * square_root(scaled);

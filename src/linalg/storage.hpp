@@ -3,21 +3,47 @@
 
 #include <rlslab/problem.hpp>
 
+#include <algorithm>
 #include <array>
+#include <new>
 #include <vector>
 
 namespace rlslab {
 
+/// The arithmetics whose kernels are compiled for the machine's registers.
+template <class T>
+concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
+
+/// Where kernels work on whole blocks of rows, columns are padded to them; nothing reads the padding.
+template <class T, int N>
+constexpr Index padded(Index size) {
+    if (!Hardware<T>) return size;
+    return N != Dynamic && N <= 4 ? 4 : (size + 7) / 8 * 8;
+}
+
 namespace detail {
-/// size() numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
+/// Columns begin on the machine's cache lines.
+template <class T>
+struct Aligned {
+    using value_type = T;
+    static constexpr std::align_val_t alignment{64};
+    Aligned() = default;
+    template <class Other>
+    Aligned(Aligned<Other> const&) {}
+    T* allocate(size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
+    void deallocate(T* p, size_t) { ::operator delete(p, alignment); }
+    friend bool operator==(Aligned, Aligned) { return true; }
+};
+
+/// size numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
 template <class T, int Capacity>
 struct Buffer {
-    std::array<T, Capacity> values;
+    alignas(Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T)) std::array<T, size_t(Capacity)> values;
     explicit Buffer(Index) { values.fill(T(0)); }
 };
 template <class T>
 struct Buffer<T, Dynamic> {
-    std::vector<T> values;
+    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
     explicit Buffer(Index size) : values(size_t(size), T(0)) {}
 };
 }  // namespace detail
@@ -25,11 +51,13 @@ struct Buffer<T, Dynamic> {
 /// d numbers, zero at first.
 template <class T, int N = Dynamic>
 class Column {
-    detail::Buffer<T, N> buffer_;
+    static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
+    detail::Buffer<T, Capacity> buffer_;
+    Index size_;
 
 public:
-    explicit Column(Index size) : buffer_(size) {}
-    Index size() const { return N == Dynamic ? Index(buffer_.values.size()) : N; }
+    explicit Column(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
+    Index size() const { return N == Dynamic ? size_ : N; }
     T* data() { return buffer_.values.data(); }
     T const* data() const { return buffer_.values.data(); }
     T& operator[](Index i) { return data()[i]; }
@@ -40,18 +68,21 @@ public:
 /// d x d numbers by columns, zero at first.
 template <class T, int N = Dynamic>
 class Square {
-    static constexpr int Capacity = N == Dynamic ? Dynamic : N * N;
+    static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
     Index size_;
 
 public:
-    explicit Square(Index size) : buffer_(size * size), size_(size) {}
+    explicit Square(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
     Index size() const { return N == Dynamic ? size_ : N; }
-    T* column(Index j) { return buffer_.values.data() + j * size(); }
-    T const* column(Index j) const { return buffer_.values.data() + j * size(); }
+    Index stride() const { return padded<T, N>(size()); }    ///< from one column to the next
+    T* column(Index j) { return buffer_.values.data() + j * stride(); }
+    T const* column(Index j) const { return buffer_.values.data() + j * stride(); }
     T& operator()(Index i, Index j) { return column(j)[i]; }
     T const& operator()(Index i, Index j) const { return column(j)[i]; }
-    auto view() const { return Eigen::Map<Matrix<T, N> const>(column(0), size(), size()); }
+    auto view() const {
+        return Eigen::Map<Matrix<T, N> const, 0, Eigen::OuterStride<>>(column(0), size(), size(), Eigen::OuterStride<>(stride()));
+    }
 };
 
 }  // namespace rlslab

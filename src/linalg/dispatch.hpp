@@ -1,0 +1,254 @@
+// The dense kernels by name, each with one text for every arithmetic, compiled for several instruction sets where the
+// arithmetic is the hardware's, and the choice among them at start-up. Whatever is chosen, the bits are the same: the texts
+// (isa/*.hpp) fix the order of evaluation in blocks of eight rows, nothing is fused, and no lane meets another but in the
+// tree that ends a dot product.
+#pragma once
+
+#include <rlslab/linalg/rotations.hpp>
+#include <rlslab/linalg/storage.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <type_traits>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+namespace rlslab::kernels {
+
+/// The rows [first, last) of a block.
+struct Present {
+    Index first, last;
+};
+
+// --- elementwise: out = x ... over d numbers --------------------------------------------------------------------------
+
+template <class T>
+struct OverColumn {
+    Index d;
+    T const* x;
+    T* out;
+};
+template <class T>
+struct DivideByOne : OverColumn<T> {
+    T s;
+};
+template <class T>
+struct Divide : OverColumn<T> {
+    T const* y;
+};
+template <class T>
+struct Scale : OverColumn<T> {
+    T const* y;
+};
+template <class T>
+struct TakeRoots : OverColumn<T> {};
+template <class T>
+struct AddScaled : OverColumn<T> {
+    T a;
+    T const* y;
+};
+template <class K>
+concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
+
+// --- products -----------------------------------------------------------------------------------------------------------
+
+enum class Shape { full, upper, above_diagonal };
+
+template <class T, Shape>
+struct MultiplyTransposed {
+    Index d, ld;
+    T const *A, *x;
+    T* out;
+};
+template <class T>
+struct MultiplySquares {
+    static constexpr int registers = 8;
+    Index d, ld;
+    T const *A, *B;
+    Index row, column;    // strides of B
+    T* out;
+};
+
+// --- sweeps over columns: what step j reads, what the running block starts from ------------------------------------------
+
+enum class Start { zero, column, first_product };
+/// What a sweep stores of a block: below the diagonal it stores zeros that it computed, or must keep from storing.
+enum class Writes { nothing, all, present };
+
+template <class T, bool is_upper>
+struct Multiply {
+    static constexpr int registers = 8;
+    static constexpr bool upper = is_upper;
+    static constexpr Writes writes = Writes::nothing;
+    static constexpr Start starts = is_upper ? Start::zero : Start::first_product;
+    Index d, ld;
+    T const* A;
+    T* w;
+    T const* x;
+    T const& at(Index j) const { return x[j]; }
+};
+template <class T, bool is_upper>
+struct SubtractRankOne {
+    static constexpr int registers = 8;
+    static constexpr bool upper = is_upper;
+    static constexpr Writes writes = is_upper ? Writes::present : Writes::all;
+    static constexpr Start starts = Start::column;
+    Index d, ld;
+    T* A;
+    T const *w, *f;
+    T excess;
+    T at(Index j) const { return f[j]; }
+};
+template <class T>
+struct SubtractRankTwo {
+    static constexpr int registers = 4;
+    Index d, ld;
+    T* A;
+    T const *x, *g;
+    T excess;
+};
+template <class T>
+struct SweepUd {
+    static constexpr int registers = 4;
+    static constexpr bool upper = true;
+    static constexpr Writes writes = Writes::all;
+    static constexpr Start starts = Start::zero;
+    struct At {
+        T g, mu;
+    };
+    Index d, ld;
+    T *A, *w;
+    T const *g, *mu;
+    At at(Index j) const { return {g[j], mu[j]}; }
+};
+template <class T>
+struct SweepCarlson {
+    static constexpr int registers = 4;
+    static constexpr bool upper = true;
+    static constexpr Writes writes = Writes::all;
+    static constexpr Start starts = Start::zero;
+    struct At {
+        T f, keep, mix;
+    };
+    Index d, ld;
+    T *A, *w;
+    T const *f, *keep, *mix;
+    T excess;
+    At at(Index j) const { return {f[j], keep[j], mix[j]}; }
+};
+template <class T>
+struct SweepRotations {
+    static constexpr int registers = 4;
+    static constexpr bool upper = true;
+    static constexpr Writes writes = Writes::all;
+    static constexpr Start starts = Start::zero;
+    struct At {
+        T c, s;
+    };
+    Index d, ld;
+    T *A, *w;
+    T const *c, *s;
+    T excess;
+    At at(Index j) const { return {c[j], s[j]}; }
+};
+template <class K>
+concept ByRows = requires { K::registers; };
+template <class K>
+concept Sweep = ByRows<K> && requires { K::starts; };
+
+// --- panels of a lower triangle ------------------------------------------------------------------------------------------
+
+template <class T>
+struct Eliminate {
+    static constexpr bool writes = false, corners = true;
+    Index d, ld;
+    T const* L;
+    T* x;
+};
+template <class T>
+struct SweepGentleman {
+    static constexpr bool writes = true;
+    Index d, ld;
+    T *L, *x;
+    T const *c, *s, *e;
+};
+template <class T>
+struct RotateIn {
+    static constexpr bool writes = true, corners = true;
+    Index d, ld;
+    T *L, *x, *z, *eta, *c, *s;
+    T root_lambda;
+};
+template <class K>
+concept ByPanels = requires { K::corners; };
+
+}  // namespace rlslab::kernels
+
+// GCC lowers vectors wider than its target's registers before it inlines, so that a target attribute on the caller comes
+// too late: the whole text is compiled under each target.
+namespace rlslab::kernels::portable {
+#include <rlslab/linalg/isa/all.hpp>
+}
+#if defined(__x86_64__) && !defined(__AVX2__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+namespace rlslab::kernels::avx2 {
+#include <rlslab/linalg/isa/all.hpp>
+}
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+namespace rlslab {
+
+enum class Isa { baseline, avx2 };
+
+namespace kernels {
+inline bool has_avx2() {
+#ifdef __x86_64__
+    __builtin_cpu_init();
+    return __builtin_cpu_supports("avx2");
+#else
+    return false;
+#endif
+}
+/// What the kernels run on. Baseline until start-up is through; a test may change it: the bits do not depend on it.
+inline Isa isa = has_avx2() ? Isa::avx2 : Isa::baseline;
+
+/// Bytes of the registers that this translation unit is compiled for anyway.
+#ifdef __AVX2__
+inline constexpr int register_bytes = 32;
+#else
+inline constexpr int register_bytes = 16;
+#endif
+}  // namespace kernels
+
+/// Runs the kernel on a square or columns of size N: inline for the smallest fixed sizes, where a call would be felt.
+template <class T, int N, class Kernel>
+inline void run(Kernel kernel) {
+    using namespace kernels;
+    if constexpr (!Hardware<T>) {
+        portable::run<portable::Plain<T>>(kernel);
+    } else if constexpr (N != Dynamic && N <= 4) {
+        portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+    } else if constexpr (N != Dynamic && N <= 8) {
+        portable::run<portable::Simd<T, register_bytes>>(kernel);
+    } else {
+        if constexpr (Elementwise<Kernel>)
+            if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
+#if defined(__x86_64__) && !defined(__AVX2__)
+        if (isa == Isa::avx2) return avx2::call<avx2::Simd<T, 32>>(kernel);
+#endif
+        portable::call<portable::Simd<T, register_bytes>>(kernel);
+    }
+}
+
+}  // namespace rlslab

@@ -1,0 +1,15 @@
+// The texts of the kernels, in the order in which they build on one another. Included by dispatch.hpp once for each
+// instruction set, each time in a namespace of its own: no #pragma once.
+#include <rlslab/linalg/isa/block.hpp>
+
+#include <rlslab/linalg/isa/dense.hpp>
+
+#include <rlslab/linalg/isa/sweep.hpp>
+
+#include <rlslab/linalg/isa/lower.hpp>
+
+template <class B, class K>
+[[gnu::noinline]] void call(K const& kernel) {
+    K const copy = kernel;    // whose address nobody has: its fields stay in registers
+    run<B>(copy);
+}

@@ -1,0 +1,224 @@
+// A block of eight rows (four for the smallest fixed sizes): what the kernels' texts are written in.
+// Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+//
+// Plain works in every arithmetic and does exactly the rows that are present. Simd holds whole registers: rows that are not
+// there are padding, which may hold anything and is read by nobody; where it would be (sums) it is masked out.
+
+template <class T>
+struct Plain {
+    using scalar = T;
+    static constexpr int rows = 8, registers = 8;
+    static constexpr bool padded = false;
+    T x[8];
+    Present in;
+
+    void zero(Present p) {
+        in = p;
+        for (Index i = in.first; i < in.last; ++i) x[i] = T(0);
+    }
+    void load(T const* from, Present p) {
+        in = p;
+        for (Index i = in.first; i < in.last; ++i) x[i] = from[i];
+    }
+    void load_unpadded(T const* from, Present p) { load(from, p); }
+    void store(T* to) const {
+        for (Index i = in.first; i < in.last; ++i) to[i] = x[i];
+    }
+    void store_present(T* to, Present) const { store(to); }
+    void scale(T const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] *= a;
+    }
+    void divide(T const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] /= a;
+    }
+    void scale(Plain const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] *= a.x[i];
+    }
+    void divide(Plain const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] /= a.x[i];
+    }
+    void subtract(Plain const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] -= a.x[i];
+    }
+    void take_root() {
+        for (Index i = in.first; i < in.last; ++i) x[i] = square_root(x[i]);
+    }
+    void take(Plain const& a) {
+        for (Index i = a.in.first; i < a.in.last; ++i) x[i] = a.x[i];
+    }
+    void add_product(Plain const& a, T const& b) {
+        for (Index i = std::max(in.first, a.in.first); i < std::min(in.last, a.in.last); ++i) x[i] += a.x[i] * b;
+    }
+    void subtract_product(Plain const& a, T const& b) {
+        for (Index i = std::max(in.first, a.in.first); i < std::min(in.last, a.in.last); ++i) x[i] -= a.x[i] * b;
+    }
+    /// The running lanes of dot products, only over rows that are present.
+    void start_sum(Plain const& a, Plain const& b, Present p) {
+        in = p;
+        if (p.last == 0) x[0] = T(0);
+        for (Index i = 0; i < p.last; ++i) x[i] = a.x[i] * b.x[i];
+    }
+    void sum_all(Plain const& a, Plain const& b) {
+        for (Index i = 0; i < 8; ++i) x[i] += a.x[i] * b.x[i];
+    }
+    void sum(Plain const& a, Plain const& b, Present p) {
+        for (Index i = 0; i < p.last; ++i) x[i] += a.x[i] * b.x[i];
+    }
+    static void sums(Plain (&a)[4], T* out, Index count) {
+        for (Index c = 0; c < count; ++c) {
+            T* const lane = a[c].x;
+            for (Index half = 4; half >= 1; half /= 2)
+                for (Index i = 0; i < half && i + half < a[c].in.last; ++i) lane[i] += lane[i + half];
+            out[c] = lane[0];
+        }
+    }
+};
+
+template <class T, int Bytes, int Rows = 8>
+struct Simd {
+    using scalar = T;
+    using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+    typedef T V __attribute__((vector_size(Bytes)));
+    typedef T Anywhere __attribute__((vector_size(Bytes), aligned(alignof(T)), may_alias));
+    typedef Word Mask __attribute__((vector_size(Bytes)));
+    typedef Word MaskAnywhere __attribute__((vector_size(Bytes), aligned(alignof(Word)), may_alias));
+    static constexpr int rows = Rows, W = Bytes / int(sizeof(T)), registers = Rows / W;
+    static constexpr bool padded = true;
+    V v[registers];
+
+    [[gnu::always_inline]] void zero(Present) {
+        for (V& r : v) r = V{};
+    }
+    [[gnu::always_inline]] void load(T const* from, Present) {
+        for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
+    }
+    [[gnu::always_inline]] void load_unpadded(T const* from, Present p) {
+        for (int m = 0; m < registers; ++m) {
+            Index const left = p.last - m * W;
+            T const* const at = from + m * W;
+            v[m] = V{};
+            if (left >= W) {
+                v[m] = *reinterpret_cast<Anywhere const*>(at);
+#ifdef __x86_64__    // a copy would be waited for: narrow stores do not forward to a wide load
+            } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
+                v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
+            } else if constexpr (Bytes == 32) {
+                v[m] = V(_mm256_maskload_ps(at, __m256i(mask(left, 0))));
+            } else if constexpr (W == 2) {
+                if (left == 1) v[m] = V(_mm_load_sd(at));
+#endif
+            } else if (left > 0) {
+                for (Index i = 0; i < left; ++i) v[m][i] = at[i];
+            }
+        }
+    }
+    [[gnu::always_inline]] void store(T* to) const {
+        for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
+    }
+    /// The present rows alone; the others keep what they hold.
+    [[gnu::always_inline]] void store_present(T* to, Present p) const {
+        for (int m = 0; m < registers; ++m) {
+            auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
+            Mask const here = mask(p.last, m) & ~mask(p.first, m);
+            *there = V((here & Mask(v[m])) | (~here & Mask(V(*there))));
+        }
+    }
+    [[gnu::always_inline]] void take(Simd const& a) { *this = a; }
+    [[gnu::always_inline]] void scale(T a) {
+        for (V& r : v) r = r * a;
+    }
+    [[gnu::always_inline]] void divide(T a) {
+        for (V& r : v) r = r / a;
+    }
+    [[gnu::always_inline]] void scale(Simd const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] * a.v[m];
+    }
+    [[gnu::always_inline]] void divide(Simd const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] / a.v[m];
+    }
+    [[gnu::always_inline]] void subtract(Simd const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
+    }
+    [[gnu::always_inline]] void take_root() {
+        for (V& r : v) root(r);
+    }
+    [[gnu::always_inline]] void add_product(Simd const& a, T b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b;
+    }
+    [[gnu::always_inline]] void subtract_product(Simd const& a, T b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
+    }
+    /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
+    [[gnu::always_inline]] void start_sum(Simd const& a, Simd const& b, Present p) {
+        for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
+        if (p.last < Rows)
+            for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
+    }
+    [[gnu::always_inline]] void sum_all(Simd const& a, Simd const& b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
+    }
+    [[gnu::always_inline]] void sum(Simd const& a, Simd const& b, Present p) {
+        for (int m = 0; m < registers; ++m) {
+            V product = a.v[m] * b.v[m];
+            leave_out(product, p.last, m);
+            v[m] = v[m] + product;
+        }
+    }
+    /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks; out is padded: four are always written.
+    [[gnu::always_inline]] static void sums(Simd (&a)[4], T* out, Index) {
+        if constexpr (W == 2) {
+            V pair[4];
+            for (int c = 0; c < 4; ++c) {
+                V const* const r = a[c].v;
+                if constexpr (Rows == 8)
+                    pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
+                else
+                    pair[c] = r[0] + r[1];
+            }
+            for (int c = 0; c < 4; c += 2)
+                *reinterpret_cast<Anywhere*>(out + c) = __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
+                                                        __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
+        } else {
+            typedef T Four __attribute__((vector_size(4 * sizeof(T))));
+            typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
+            Four h[4];
+            for (int c = 0; c < 4; ++c) {
+                V const* const r = a[c].v;
+                if constexpr (W == 8)
+                    h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) + __builtin_shufflevector(r[0], r[0], 4, 5, 6, 7);
+                else if constexpr (Rows == 8)
+                    h[c] = r[0] + r[1];
+                else
+                    h[c] = r[0];
+            }
+            Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
+            Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
+            *reinterpret_cast<FourAnywhere*>(out) = __builtin_shufflevector(p, q, 0, 2, 4, 6) + __builtin_shufflevector(p, q, 1, 3, 5, 7);
+        }
+    }
+
+private:
+    /// Ones in the lanes of register m that hold rows < count.
+    [[gnu::always_inline]] static Mask mask(Index count, int m) {
+        alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
+        return *reinterpret_cast<MaskAnywhere const*>(table + 8 - count + m * W);
+    }
+    [[gnu::always_inline]] static void leave_out(V& product, Index count, int m) {
+        Mask const here = mask(count, m);
+        product = V((here & Mask(product)) | (~here & Mask(-V{})));
+    }
+    [[gnu::always_inline]] static void root(V& x) {
+#ifdef __x86_64__
+        if constexpr (Bytes == 32 && sizeof(T) == 8)
+            x = V(_mm256_sqrt_pd(__m256d(x)));
+        else if constexpr (Bytes == 32)
+            x = V(_mm256_sqrt_ps(__m256(x)));
+        else if constexpr (sizeof(T) == 8)
+            x = V(_mm_sqrt_pd(__m128d(x)));
+        else
+            x = V(_mm_sqrt_ps(__m128(x)));
+#else
+        for (int i = 0; i < W; ++i) x[i] = std::sqrt(x[i]);
+#endif
+    }
+};

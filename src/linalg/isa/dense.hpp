@@ -1,0 +1,106 @@
+// Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
+
+/// Loops over the rows of a column in blocks.
+template <class B>
+inline Present rows_of(Index i0, Index end) {
+    return {0, end - i0 < B::rows ? end - i0 : B::rows};
+}
+
+// --- elementwise, in one pass over a column ---------------------------------------------------------------------------
+
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(DivideByOne<T> const& k, Index, B& x) { x.divide(k.s); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) {
+    B y;
+    y.load(k.y + i0, rows_of<B>(i0, k.d));
+    x.divide(y);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) {
+    B y;
+    y.load(k.y + i0, rows_of<B>(i0, k.d));
+    x.scale(y);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) {
+    B y;
+    y.load(k.y + i0, rows_of<B>(i0, k.d));
+    x.add_product(y, k.a);
+}
+template <class B, Elementwise K>
+[[gnu::always_inline]] inline void run(K const& k) {
+    for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
+        B x;
+        x.load(k.x + i0, rows_of<B>(i0, k.d));
+        apply(k, i0, x);
+        x.store(k.out + i0);
+    }
+}
+
+// --- dot products, four columns at once -------------------------------------------------------------------------------
+
+/// out_j = A_j'x; of an upper triangle the rows down to the diagonal, or those above it.
+template <class B, class T, Shape shape>
+[[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
+    constexpr bool upper = shape != Shape::full;
+    constexpr Index diagonal = shape == Shape::upper ? 1 : 0;
+    Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
+    B x_tail;
+    if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
+    for (Index j0 = 0; j0 < k.d; j0 += 4) {
+        Index const count = k.d - j0 < 4 ? k.d - j0 : 4, work = B::padded ? 4 : count;
+        Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;    // the block with rows that are not present
+        T const* column[4];
+        for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
+        auto const present = [&](int c, Index i0) { return rows_of<B>(i0, upper ? j0 + c + diagonal : k.d); };
+        B sum[4], x, a;
+        x = x_tail;
+        if (tail > 0) x.load(k.x, {0, B::rows});
+        for (int c = 0; c < work; ++c) {
+            a.load(column[c], present(c, 0));
+            sum[c].start_sum(a, x, present(c, 0));
+        }
+        for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
+            x.load(k.x + i0, {0, B::rows});
+            for (int c = 0; c < work; ++c) {
+                a.load(column[c] + i0, {0, B::rows});
+                sum[c].sum_all(a, x);
+            }
+        }
+        if (last > 0) {
+            x = x_tail;
+            if (last < tail) x.load(k.x + last, {0, B::rows});
+            for (int c = 0; c < work; ++c) {
+                a.load(column[c] + last, present(c, last));
+                sum[c].sum(a, x, present(c, last));
+            }
+        }
+        B::sums(sum, k.out + j0, count);
+    }
+    if (shape == Shape::above_diagonal) k.out[0] = T(0);
+}
+
+// --- products of squares ----------------------------------------------------------------------------------------------
+
+/// out = A B: two columns at a time, a few blocks of rows in registers, summed over the columns of A in their order.
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(MultiplySquares<T> const& k, Index i0) {
+    for (Index j = 0; j < k.d; ++j) {
+        B sum[K], a;
+        for (Index n = 0; n < k.d; ++n) {
+            T const b = k.B[n * k.row + j * k.column];
+            for (int m = 0; m < K; ++m) {
+                Index const i = i0 + m * B::rows;
+                a.load(k.A + n * k.ld + i, rows_of<B>(i, k.d));
+                if (n == 0)
+                    sum[m] = a, sum[m].scale(b);
+                else
+                    sum[m].add_product(a, b);
+            }
+        }
+        for (int m = 0; m < K; ++m) sum[m].store(k.out + j * k.ld + i0 + m * B::rows);
+    }
+}

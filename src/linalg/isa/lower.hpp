@@ -1,0 +1,108 @@
+// Kernels on a lower triangle L = R', a row of R in each column: eight rows of R are settled one after another, then
+// applied to what follows them. Included by dispatch.hpp once for each instruction set: no #pragma once.
+
+/// Columns i0 ... of L against the rows below them: t is a block of column i, x the block of the row that is folded in.
+template <class B, class S>
+[[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
+    Present const here = rows_of<B>(j0, s.d);
+    B x;
+    x.load(s.x + j0, here);
+    for (Index i = i0; i < i0 + B::rows; ++i) {
+        auto* const column = s.L + i * s.ld + j0;
+        B t;
+        t.load(column, here);
+        step(s, i, t, x);
+        if constexpr (S::writes) t.store(column);
+    }
+    x.store(s.x + j0);
+}
+
+// x_j -= x_i L_ji
+template <class B, class T>
+[[gnu::always_inline]] inline void step(Eliminate<T> const& s, Index i, B& t, B& x) { x.subtract_product(t, s.x[i]); }
+
+// L_ji = c_i t + s_i x_j,  x_j -= e_i t
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.subtract_product(old, s.e[i]);
+}
+
+// (sqrt(lambda) L_ji, x_j) times the rotation i
+template <class B, class T>
+[[gnu::always_inline]] inline void step(RotateIn<T> const& s, Index i, B& t, B& x) {
+    t.scale(s.root_lambda);
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.scale(s.c[i]);
+    x.subtract_product(old, s.s[i]);
+}
+
+/// The corner on the diagonal, rows and columns i0 ... i0 + m: scalars, one row after another.
+template <int m, class T>
+[[gnu::always_inline]] inline void corner(Eliminate<T> const& s, Index i0, T* x) {
+    T const* const L = s.L + i0 * s.ld + i0;
+#pragma GCC unroll 8
+    for (Index i = 0; i < m; ++i)
+#pragma GCC unroll 8
+        for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * L[i * s.ld + j];
+}
+template <int m, class T>
+[[gnu::always_inline]] inline void corner(RotateIn<T> const& s, Index i0, T* x) {
+    T* const L = s.L + i0 * s.ld + i0;
+#pragma GCC unroll 8
+    for (Index i = 0; i < m; ++i) {
+        Rotation<T> const turn = givens(T(s.root_lambda * L[i * s.ld + i]), x[i]);
+        L[i * s.ld + i] = turn.r;
+        s.c[i0 + i] = turn.c;
+        s.s[i0 + i] = turn.s;
+#pragma GCC unroll 8
+        for (Index j = i + 1; j < m; ++j) {
+            T const t = s.root_lambda * L[i * s.ld + j], xj = x[j];
+            L[i * s.ld + j] = turn.c * t + turn.s * xj;
+            x[j] = turn.c * xj - turn.s * t;
+        }
+        T const t = s.root_lambda * s.z[i0 + i], eta = *s.eta;
+        s.z[i0 + i] = turn.c * t + turn.s * eta;
+        *s.eta = turn.c * eta - turn.s * t;
+    }
+}
+/// The same with m known: x and the loops unroll into registers.
+template <int m, class S, class T>
+[[gnu::always_inline]] inline void corner_of(S const& s, Index i0, T* x, Index present) {
+    if constexpr (m > 1)
+        if (present < m) return corner_of<m - 1>(s, i0, x, present);
+    T copy[m];
+    for (Index i = 0; i < m; ++i) copy[i] = x[i];
+    corner<m>(s, i0, copy);
+    for (Index i = 0; i < m; ++i) x[i] = copy[i];
+}
+
+template <class B, ByPanels S>
+[[gnu::always_inline]] inline void run(S const& s) {
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        corner_of<B::rows>(s, i0, s.x + i0, rows_of<B>(i0, s.d).last);
+        for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+    }
+}
+
+/// Gentleman's rows with all coefficients known: the corner needs no order of its own, only its upper part left alone.
+template <class B, class T>
+[[gnu::always_inline]] inline void run(SweepGentleman<T> const& s) {
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        B x;
+        Index const m = rows_of<B>(i0, s.d).last;
+        x.load(s.x + i0, {0, m});
+        for (Index i = 0; i < m; ++i) {
+            T* const column = s.L + (i0 + i) * s.ld + i0;
+            B t;
+            t.load(column, {i + 1, m});
+            step(s, i0 + i, t, x);
+            t.store_present(column, {i + 1, m});
+        }
+        for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+    }
+}

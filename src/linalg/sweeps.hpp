@@ -1,0 +1,96 @@
+// One pass over a triangle: the heart of the triangular forms, with every coefficient known before it starts.
+#pragma once
+
+#include <rlslab/linalg/kernels.hpp>
+
+namespace rlslab {
+
+// --- P symmetric, its upper triangle stored and zeros below ------------------------------------------------------------------
+
+/// out = P x: the sum over the columns of the upper triangle, plus the dot products over what is above the diagonal.
+template <Field T, int N>
+void multiply_symmetric(Square<T, N> const& P, T const* x, Column<T, N>& dots, Column<T, N>& out) {
+    run<T, N>(kernels::Multiply<T, true>{P.size(), P.stride(), P.column(0), out.data(), x});
+    run<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::above_diagonal>{P.size(), P.stride(), P.column(0), x, dots.data()});
+    for (Index i = 0; i < out.size(); ++i) out[i] += dots[i];
+}
+
+/// P_ij = (P_ij - x_i f_j) / r for i <= j.
+template <Field T, int N>
+void subtract_rank_one_upper(Square<T, N>& P, Column<T, N> const& x, Column<T, N> const& f, DividedBy<T> const& by_r) {
+    run<T, N>(kernels::SubtractRankOne<T, true>{P.size(), P.stride(), P.column(0), x.data(), f.data(), by_r.excess()});
+}
+
+/// What the upper triangle stands for.
+template <Field T, int N>
+Matrix<T, N> mirrored(Square<T, N> const& P) {
+    Matrix<T, N> out = P.view();
+    for (Index j = 0; j < P.size(); ++j)
+        for (Index i = 0; i < j; ++i) out(j, i) = out(i, j);
+    return out;
+}
+
+// --- upper triangles of a covariance --------------------------------------------------------------------------------------
+
+/// out = S'x and out = S x, S upper triangular.
+template <Field T, int N>
+void multiply_upper_transposed(Square<T, N> const& S, T const* x, Column<T, N>& out) {
+    run<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
+}
+
+/// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j, t the old U_ij, v = 0 at first.
+template <Field T, int N>
+void sweep_ud(Square<T, N>& U, Column<T, N> const& g, Column<T, N> const& mu, Column<T, N>& v) {
+    run<T, N>(kernels::SweepUd<T>{U.size(), U.stride(), U.column(0), v.data(), g.data(), mu.data()});
+}
+
+/// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j, t the old S_ij, v = 0 at first.
+template <Field T, int N>
+void sweep_carlson(Square<T, N>& S, Column<T, N> const& f, Column<T, N> const& keep, Column<T, N> const& mix,
+                   DividedBy<T> const& by_r, Column<T, N>& v) {
+    run<T, N>(kernels::SweepCarlson<T>{S.size(), S.stride(), S.column(0), v.data(), f.data(), keep.data(), mix.data(), by_r.excess()});
+}
+
+/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.
+template <Real T, int N>
+void sweep_rotations(Square<T, N>& S, Column<T, N> const& c, Column<T, N> const& s, DividedBy<T> const& by_r, Column<T, N>& g) {
+    run<T, N>(kernels::SweepRotations<T>{S.size(), S.stride(), S.column(0), g.data(), c.data(), s.data(), by_r.excess()});
+}
+
+/// before_j = b_{j-1}, after_j = b_j of b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns the last b. By the plain sum of squares,
+/// where a square that vanishes is nothing beside 1, or by one hypotenuse after another where a square overflows.
+template <Real T, int N>
+T prefix_norms(Column<T, N> const& a, Column<T, N>& before, Column<T, N>& after) {
+    T b = prefix_sums(T(1), a, a, before, after);
+    bool const plain = is_finite(b);
+    if (plain) take_roots(after, after);
+    b = T(1);
+    for (Index j = 0; j < a.size(); ++j) {
+        before[j] = b;
+        if (!plain) after[j] = absolute(givens(b, a[j]).r);
+        b = after[j];
+    }
+    return b;
+}
+
+// --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
+
+/// x_j -= x_i L_ji for i = 1 ... d and j > i: solves L x = x, L unit lower triangular.
+template <Field T, int N>
+void eliminate(Square<T, N> const& L, Column<T, N>& x) {
+    run<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
+}
+
+/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.
+template <Field T, int N>
+void sweep_gentleman(Square<T, N>& L, Column<T, N> const& c, Column<T, N> const& s, Column<T, N> const& e, Column<T, N>& x) {
+    run<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
+}
+
+/// The rotations (c_i, s_i), i = 1 ... d, that carry x into r R, R = L', and (z, eta) with it.
+template <Real T, int N>
+void rotate_in(Square<T, N>& L, Column<T, N>& x, T const& r, Column<T, N>& z, T& eta, Column<T, N>& c, Column<T, N>& s) {
+    run<T, N>(kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
+}
+
+}  // namespace rlslab
