@@ -22,28 +22,8 @@ namespace rlslab {
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;
-    Column<T, N> D_, z_, psi_, x_, rest_, before_, inverse_, c_, s_;
+    Column<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
     Square<T, N> L_;    // R'
-
-    /// s_i = w_i x_i; returns w_{d+1}.
-    T weigh() {
-        scale(x_, x_, c_);
-        divide(c_, before_, c_);
-        T inverse = T(1);
-        for (Index i = 0; i < c_.size(); ++i) {
-            inverse_[i] = inverse;
-            inverse += c_[i];
-        }
-        divide(x_, inverse_, s_);
-        if (is_finite(inverse)) return T(1) / inverse;
-        T w = T(1);
-        for (Index i = 0; i < c_.size(); ++i) {
-            s_[i] = w * x_[i];
-            T const D = before_[i] + s_[i] * x_[i];
-            if (!(x_[i] == T(0)) && !(D == T(0))) w *= before_[i] / D;
-        }
-        return w;
-    }
 
 public:
     using scalar = T;
@@ -52,24 +32,22 @@ public:
 
     explicit Gentleman(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), D_(problem.size), z_(problem.size), psi_(problem.size),
-          x_(problem.size), rest_(problem.size), before_(problem.size), inverse_(problem.size), c_(problem.size), s_(problem.size),
-          L_(problem.size) {
+          x_(problem.size), rest_(problem.size), before_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        Index const d = x_.size();
-        x_ = rest_ = psi_;
+        keep_regressor(psi, x_);
+        keep_regressor(psi, rest_);
         eliminate(L_, x_);                                                                               // (1)
+        scale(D_, lambda_, before_);
         bool determined = true;
-        for (Index i = 0; i < d; ++i) {
-            before_[i] = lambda_ * D_[i];
-            determined = determined && before_[i] != T(0);
-        }
-        T const w = weigh();                                                                             // (2)
-        for (Index i = 0; i < d; ++i) D_[i] = before_[i] + s_[i] * x_[i];                                // (3)
+        Index const d = x_.size();
+        for (Index i = 0; i < d; ++i) determined = determined && before_[i] != T(0);
+        T const w = weigh(x_, before_, s_, c_);                                                        // (2)
+        add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
         if (!determined)

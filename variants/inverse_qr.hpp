@@ -36,7 +36,7 @@ public:
     Step<T> update(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), a_);                                                   // (1)
-        for (Index j = 0; j < a_.size(); ++j) a_[j] = by_root_lambda_(a_[j]);
+        divide(a_, by_root_lambda_, a_);
         T const b = prefix_norms(a_, before_, b_);                                                       // (2)
         divide(before_, b_, c_);
         divide(a_, b_, s_);

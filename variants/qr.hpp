@@ -36,7 +36,7 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        x_ = psi_;
+        keep_regressor(psi, x_);
         T eta = y, root_gamma = T(1);
         bool determined = true;
         for (Index i = 0; i < x_.size(); ++i) determined = determined && L_(i, i) != T(0);

@@ -40,7 +40,8 @@ public:
         T const s = prefix_sums(lambda_, f_, g_, before_, s_);                                           // (2)
         divide(f_, before_, mu_);
         divide(before_, s_, before_);                                                                    // (3)
-        for (Index j = 0; j < D_.size(); ++j) D_[j] = by_lambda_(D_[j] * before_[j]);
+        scale(D_, before_, D_);
+        divide(D_, by_lambda_, D_);
         sweep_ud(U_, g_, mu_, K_);                                                                       // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);

@@ -48,6 +48,24 @@ struct AddScaled : OverColumn<T> {
     T a;
     T const* y;
 };
+template <class T>
+struct ScaleByOne : OverColumn<T> {
+    T a;
+};
+template <class T>
+struct Add : OverColumn<T> {
+    T const* y;
+};
+template <class T>
+struct AddProduct : OverColumn<T> {
+    T const *y, *z;
+};
+/// before_j = s, s += x_j, out_j = s.
+template <class T>
+struct PrefixSums : OverColumn<T> {
+    T* before;
+    T* s;
+};
 template <class K>
 concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
 
@@ -233,7 +251,7 @@ inline constexpr int register_bytes = 16;
 
 /// Runs the kernel on a square or columns of size N: inline for the smallest fixed sizes, where a call would be felt.
 template <class T, int N, class Kernel>
-inline void run(Kernel kernel) {
+[[gnu::always_inline]] inline void run(Kernel const& kernel) {
     using namespace kernels;
     if constexpr (!Hardware<T>) {
         portable::run<portable::Plain<T>>(kernel);

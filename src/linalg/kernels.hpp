@@ -64,7 +64,7 @@ void multiply_by_transposed(Square<T, N> const& A, Square<T, N> const& B, Square
     run<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
 }
 
-/// Elementwise: out = x / s,  x / y,  x y,  sqrt(x); out may be x.
+/// Elementwise: out = x / s,  x / y,  a x,  x y,  sqrt(x),  x + y,  x + y z; out may be any of them.
 template <Field T, int N>
 void divide(Column<T, N> const& x, T const& s, Column<T, N>& out) {
     run<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
@@ -77,20 +77,34 @@ template <Field T, int N>
 void scale(Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& out) {
     run<T, N>(kernels::Scale<T>{{out.size(), x.data(), out.data()}, y.data()});
 }
+template <Field T, int N>
+void scale(Column<T, N> const& x, T const& a, Column<T, N>& out) {
+    run<T, N>(kernels::ScaleByOne<T>{{out.size(), x.data(), out.data()}, a});
+}
+template <Field T, int N>
+void add(Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& out) {
+    run<T, N>(kernels::Add<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Field T, int N>
+void add_product(Column<T, N> const& x, Column<T, N> const& y, Column<T, N> const& z, Column<T, N>& out) {
+    run<T, N>(kernels::AddProduct<T>{{out.size(), x.data(), out.data()}, y.data(), z.data()});
+}
 template <Real T, int N>
 void take_roots(Column<T, N> const& x, Column<T, N>& out) {
     run<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
-/// before_j = s_{j-1}, after_j = s_j of s_j = s_{j-1} + x_j y_j; returns the last s.
+/// before_j = s_{j-1}, after_j = s_j of s_j = s_{j-1} + x_j; returns the last s.
 template <Field T, int N>
-T prefix_sums(T s, Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& before, Column<T, N>& after) {
-    for (Index j = 0; j < x.size(); ++j) {
-        before[j] = s;
-        s += x[j] * y[j];
-        after[j] = s;
-    }
+T prefix_sums(T s, Column<T, N> const& x, Column<T, N>& before, Column<T, N>& after) {
+    run<T, N>(kernels::PrefixSums<T>{{x.size(), x.data(), after.data()}, before.data(), &s});
     return s;
+}
+/// The same of s_j = s_{j-1} + x_j y_j.
+template <Field T, int N>
+T prefix_sums(T const& s, Column<T, N> const& x, Column<T, N> const& y, Column<T, N>& before, Column<T, N>& after) {
+    scale(x, y, after);
+    return prefix_sums(s, after, before, after);
 }
 
 /// x / r for 1/2 <= r <= 1, written x + x (1 - r)/r: no division in the loop. 1 - r is exact there, so the rounding of
@@ -105,6 +119,12 @@ public:
     T operator()(T const& x) const { return x + x * excess_; }
     T const& excess() const { return excess_; }
 };
+
+/// out = x / r.
+template <Field T, int N>
+void divide(Column<T, N> const& x, DividedBy<T> const& by_r, Column<T, N>& out) {
+    run<T, N>(kernels::AddScaled<T>{{out.size(), x.data(), out.data()}, by_r.excess(), x.data()});
+}
 
 /// A = (A - x f') / r  and  A = (A - (x g' + g x')) / r.
 template <Field T, int N>

@@ -12,7 +12,7 @@ template <Field T, int N>
 void multiply_symmetric(Square<T, N> const& P, T const* x, Column<T, N>& dots, Column<T, N>& out) {
     run<T, N>(kernels::Multiply<T, true>{P.size(), P.stride(), P.column(0), out.data(), x});
     run<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::above_diagonal>{P.size(), P.stride(), P.column(0), x, dots.data()});
-    for (Index i = 0; i < out.size(); ++i) out[i] += dots[i];
+    add(out, dots, out);
 }
 
 /// P_ij = (P_ij - x_i f_j) / r for i <= j.
@@ -61,14 +61,16 @@ void sweep_rotations(Square<T, N>& S, Column<T, N> const& c, Column<T, N> const&
 /// where a square that vanishes is nothing beside 1, or by one hypotenuse after another where a square overflows.
 template <Real T, int N>
 T prefix_norms(Column<T, N> const& a, Column<T, N>& before, Column<T, N>& after) {
-    T b = prefix_sums(T(1), a, a, before, after);
-    bool const plain = is_finite(b);
-    if (plain) take_roots(after, after);
-    b = T(1);
+    T const sum = prefix_sums(T(1), a, a, before, after);
+    if (is_finite(sum)) {
+        take_roots(before, before);
+        take_roots(after, after);
+        return after[a.size() - 1];
+    }
+    T b = T(1);
     for (Index j = 0; j < a.size(); ++j) {
         before[j] = b;
-        if (!plain) after[j] = absolute(givens(b, a[j]).r);
-        b = after[j];
+        b = after[j] = givens(b, a[j]).r;
     }
     return b;
 }
@@ -79,6 +81,24 @@ T prefix_norms(Column<T, N> const& a, Column<T, N>& before, Column<T, N>& after)
 template <Field T, int N>
 void eliminate(Square<T, N> const& L, Column<T, N>& x) {
     run<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
+}
+
+/// s_i = w_i x_i of 1/w_{i+1} = 1/w_i + x_i^2 / D_i, w_1 = 1; returns the last w. Where 1/w is not finite (a zero D_i, an
+/// overflow) w_{i+1} = w_i D_i / (D_i + w_i x_i^2) instead, and a row that changes nothing keeps its weight.
+template <Field T, int N>
+T weigh(Column<T, N> const& x, Column<T, N> const& D, Column<T, N>& s, Column<T, N>& scratch) {
+    scale(x, x, s);
+    divide(s, D, s);
+    T const inverse = prefix_sums(T(1), s, scratch, s);
+    divide(x, scratch, s);
+    if (is_finite(inverse)) return T(1) / inverse;
+    T w = T(1);
+    for (Index i = 0; i < x.size(); ++i) {
+        s[i] = w * x[i];
+        T const sum = D[i] + s[i] * x[i];
+        if (!(x[i] == T(0)) && !(sum == T(0))) w *= D[i] / sum;
+    }
+    return w;
 }
 
 /// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.

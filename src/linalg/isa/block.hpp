@@ -40,8 +40,20 @@ struct Plain {
     void subtract(Plain const& a) {
         for (Index i = in.first; i < in.last; ++i) x[i] -= a.x[i];
     }
+    void add(Plain const& a) {
+        for (Index i = in.first; i < in.last; ++i) x[i] += a.x[i];
+    }
     void take_root() {
         for (Index i = in.first; i < in.last; ++i) x[i] = square_root(x[i]);
+    }
+    /// before_i = s, s += x_i, after_i = s, for one row after another.
+    void accumulate(T& s, Plain& before, Plain& after, Present p) const {
+        before.in = after.in = p;
+        for (Index i = 0; i < p.last; ++i) {
+            before.x[i] = s;
+            s += x[i];
+            after.x[i] = s;
+        }
     }
     void take(Plain const& a) {
         for (Index i = a.in.first; i < a.in.last; ++i) x[i] = a.x[i];
@@ -58,6 +70,7 @@ struct Plain {
         if (p.last == 0) x[0] = T(0);
         for (Index i = 0; i < p.last; ++i) x[i] = a.x[i] * b.x[i];
     }
+    void start_sum_all(Plain const& a, Plain const& b) { start_sum(a, b, {0, 8}); }
     void sum_all(Plain const& a, Plain const& b) {
         for (Index i = 0; i < 8; ++i) x[i] += a.x[i] * b.x[i];
     }
@@ -139,6 +152,25 @@ struct Simd {
     [[gnu::always_inline]] void subtract(Simd const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
     }
+    [[gnu::always_inline]] void add(Simd const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
+    }
+    /// before_i = s, s += x_i, after_i = s, for one row after another; put together in registers, because narrow stores do
+    /// not forward to the wide loads that follow.
+    [[gnu::always_inline]] void accumulate(T& s, Simd& before, Simd& after, Present p) const {
+        T b[Rows], a[Rows];
+        for (int m = 0; m < registers; ++m) {
+            V term = v[m];
+            if (p.last < Rows) leave_out(term, p.last, m);
+            for (int i = 0; i < W; ++i) {
+                b[m * W + i] = s;
+                s += term[i];
+                a[m * W + i] = s;
+            }
+        }
+        before.put_together(b);
+        after.put_together(a);
+    }
     [[gnu::always_inline]] void take_root() {
         for (V& r : v) root(r);
     }
@@ -149,10 +181,12 @@ struct Simd {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
     }
     /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
-    [[gnu::always_inline]] void start_sum(Simd const& a, Simd const& b, Present p) {
+    [[gnu::always_inline]] void start_sum_all(Simd const& a, Simd const& b) {
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
-        if (p.last < Rows)
-            for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
+    }
+    [[gnu::always_inline]] void start_sum(Simd const& a, Simd const& b, Present p) {
+        start_sum_all(a, b);
+        for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
     }
     [[gnu::always_inline]] void sum_all(Simd const& a, Simd const& b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
@@ -198,6 +232,17 @@ struct Simd {
     }
 
 private:
+    [[gnu::always_inline]] void put_together(T const (&x)[Rows]) {
+        for (int m = 0; m < registers; ++m) {
+            T const* const a = x + m * W;
+            if constexpr (W == 2)
+                v[m] = V{a[0], a[1]};
+            else if constexpr (W == 4)
+                v[m] = V{a[0], a[1], a[2], a[3]};
+            else
+                v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
+        }
+    }
     /// Ones in the lanes of register m that hold rows < count.
     [[gnu::always_inline]] static Mask mask(Index count, int m) {
         alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};

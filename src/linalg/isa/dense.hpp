@@ -30,6 +30,29 @@ template <class B, class T>
     y.load(k.y + i0, rows_of<B>(i0, k.d));
     x.add_product(y, k.a);
 }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) {
+    B y;
+    y.load(k.y + i0, rows_of<B>(i0, k.d));
+    x.add(y);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(AddProduct<T> const& k, Index i0, B& x) {
+    B y, z;
+    y.load(k.y + i0, rows_of<B>(i0, k.d));
+    z.load(k.z + i0, rows_of<B>(i0, k.d));
+    y.scale(z);
+    x.add(y);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(PrefixSums<T> const& k, Index i0, B& x) {
+    B const terms = x;
+    B before;
+    terms.accumulate(*k.s, before, x, rows_of<B>(i0, k.d));
+    before.store(k.before + i0);
+}
 template <class B, Elementwise K>
 [[gnu::always_inline]] inline void run(K const& k) {
     for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
@@ -55,28 +78,30 @@ template <class B, class T, Shape shape>
         Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;    // the block with rows that are not present
         T const* column[4];
         for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
-        auto const present = [&](int c, Index i0) { return rows_of<B>(i0, upper ? j0 + c + diagonal : k.d); };
         B sum[4], x, a;
-        x = x_tail;
-        if (tail > 0) x.load(k.x, {0, B::rows});
-        for (int c = 0; c < work; ++c) {
-            a.load(column[c], present(c, 0));
-            sum[c].start_sum(a, x, present(c, 0));
-        }
-        for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
-            x.load(k.x + i0, {0, B::rows});
-            for (int c = 0; c < work; ++c) {
-                a.load(column[c] + i0, {0, B::rows});
-                sum[c].sum_all(a, x);
-            }
-        }
         if (last > 0) {
-            x = x_tail;
-            if (last < tail) x.load(k.x + last, {0, B::rows});
+            x.load(k.x, {0, B::rows});
             for (int c = 0; c < work; ++c) {
-                a.load(column[c] + last, present(c, last));
-                sum[c].sum(a, x, present(c, last));
+                a.load(column[c], {0, B::rows});
+                sum[c].start_sum_all(a, x);
             }
+            for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
+                x.load(k.x + i0, {0, B::rows});
+                for (int c = 0; c < work; ++c) {
+                    a.load(column[c] + i0, {0, B::rows});
+                    sum[c].sum_all(a, x);
+                }
+            }
+        }
+        x = x_tail;
+        if (last < tail) x.load(k.x + last, {0, B::rows});
+        for (int c = 0; c < work; ++c) {
+            Present const present{0, (upper ? j0 + c + diagonal : k.d) - last};
+            a.load(column[c] + last, present);
+            if (last > 0)
+                sum[c].sum(a, x, present);
+            else
+                sum[c].start_sum(a, x, present);
         }
         B::sums(sum, k.out + j0, count);
     }
@@ -85,7 +110,7 @@ template <class B, class T, Shape shape>
 
 // --- products of squares ----------------------------------------------------------------------------------------------
 
-/// out = A B: two columns at a time, a few blocks of rows in registers, summed over the columns of A in their order.
+/// out = A B, a few blocks of rows in registers, summed over the columns of A in their order.
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(MultiplySquares<T> const& k, Index i0) {
     for (Index j = 0; j < k.d; ++j) {

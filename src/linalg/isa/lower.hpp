@@ -41,50 +41,52 @@ template <class B, class T>
     x.subtract_product(old, s.s[i]);
 }
 
-/// The corner on the diagonal, rows and columns i0 ... i0 + m: scalars, one row after another.
-template <int m, class T>
-[[gnu::always_inline]] inline void corner(Eliminate<T> const& s, Index i0, T* x) {
-    T const* const L = s.L + i0 * s.ld + i0;
-#pragma GCC unroll 8
-    for (Index i = 0; i < m; ++i)
-#pragma GCC unroll 8
-        for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * L[i * s.ld + j];
+/// Row i of the m x m corner L on the diagonal against what follows it there, in scalars.
+template <class T>
+[[gnu::always_inline]] inline void settle(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
+    T const* const row = s.L + (i0 + i) * s.ld + i0;
+    for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
-template <int m, class T>
-[[gnu::always_inline]] inline void corner(RotateIn<T> const& s, Index i0, T* x) {
-    T* const L = s.L + i0 * s.ld + i0;
-#pragma GCC unroll 8
-    for (Index i = 0; i < m; ++i) {
-        Rotation<T> const turn = givens(T(s.root_lambda * L[i * s.ld + i]), x[i]);
-        L[i * s.ld + i] = turn.r;
-        s.c[i0 + i] = turn.c;
-        s.s[i0 + i] = turn.s;
-#pragma GCC unroll 8
-        for (Index j = i + 1; j < m; ++j) {
-            T const t = s.root_lambda * L[i * s.ld + j], xj = x[j];
-            L[i * s.ld + j] = turn.c * t + turn.s * xj;
-            x[j] = turn.c * xj - turn.s * t;
-        }
-        T const t = s.root_lambda * s.z[i0 + i], eta = *s.eta;
-        s.z[i0 + i] = turn.c * t + turn.s * eta;
-        *s.eta = turn.c * eta - turn.s * t;
+template <class T>
+[[gnu::always_inline]] inline void settle(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
+    T* const row = s.L + (i0 + i) * s.ld + i0;
+    Rotation<T> const turn = givens(T(s.root_lambda * row[i]), x[i]);
+    row[i] = turn.r;
+    s.c[i0 + i] = turn.c;
+    s.s[i0 + i] = turn.s;
+    for (Index j = i + 1; j < m; ++j) {
+        T const t = s.root_lambda * row[j], xj = x[j];
+        row[j] = turn.c * t + turn.s * xj;
+        x[j] = turn.c * xj - turn.s * t;
     }
+    T const t = s.root_lambda * s.z[i0 + i], eta = *s.eta;
+    s.z[i0 + i] = turn.c * t + turn.s * eta;
+    *s.eta = turn.c * eta - turn.s * t;
 }
-/// The same with m known: x and the loops unroll into registers.
+/// All its rows; with m known and x a copy, the loops unroll and x stays in registers.
+template <int i, int m, class S, class T>
+[[gnu::always_inline]] inline void settle_all(S const& s, Index i0, T* x) {
+    settle(s, i0, i, m, x);
+    if constexpr (i + 1 < m) settle_all<i + 1, m>(s, i0, x);
+}
 template <int m, class S, class T>
-[[gnu::always_inline]] inline void corner_of(S const& s, Index i0, T* x, Index present) {
+[[gnu::always_inline]] inline void corner(S const& s, Index i0, T* x, Index present) {
     if constexpr (m > 1)
-        if (present < m) return corner_of<m - 1>(s, i0, x, present);
+        if (present < m) return corner<m - 1>(s, i0, x, present);
     T copy[m];
     for (Index i = 0; i < m; ++i) copy[i] = x[i];
-    corner<m>(s, i0, copy);
+    settle_all<0, m>(s, i0, copy);
     for (Index i = 0; i < m; ++i) x[i] = copy[i];
 }
 
 template <class B, ByPanels S>
 [[gnu::always_inline]] inline void run(S const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
-        corner_of<B::rows>(s, i0, s.x + i0, rows_of<B>(i0, s.d).last);
+        Index const m = rows_of<B>(i0, s.d).last;
+        if constexpr (B::padded)
+            corner<B::rows>(s, i0, s.x + i0, m);
+        else
+            for (Index i = 0; i < m; ++i) settle(s, i0, i, m, s.x + i0);
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
     }
 }

@@ -1,0 +1,122 @@
+// One order of evaluation: every variant gives the same bits on each instruction set, at a fixed size, and in a scalar that
+// the kernels' registers know nothing of (Counted: the hardware's arithmetic through the text for any arithmetic).
+#include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/model/random.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace rlslab {
+namespace {
+
+template <class T>
+T value(T const& x) {
+    return x;
+}
+template <class T>
+T value(Counted<T> const& x) {
+    return x.value();
+}
+
+/// Every number that a filter reports on its way and at its end, over rows of noise with zeros of both signs among them.
+template <class F, class T>
+std::vector<T> trace(Index d, Index steps) {
+    using S = typename F::scalar;
+    F filter(Problem<S>{.size = d, .forgetting = S(0.984375)});
+    std::vector<T> out;
+    auto const note = [&out](auto const& numbers) {
+        for (Index j = 0; j < numbers.cols(); ++j)
+            for (Index i = 0; i < numbers.rows(); ++i) out.push_back(value(numbers(i, j)));
+    };
+    Seed seed{std::uint64_t(d)};
+    std::vector<S> psi(size_t(d), S(0));
+    for (Index k = 0; k < steps; ++k) {
+        for (S& x : psi) {
+            double const number = seed.bell();
+            x = S(number > 1 ? 0.0 : number < -1 ? -0.0 : number);
+        }
+        Step<S> const step = filter.update(psi, S(seed.bell()));
+        out.insert(out.end(), {value(step.innovation), value(step.residual), value(step.gamma)});
+    }
+    note(Vector<S>(filter.theta()));
+    note(Vector<S>(filter.gain()));
+    note(filter.stored().F);
+    note(filter.stored().D);
+    return out;
+}
+
+/// The same on the kernels of one instruction set.
+template <class F, class T>
+std::vector<T> trace_on(Isa isa, Index d, Index steps) {
+    Isa const before = kernels::isa;
+    kernels::isa = isa;
+    std::vector<T> out = trace<F, T>(d, steps);
+    kernels::isa = before;
+    return out;
+}
+
+/// The first place where two traces differ in a bit; -1 for none. A NaN is a NaN.
+template <class T>
+long difference(std::vector<T> const& a, std::vector<T> const& b) {
+    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+    if (a.size() != b.size()) return 0;
+    for (size_t i = 0; i < a.size(); ++i)
+        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i]))) return long(i);
+    return -1;
+}
+
+template <class T, template <class, int> class F>
+void check(Index d, Index steps) {
+    auto const on_baseline = trace_on<F<T, Dynamic>, T>(Isa::baseline, d, steps);
+    EXPECT_EQ(difference(on_baseline, trace<F<Counted<T>, Dynamic>, T>(d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
+    if (kernels::has_avx2()) {
+        EXPECT_EQ(difference(on_baseline, trace_on<F<T, Dynamic>, T>(Isa::avx2, d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
+    }
+}
+template <class T, template <class, int> class F, int N>
+void check_fixed() {
+    EXPECT_EQ(difference(trace<F<T, N>, T>(N, 60), trace<F<T, Dynamic>, T>(N, 60)), -1) << F<T, N>::name << ' ' << N;
+}
+
+template <class T, template <class, int> class F>
+void check_all(Index cubic_up_to = 129) {
+    for (Index d = 1; d <= 40; ++d) check<T, F>(d, 30);
+    for (Index d : {64, 128, 129})
+        if (d <= cubic_up_to) check<T, F>(d, 6);
+    for (Index d : {5, 10, 16}) check<T, F>(d, 300);
+    check_fixed<T, F, 3>();
+    check_fixed<T, F, 8>();
+    check_fixed<T, F, 20>();
+}
+
+template <class T>
+class Kernels : public testing::Test {};
+using HardwareArithmetics = testing::Types<float, double>;
+TYPED_TEST_SUITE(Kernels, HardwareArithmetics);
+
+TYPED_TEST(Kernels, GiveConventionalOneResult) { check_all<TypeParam, Conventional>(); }
+TYPED_TEST(Kernels, GiveConventionalTwoSidedOneResult) { check_all<TypeParam, ConventionalTwoSided>(); }
+TYPED_TEST(Kernels, GiveSymmetricOneResult) { check_all<TypeParam, Symmetric>(); }
+TYPED_TEST(Kernels, GiveJosephOneResult) { check_all<TypeParam, Joseph>(64); }
+TYPED_TEST(Kernels, GiveJosephRankTwoOneResult) { check_all<TypeParam, JosephRankTwo>(); }
+TYPED_TEST(Kernels, GivePotterOneResult) { check_all<TypeParam, Potter>(); }
+TYPED_TEST(Kernels, GiveCarlsonOneResult) { check_all<TypeParam, Carlson>(); }
+TYPED_TEST(Kernels, GiveUdOneResult) { check_all<TypeParam, Ud>(); }
+TYPED_TEST(Kernels, GiveInverseQrOneResult) { check_all<TypeParam, InverseQr>(); }
+TYPED_TEST(Kernels, GiveInformationOneResult) { check_all<TypeParam, Information>(64); }
+TYPED_TEST(Kernels, GiveQrOneResult) { check_all<TypeParam, Qr>(); }
+TYPED_TEST(Kernels, GiveGentlemanOneResult) { check_all<TypeParam, Gentleman>(); }
+TYPED_TEST(Kernels, GiveExtendedQrOneResult) { check_all<TypeParam, ExtendedQr>(); }
+
+TEST(KernelsComparison, SeesOneBit) {
+    auto const a = trace<Ud<double>, double>(5, 10);
+    auto b = a;
+    b[7] = std::nextafter(b[7], 1e300);
+    EXPECT_EQ(difference(a, b), 7);
+    EXPECT_EQ(difference(std::vector{0.0}, std::vector{-0.0}), 0);
+}
+
+}  // namespace
+}  // namespace rlslab
