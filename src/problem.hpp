@@ -53,23 +53,33 @@ constexpr std::string_view name_of(Health health) {
     return names[static_cast<int>(health)];
 }
 
+/// The worse of two.
+constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
+
 /// What one update reports.
 template <Field T>
 struct Step {
     T innovation;                      ///< e = y - psi' theta(k-1)
     T residual;                        ///< y - psi' theta(k), evaluated as gamma e
     T gamma;                           ///< conversion factor lambda / s, in (0, 1]; 0 when it underflows
-    Health health = Health::sound;
+    PerLane<T, Health> health = Health::sound;
 };
+
+/// Lane by lane.
+template <Field T>
+Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
+    requires(!std::same_as<Truth<T>, bool>)
+{
+    return {select(truth, a.innovation, b.innovation), select(truth, a.residual, b.residual), select(truth, a.gamma, b.gamma),
+            select(truth, a.health, b.health)};
+}
 
 /// A report of one update from e and gamma alone; the health they show.
 template <Field T>
 Step<T> report(T const& innovation, T const& gamma) {
-    Health health = Health::sound;
-    if (!is_finite(innovation) || !is_finite(gamma))
-        health = Health::nonfinite;
-    else if (gamma < T(0) || T(1) < gamma)
-        health = Health::indefinite;
+    PerLane<T, Health> health = Health::sound;
+    health = select(gamma < T(0) || T(1) < gamma, PerLane<T, Health>(Health::indefinite), health);
+    health = select(is_finite(innovation) && is_finite(gamma), health, PerLane<T, Health>(Health::nonfinite));
     return {innovation, gamma * innovation, gamma, health};
 }
 
@@ -77,7 +87,7 @@ Step<T> report(T const& innovation, T const& gamma) {
 template <Field T>
 Step<T> report(T const& innovation, T const& lambda, T const& s) {
     Step<T> step = report(innovation, T(lambda / s));
-    if (!is_finite(s)) step.health = Health::nonfinite;
+    step.health = select(is_finite(s), step.health, PerLane<T, Health>(Health::nonfinite));
     return step;
 }
 
@@ -94,17 +104,17 @@ T undefined() {
 /// which are not finite have spoilt.
 template <Field T>
 Step<T> report_undetermined(T const& seen) {
-    return {undefined<T>(), T(0), T(0), is_finite(seen) ? Health::undetermined : Health::nonfinite};
+    return {undefined<T>(), T(0), T(0),
+            select(is_finite(seen), PerLane<T, Health>(Health::undetermined), PerLane<T, Health>(Health::nonfinite))};
 }
 
 /// The report of a rotated row: eta at the end of it, sqrt(gamma), the product of the cosines, and whether R had no zero
 /// on its diagonal before. Where sqrt(gamma) underflows the innovation is lost and said to be: nonfinite.
 template <Field T>
-Step<T> report_rotated(T const& eta, T const& root_gamma, bool determined) {
-    if (!determined) return report_undetermined(eta);
+Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determined) {
     Step<T> step = report(eta / root_gamma, root_gamma * root_gamma);
     step.residual = eta * root_gamma;
-    return step;
+    return select(determined, step, report_undetermined(eta));
 }
 
 /// Misuse throws at the door, saying what was expected.
@@ -118,17 +128,17 @@ template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     expects(problem.size >= 1, "size >= 1");
     expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
-    expects(T(0) < problem.forgetting && problem.forgetting <= T(1), "0 < forgetting <= 1");
+    expects(all(T(0) < problem.forgetting && problem.forgetting <= T(1)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
-        expects(T(0) < prior.variance, "prior variance > 0");
+        expects(all(T(0) < prior.variance), "prior variance > 0");
         expects(!prior.theta || prior.theta->size() == problem.size, "prior theta of the problem's size");
         expects(!prior.covariance || (prior.covariance->rows() == problem.size && prior.covariance->cols() == problem.size),
                 "prior covariance of the problem's size");
         if (prior.covariance)
             for (Index j = 0; j < problem.size; ++j)
                 for (Index i = 0; i < j; ++i)
-                    expects((*prior.covariance)(i, j) == (*prior.covariance)(j, i), "a symmetric prior covariance");
+                    expects(all((*prior.covariance)(i, j) == (*prior.covariance)(j, i)), "a symmetric prior covariance");
     }
     return problem;
 }

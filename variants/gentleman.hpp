@@ -43,16 +43,19 @@ public:
         keep_regressor(psi, rest_);
         eliminate(L_, x_);                                                                               // (1)
         scale(D_, lambda_, before_);
-        bool determined = true;
+        Truth<T> determined = true;
         Index const d = x_.size();
-        for (Index i = 0; i < d; ++i) determined = determined && before_[i] != T(0);
+        for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == T(0));
         T const w = weigh(x_, before_, s_, c_);                                                        // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
-        if (!determined)
-            for (Index i = 0; i < d; ++i)
-                if (D_[i] == T(0)) c_[i] = T(1), s_[i] = T(0);    // before and after this row
+        if (!all(determined))
+            for (Index i = 0; i < d; ++i) {
+                Truth<T> const nothing = D_[i] == T(0);    // before and after this row
+                c_[i] = select(nothing, T(1), c_[i]);
+                s_[i] = select(nothing, T(0), s_[i]);
+            }
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
         T eta = y;
         for (Index i = 0; i < d; ++i) {
@@ -60,14 +63,14 @@ public:
             z_[i] = c_[i] * t + s_[i] * eta;
             eta -= x_[i] * t;
         }
-        return determined ? report(eta, w) : report_undetermined(eta);                                   // (5)
+        return select(determined, report(eta, w), report_undetermined(eta));                               // (5)
     }
 
     Vector<T, N> theta() const {
         Vector<T, N> theta = z_.view();
         solve_lower_transposed(L_, theta);
         for (Index i = 0; i < theta.size(); ++i)
-            if (D_[i] == T(0)) theta[i] = undefined<T>();
+            theta[i] = select(D_[i] == T(0), undefined<T>(), theta[i]);
         return theta;
     }
     Vector<T, N> gain() const {

@@ -19,20 +19,20 @@ class Information {
     T lambda_;
     Column<T, N> theta_, b_, psi_, D_, f_;
     Square<T, N> X_, L_;
-    bool positive_, started_;
+    Truth<T> positive_, started_;    // X factors now; has factored before
     Index rows_;    // so far; a prior counts as d
 
     void solve() {
-        bool const factors = factor_ldl(X_, L_, D_);                                                     // (3)
+        Truth<T> const factors = factor_ldl(X_, L_, D_);                                                     // (3)
         // Rounding can make a singular X factor; fewer rows than parameters prove that it is.
-        positive_ = factors && rows_ >= theta_.size();
+        positive_ = factors && Truth<T>(rows_ >= theta_.size());
         started_ = started_ || positive_;
         theta_ = b_;
         solve_factored(theta_);
     }
     void solve_factored(Column<T, N>& x) const {
         solve_lower(L_, x);
-        for (Index i = 0; i < x.size(); ++i) x[i] = positive_ ? x[i] / D_[i] : undefined<T>();
+        for (Index i = 0; i < x.size(); ++i) x[i] = select(positive_, T(x[i] / D_[i]), undefined<T>());
         solve_lower_transposed(L_, x);
     }
 
@@ -44,7 +44,7 @@ public:
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
           psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size), positive_(false),
-          started_(problem.prior.has_value()), rows_(started_ ? problem.size : 0) {
+          started_(problem.prior.has_value()), rows_(problem.prior ? problem.size : 0) {
         start_information(problem, L_, D_);
         positive_ = started_;
         outer(L_, D_, X_);
@@ -58,17 +58,18 @@ public:
         solve_lower(L_, f_);                                                                             // (1)
         T s = lambda_;
         for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
-        bool const known = positive_, started = started_;
+        Truth<T> const known = positive_, started = started_;
         T seen = y;    // spoilt by data that are not finite
         for (Index j = 0; j < f_.size(); ++j) {
             for (Index i = 0; i < f_.size(); ++i) X_(i, j) = lambda_ * X_(i, j) + psi_[i] * psi_[j];     // (2)
             b_[j] = lambda_ * b_[j] + psi_[j] * y;
-            if (!known) seen += X_(j, j);
+            if (!all(known)) seen += X_(j, j);
         }
         ++rows_;
         solve();
-        Step<T> step = known ? report(e, lambda_, s) : report_undetermined(seen);
-        if (((started && !known) || (started_ && !positive_)) && step.health != Health::nonfinite) step.health = Health::indefinite;
+        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(seen));
+        Truth<T> const broken = (started && !known) || (started_ && !positive_);
+        step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
         return step;
     }
 

@@ -57,8 +57,8 @@ public:
         for (Index i = 0; i < z_.size(); ++i) row_(0, i) = psi_[i];
         row_(0, z_.size()) = y;
         scale(root_lambda_);
-        bool determined = true;
-        for (Index i = 0; i < z_.size(); ++i) determined = determined && L_(i, i) != T(0);
+        Truth<T> determined = true;
+        for (Index i = 0; i < z_.size(); ++i) determined = determined && !(L_(i, i) == T(0));
         T const root_gamma = fold(L_, z_, row_);
         return report_rotated(T(row_(0, z_.size())), root_gamma, determined);
     }

@@ -5,6 +5,8 @@
 #include <concepts>
 #include <limits>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 namespace rlslab {
 
@@ -22,9 +24,27 @@ concept Field = std::copyable<T> && std::constructible_from<T, int> && std::cons
                     a -= b;
                     a *= b;
                     a /= b;
-                    { b < b } -> std::convertible_to<bool>;
-                    { b == b } -> std::convertible_to<bool>;
+                    !(b < b) && (b == b);
                 };
+
+/// What a comparison of two T answers: bool, or where T is many numbers one truth a lane.
+template <class T>
+using Truth = std::remove_cvref_t<decltype(std::declval<T const&>() < std::declval<T const&>())>;
+
+/// A branch is written so that it may go either way in each lane; with one lane it is the branch.
+inline bool all(bool truth) { return truth; }
+inline bool any(bool truth) { return truth; }
+template <class X>
+X select(bool truth, X const& a, X const& b) {
+    return truth ? a : b;
+}
+/// X, or one X for each of T's lanes.
+template <class T, class X>
+struct PerLaneOf {
+    using type = X;
+};
+template <class T, class X>
+using PerLane = typename PerLaneOf<T, X>::type;
 
 /// A field with a square root: what the square-root forms need and the rational numbers lack.
 /// `sqrt` is found by argument-dependent lookup after `using std::sqrt`.
@@ -35,17 +55,17 @@ concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
 
 /// False for infinities and NaN; true for every value of a scalar that has neither.
 template <Field T>
-bool is_finite(T const& x) {
+Truth<T> is_finite(T const& x) {
     using std::isfinite;
     if constexpr (requires { isfinite(x); })
-        return bool(isfinite(x));
+        return Truth<T>(isfinite(x));
     else
         return true;
 }
 
 template <Field T>
 T absolute(T const& x) {
-    return x < T(0) ? -x : x;
+    return select(x < T(0), T(-x), x);
 }
 
 template <Real T>

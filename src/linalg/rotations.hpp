@@ -11,6 +11,14 @@ struct Rotation {
     T c, s, r;
 };
 
+/// Lane by lane.
+template <Real T>
+Rotation<T> select(Truth<T> const& truth, Rotation<T> const& a, Rotation<T> const& b)
+    requires(!std::same_as<Truth<T>, bool>)
+{
+    return {select(truth, a.c, b.c), select(truth, a.s, b.s), select(truth, a.r, b.r)};
+}
+
 /// A sum of squares this large cannot owe a digit to squares that went subnormal; beyond binary64's exponents: not zero.
 template <Real T>
 T least_sum_of_squares() {
@@ -21,27 +29,28 @@ T least_sum_of_squares() {
 /// Source: Golub & Van Loan, Matrix Computations, Alg. 5.1.3.
 template <Real T>
 [[gnu::noinline]] Rotation<T> givens_scaled(T const& a, T const& b) {
-    if (absolute(a) < absolute(b)) {
-        T const t = a / b;
-        T const u = square_root(T(1) + t * t);
-        T const s = (b < T(0) ? -T(1) : T(1)) / u;
-        return {s * t, s, absolute(b) * u};
-    }
-    T const t = b / a;
+    Truth<T> const exchanged = absolute(a) < absolute(b);
+    T const t = select(exchanged, a, b) / select(exchanged, b, a);
     T const u = square_root(T(1) + t * t);
-    T const c = T(1) / u;
-    return {c, c * t, a * u};
+    T const larger = select(exchanged && b < T(0), T(-1), T(1)) / u, smaller = larger * t;
+    return {select(exchanged, smaller, larger), select(exchanged, larger, smaller), select(exchanged, absolute(b), a) * u};
 }
 
 /// The rotation that carries b into a >= 0. b = 0 gives exactly the identity. Scaled where a square would overflow or vanish,
 /// as it easily does in a format with a short exponent.
 template <Real T>
 [[gnu::always_inline]] inline Rotation<T> givens(T const& a, T const& b) {
-    if (b == T(0)) return {T(1), T(0), a};
+    Truth<T> const nothing = b == T(0);
+    if (all(nothing)) return {T(1), T(0), a};
     T const sum = a * a + b * b;
-    if (!is_finite(sum) || !(least_sum_of_squares<T>() < sum)) return givens_scaled(a, b);
+    Truth<T> const in_range = is_finite(sum) && least_sum_of_squares<T>() < sum;
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        if (!in_range) return givens_scaled(a, b);
+    }
     T const r = square_root(sum);
-    return {a / r, b / r, r};
+    Rotation<T> turn{a / r, b / r, r};
+    if (!all(in_range)) turn = select(in_range, turn, givens_scaled(a, b));
+    return any(nothing) ? select(nothing, Rotation<T>{T(1), T(0), a}, turn) : turn;
 }
 
 }  // namespace rlslab

@@ -21,7 +21,7 @@ Square<T, N> start_covariance(Problem<T> const& problem) {
     Square<T, N> P(problem.size);
     if (problem.prior->covariance) {
         Column<T, N> D(problem.size);
-        expects(factor_udu(*problem.prior->covariance, P, D), "a positive definite prior covariance");
+        expects(all(factor_udu(*problem.prior->covariance, P, D)), "a positive definite prior covariance");
     }
     for (Index j = 0; j < problem.size; ++j)
         if (problem.prior->covariance)
@@ -36,7 +36,7 @@ template <Field T, int N>
 void start_ud(Problem<T> const& problem, Square<T, N>& U, Column<T, N>& D) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
     if (problem.prior->covariance) {
-        expects(factor_udu(*problem.prior->covariance, U, D), "a positive definite prior covariance");
+        expects(all(factor_udu(*problem.prior->covariance, U, D)), "a positive definite prior covariance");
         return;
     }
     for (Index j = 0; j < problem.size; ++j) {

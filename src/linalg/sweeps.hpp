@@ -62,17 +62,19 @@ void sweep_rotations(Square<T, N>& S, Column<T, N> const& c, Column<T, N> const&
 template <Real T, int N>
 T prefix_norms(Column<T, N> const& a, Column<T, N>& before, Column<T, N>& after) {
     T const sum = prefix_sums(T(1), a, a, before, after);
-    if (is_finite(sum)) {
+    Truth<T> const in_range = is_finite(sum);
+    if (all(in_range)) {
         take_roots(before, before);
         take_roots(after, after);
         return after[a.size() - 1];
     }
     T b = T(1);
     for (Index j = 0; j < a.size(); ++j) {
-        before[j] = b;
-        b = after[j] = givens(b, a[j]).r;
+        before[j] = select(in_range, square_root(before[j]), b);
+        b = givens(b, a[j]).r;
+        after[j] = select(in_range, square_root(after[j]), b);
     }
-    return b;
+    return after[a.size() - 1];
 }
 
 // --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
@@ -91,14 +93,15 @@ T weigh(Column<T, N> const& x, Column<T, N> const& D, Column<T, N>& s, Column<T,
     divide(s, D, s);
     T const inverse = prefix_sums(T(1), s, scratch, s);
     divide(x, scratch, s);
-    if (is_finite(inverse)) return T(1) / inverse;
+    Truth<T> const in_range = is_finite(inverse);
+    if (all(in_range)) return T(1) / inverse;
     T w = T(1);
     for (Index i = 0; i < x.size(); ++i) {
-        s[i] = w * x[i];
-        T const sum = D[i] + s[i] * x[i];
-        if (!(x[i] == T(0)) && !(sum == T(0))) w *= D[i] / sum;
+        T const weighed = w * x[i], sum = D[i] + weighed * x[i];
+        s[i] = select(in_range, s[i], weighed);
+        w = select(x[i] == T(0) || sum == T(0), w, T(w * (D[i] / sum)));
     }
-    return w;
+    return select(in_range, T(T(1) / inverse), w);
 }
 
 /// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.

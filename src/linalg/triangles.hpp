@@ -10,8 +10,8 @@ namespace rlslab {
 /// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
 /// Returns false when a pivot is not positive (the factors are then meaningless).
 template <Field T, int N>
-bool factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
-    bool positive = true;
+Truth<T> factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
+    Truth<T> positive = true;
     for (Index j = D.size() - 1; j >= 0; --j) {
         D[j] = X(j, j);
         positive = positive && T(0) < D[j];
@@ -26,9 +26,9 @@ bool factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
 /// X = L diag(D) L' with L unit lower triangular (root-free Cholesky); X's lower triangle is read.
 /// Returns false when a pivot is not positive.
 template <Field T, int N>
-bool factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
+Truth<T> factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
     Index const d = D.size();
-    bool positive = true;
+    Truth<T> positive = true;
     for (Index j = 0; j < d; ++j)
         for (Index i = j; i < d; ++i) L(i, j) = X(i, j);
     for (Index j = 0; j < d; ++j) {

@@ -1,0 +1,210 @@
+// L filters in lockstep: a scalar that is L numbers, one in each lane. Lane i of every result is, bit for bit, what the
+// single scalar gives on the numbers of lane i.
+#pragma once
+
+#include <rlslab/arithmetic/storage_traits.hpp>
+
+#include <array>
+#include <cstdint>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+namespace rlslab {
+
+namespace detail {
+/// Bytes of the registers that this translation unit is compiled for. Vectors wider than that are lowered badly by GCC.
+#if defined(__AVX512F__)
+inline constexpr int pack_register = 64;
+#elif defined(__AVX__)
+inline constexpr int pack_register = 32;
+#else
+inline constexpr int pack_register = 16;
+#endif
+
+template <class T, int L>
+struct PackShape {
+    static_assert(std::same_as<T, float> || std::same_as<T, double>, "lanes are the hardware's numbers");
+    static constexpr int bytes = std::min<int>(pack_register, L * int(sizeof(T)));
+    static_assert(L * int(sizeof(T)) % bytes == 0, "L fills whole registers");
+    static constexpr int width = bytes / int(sizeof(T)), registers = L / width;
+    using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+    typedef T Numbers __attribute__((vector_size(bytes)));
+    typedef Word Bits __attribute__((vector_size(bytes)));
+};
+}  // namespace detail
+
+/// What a comparison of packs answers: one truth a lane.
+template <class T, int L>
+class PackMask {
+    using Shape = detail::PackShape<T, L>;
+    using Bits = typename Shape::Bits;
+
+public:
+    Bits m[Shape::registers];
+
+    PackMask() = default;
+    explicit(false) PackMask(bool b) {
+        for (Bits& r : m) r = Bits{} - (b ? 1 : 0);
+    }
+    bool operator[](int lane) const { return m[lane / Shape::width][lane % Shape::width] != 0; }
+    friend PackMask operator&&(PackMask const& a, PackMask const& b) {
+        PackMask out;
+        for (int k = 0; k < Shape::registers; ++k) out.m[k] = a.m[k] & b.m[k];
+        return out;
+    }
+    friend PackMask operator||(PackMask const& a, PackMask const& b) {
+        PackMask out;
+        for (int k = 0; k < Shape::registers; ++k) out.m[k] = a.m[k] | b.m[k];
+        return out;
+    }
+    friend PackMask operator!(PackMask const& a) {
+        PackMask out;
+        for (int k = 0; k < Shape::registers; ++k) out.m[k] = ~a.m[k];
+        return out;
+    }
+    friend bool any(PackMask const& a) {
+        Bits seen = a.m[0];
+        for (int k = 1; k < Shape::registers; ++k) seen |= a.m[k];
+        typename Shape::Word out = 0;
+        for (int i = 0; i < Shape::width; ++i) out |= seen[i];
+        return out != 0;
+    }
+    friend bool all(PackMask const& a) { return !any(!a); }
+};
+
+/// L numbers; every operation rounds once in every lane, nothing is fused.
+template <class T, int L>
+class Pack {
+    using Shape = detail::PackShape<T, L>;
+    using Numbers = typename Shape::Numbers;
+    static constexpr int R = Shape::registers;
+
+public:
+    using Mask = PackMask<T, L>;
+    using lane_type = T;
+    static constexpr int lanes = L;
+    Numbers v[R];
+
+    Pack() : Pack(T(0)) {}
+    /// The same number in every lane.
+    explicit Pack(T x) {
+        for (Numbers& r : v) r = Numbers{} + x;
+    }
+    explicit Pack(int x) : Pack(T(x)) {}
+    explicit Pack(double x)
+        requires(!std::same_as<T, double>)
+        : Pack(T(x)) {}
+    explicit Pack(std::array<T, L> const& x) {
+        for (int i = 0; i < L; ++i) set(i, x[size_t(i)]);
+    }
+    T operator[](int lane) const { return v[lane / Shape::width][lane % Shape::width]; }
+    void set(int lane, T x) { v[lane / Shape::width][lane % Shape::width] = x; }
+
+    Pack& operator+=(Pack const& b) { return *this = *this + b; }
+    Pack& operator-=(Pack const& b) { return *this = *this - b; }
+    Pack& operator*=(Pack const& b) { return *this = *this * b; }
+    Pack& operator/=(Pack const& b) { return *this = *this / b; }
+    friend Pack operator+(Pack const& a, Pack const& b) {
+        return zipped(a, b, [](Numbers x, Numbers y) { return x + y; });
+    }
+    friend Pack operator-(Pack const& a, Pack const& b) {
+        return zipped(a, b, [](Numbers x, Numbers y) { return x - y; });
+    }
+    friend Pack operator*(Pack const& a, Pack const& b) {
+        return zipped(a, b, [](Numbers x, Numbers y) { return x * y; });
+    }
+    friend Pack operator/(Pack const& a, Pack const& b) {
+        return zipped(a, b, [](Numbers x, Numbers y) { return x / y; });
+    }
+    friend Pack operator-(Pack const& a) {
+        return zipped(a, a, [](Numbers x, Numbers) { return -x; });
+    }
+    friend Mask operator<(Pack const& a, Pack const& b) {
+        Mask out;
+        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] < b.v[k];
+        return out;
+    }
+    friend Mask operator<=(Pack const& a, Pack const& b) {
+        Mask out;
+        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] <= b.v[k];
+        return out;
+    }
+    friend Mask operator==(Pack const& a, Pack const& b) {
+        Mask out;
+        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] == b.v[k];
+        return out;
+    }
+    friend Mask operator!=(Pack const& a, Pack const& b) { return !(a == b); }
+    /// x - x is zero for every number, NaN for infinities and NaN.
+    friend Mask isfinite(Pack const& a) { return a - a == Pack(); }
+    friend Pack sqrt(Pack const& a) {
+        return zipped(a, a, [](Numbers x, Numbers) { return root(x); });
+    }
+    /// a where the mask is set, else b.
+    friend Pack select(Mask const& mask, Pack const& a, Pack const& b) {
+        Pack out(Raw{});
+        for (int k = 0; k < R; ++k) out.v[k] = mask.m[k] ? a.v[k] : b.v[k];
+        return out;
+    }
+
+private:
+    struct Raw {};
+    explicit Pack(Raw) {}
+    template <class Operation>
+    [[gnu::always_inline]] static Pack zipped(Pack const& a, Pack const& b, Operation operation) {
+        Pack out(Raw{});
+        for (int k = 0; k < R; ++k) out.v[k] = operation(a.v[k], b.v[k]);
+        return out;
+    }
+    [[gnu::always_inline]] static Numbers root(Numbers x) {
+#ifdef __x86_64__
+        if constexpr (Shape::bytes == 16 && sizeof(T) == 8) return Numbers(_mm_sqrt_pd(__m128d(x)));
+        if constexpr (Shape::bytes == 16 && sizeof(T) == 4) return Numbers(_mm_sqrt_ps(__m128(x)));
+#ifdef __AVX__
+        if constexpr (Shape::bytes == 32 && sizeof(T) == 8) return Numbers(_mm256_sqrt_pd(__m256d(x)));
+        if constexpr (Shape::bytes == 32 && sizeof(T) == 4) return Numbers(_mm256_sqrt_ps(__m256(x)));
+#endif
+#endif
+        for (int i = 0; i < Shape::width; ++i) x[i] = std::sqrt(x[i]);
+        return x;
+    }
+};
+
+/// One value a lane of what is not a number, e.g. a Health.
+template <class X, int L>
+struct Lanes {
+    std::array<X, size_t(L)> value;
+    explicit(false) Lanes(X x = {}) { value.fill(x); }
+    X const& operator[](int lane) const { return value[size_t(lane)]; }
+};
+template <class X, class T, int L>
+Lanes<X, L> select(PackMask<T, L> const& mask, Lanes<X, L> const& a, Lanes<X, L> const& b) {
+    Lanes<X, L> out = b;
+    if (any(mask))
+        for (int i = 0; i < L; ++i)
+            if (mask[i]) out.value[size_t(i)] = a[i];
+    return out;
+}
+
+template <class X, int L>
+Lanes<X, L> worse(Lanes<X, L> a, Lanes<X, L> const& b) {
+    for (size_t i = 0; i < size_t(L); ++i) a.value[i] = worse(a.value[i], b.value[i]);
+    return a;
+}
+template <class T, int L, class X>
+struct PerLaneOf<Pack<T, L>, X> {
+    using type = Lanes<X, L>;
+};
+
+template <class T, int L>
+struct ArithmeticTraits<Pack<T, L>> : ArithmeticTraits<T> {};
+
+}  // namespace rlslab
+
+template <class T, int L>
+struct Eigen::NumTraits<rlslab::Pack<T, L>> : rlslab::detail::StorageTraits<rlslab::Pack<T, L>> {
+    using Number = rlslab::Pack<T, L>;
+    static Number highest() { return Number(NumTraits<T>::highest()); }
+    static Number lowest() { return Number(NumTraits<T>::lowest()); }
+};
