@@ -37,7 +37,7 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Rows<T> const& psi, Vector<T> const& y) {
+    void absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         A_.resize(rows, d + 1);

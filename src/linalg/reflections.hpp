@@ -1,7 +1,79 @@
-// Householder reflections that fold a block of rows into a triangle.
+// Householder reflections that fold a block of rows into a triangle: one text, compiled for two instruction sets where the
+// arithmetic is the hardware's. The bits are the same: each sum has its order (kernels.hpp's), nothing is fused.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
+
+namespace rlslab::reflections {
+
+/// The loops of fold() by name, each over columns of `rows` numbers one after another.
+template <class T>
+struct SumOfSquares {
+    Index rows;
+    T const* v;
+    T* sum;
+};
+template <class T>
+struct Division {
+    Index rows;
+    T* v;
+    T pivot;
+};
+template <class T>
+struct Reflection {
+    Index rows, columns;    // of A, what is right of v
+    T const* v;
+    T tau;
+    T *A, *above, *last;    // above A: its columns' entries in R, the last one's apart
+};
+
+// GCC lowers vectors wider than its target's registers before it inlines, so that a target attribute on the caller comes
+// too late: the whole text is compiled under each target.
+namespace portable {
+#include <rlslab/linalg/isa/reflect.hpp>
+}
+#if defined(__x86_64__) && !defined(__AVX2__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+namespace avx2 {
+#include <rlslab/linalg/isa/reflect.hpp>
+}
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+/// Whether the loops in float and double may use AVX2. A test may change it: the bits do not depend on it.
+#if defined(__x86_64__)
+inline bool wide = (__builtin_cpu_init(), __builtin_cpu_supports("avx2"));
+#else
+inline bool wide = false;
+#endif
+
+template <class T, class Loop>
+inline void run(Loop const& loop) {
+#ifdef __AVX2__
+    constexpr int bytes = 32;
+#else
+    constexpr int bytes = 16;
+#endif
+    if constexpr (!std::same_as<T, float> && !std::same_as<T, double>) {
+        portable::run<portable::Single<T>>(loop);
+    } else {
+#if defined(__x86_64__) && !defined(__AVX2__)
+        if (wide) return avx2::call<avx2::Packed<T, 32>>(loop);
+#endif
+        portable::call<portable::Packed<T, bytes>>(loop);
+    }
+}
+
+}  // namespace rlslab::reflections
 
 namespace rlslab {
 
@@ -9,14 +81,24 @@ namespace rlslab {
 template <class T>
 using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
 
-/// |(a, x)|, where largest > 0 is its largest entry: by the plain sum of squares, or the scaled one when that leaves the
-/// range in which its terms are normal numbers.
+/// |(a, x)|: by the plain sum of squares, or the scaled one when that leaves the range in which its terms are normal
+/// numbers; 0 where x = 0, which asks for no reflection.
 template <Real T>
-T norm(T const& a, T const* x, Index n, T const& largest) {
+T norm(T const& a, T const* x, Index n) {
     // A sum this large cannot owe a digit to squares that went subnormal; beyond binary64's exponents: not zero.
     T const least = T(std::ldexp(1.0, ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits));
-    T const sum = a * a + dot(x, x, n);
-    if (is_finite(sum) && least < sum) return square_root(sum);
+    T squares = T(0);
+    reflections::run<T>(reflections::SumOfSquares<T>{n, x, &squares});
+    T const sum = a * a + squares;
+    if (T(0) < squares && is_finite(sum) && least < sum) return square_root(sum);
+    T largest = T(0);
+    for (Index k = 0; k < n; ++k)
+        if (!(absolute(x[k]) <= largest)) {
+            largest = absolute(x[k]);
+            if (!is_finite(largest)) return largest;
+        }
+    if (largest == T(0)) return largest;
+    if (largest < absolute(a)) largest = absolute(a);
     T scaled = (a / largest) * (a / largest);
     for (Index k = 0; k < n; ++k) scaled += (x[k] / largest) * (x[k] / largest);
     return largest * square_root(scaled);
@@ -36,23 +118,14 @@ T fold(Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
     for (Index i = 0; i < d; ++i) {
         T* const v = A.col(i).data();
         T const a = L(i, i);
-        T largest = T(0);
-        for (Index k = 0; k < rows; ++k)
-            if (!(absolute(v[k]) <= largest)) largest = absolute(v[k]);
-        if (largest == T(0)) continue;    // nothing below the diagonal
-        if (largest < absolute(a)) largest = absolute(a);
-        T const size = norm(a, v, rows, largest);
+        T const size = norm(a, v, rows);
+        if (size == T(0)) continue;    // nothing below the diagonal
         T const r = a < T(0) ? size : -size;                                                             // (1)
         T const tau = (r - a) / r, pivot = a - r;
-        for (Index k = 0; k < rows; ++k) v[k] /= pivot;
+        reflections::run<T>(reflections::Division<T>{rows, v, pivot});
         L(i, i) = r;
         ratio *= absolute(a / r);
-        for (Index j = i + 1; j <= d; ++j) {                                                             // (2)
-            T& above = j < d ? L(j, i) : z[i];
-            T const t = tau * (above + dot(v, A.col(j).data(), rows));
-            above -= t;
-            add_scaled(A.col(j).data(), -t, v, rows);
-        }
+        reflections::run<T>(reflections::Reflection<T>{rows, d - i, v, tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
     }
     return ratio;
 }
