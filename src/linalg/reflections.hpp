@@ -81,6 +81,15 @@ namespace rlslab {
 template <class T>
 using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
 
+/// x^n by repeated squaring, n >= 0: the weight of what is n steps old.
+template <Field T>
+T power(T x, Index n) {
+    T out = T(1);
+    for (; n > 0; n /= 2, x *= x)
+        if (n % 2 == 1) out *= x;
+    return out;
+}
+
 /// |(a, x)|: by the plain sum of squares, or the scaled one when that leaves the range in which its terms are normal
 /// numbers; 0 where x = 0, which asks for no reflection.
 template <Real T>
@@ -104,7 +113,7 @@ T norm(T const& a, T const* x, Index n) {
     return largest * square_root(scaled);
 }
 
-/// Folds the B x (d + 1) block A = [psi' y] into [R z], R = L', one reflection for each column i:
+/// Folds the B x (d + 1) block A = [psi' y] into weight [R z], R = L', one reflection for each column i:
 ///
 ///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
 ///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
@@ -112,8 +121,12 @@ T norm(T const& a, T const* x, Index n) {
 /// A's last column becomes eta. Returns the product of |R_ii / r|: sqrt(gamma) when B = 1. A zero block changes nothing.
 /// Source: Golub, Numer. Math. 7, 1965; Golub & Van Loan, Matrix Computations, 5.1.
 template <Real T, int N>
-T fold(Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
+T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
     Index const d = z.size(), rows = A.rows();
+    for (Index i = 0; i < d; ++i) {
+        for (Index j = i; j < d; ++j) L(j, i) *= weight;
+        z[i] *= weight;
+    }
     T ratio = T(1);
     for (Index i = 0; i < d; ++i) {
         T* const v = A.col(i).data();
