@@ -48,4 +48,9 @@ concept TakesBlocks = RecursiveLeastSquares<F> &&
                           f.absorb(psi, y);
                       };
 
+/// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,
+/// but for rounding, what it would be had it taken newer's rows itself. Associative; an empty newer changes no bit.
+template <class F>
+concept Merges = StartsWithoutPrior<F> && requires(F f, F const& newer) { f.merge(newer); };
+
 }  // namespace rlslab

@@ -97,7 +97,7 @@ void expect_lockstep() {
                 }
             }
         };
-        ([&] { if constexpr (!TakesBlocks<One>) check.template operator()<Many, One>(); }(), ...);
+        (check.template operator()<Many, One>(), ...);
     }(Variants<Pack<T, L>>{}, Variants<T>{});
 }
 

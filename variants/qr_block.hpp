@@ -1,4 +1,4 @@
-// QR by Householder reflections on blocks of rows: batch least squares that never holds more than one block.
+// QR by Householder reflections on blocks of rows: batch least squares that never holds more than one block, and merges.
 #pragma once
 
 #include <rlslab/concept.hpp>
@@ -13,15 +13,18 @@ namespace rlslab {
 ///   (1) [ sqrt(lambda)^B R   sqrt(lambda)^B z ]  ->  [ R  z   ]
 ///       [ psi'               y                ]      [ 0  eta ]
 ///   (2) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for when asked
+///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
 /// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications. Starts without a prior.
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior.
 /// Sources: Golub, Numer. Math. 7, 1965; Demmel, Grigori, Hoemmen & Langou (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
     T root_lambda_;
     Column<T, N> z_, psi_;
     Square<T, N> L_;                                  // R'
+    Index rows_ = 0;                                  // taken so far
+    bool prior_;                                      // started with one
     Rows<T> A_, row_;    // a block and one row, each with y as its last column
 
 public:
@@ -32,12 +35,12 @@ public:
 
     explicit QrBlock(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), L_(problem.size),
-          row_(1, problem.size + 1) {
+          prior_(problem.prior.has_value()), row_(1, problem.size + 1) {
         start_information_root(problem, L_, z_);
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Rows<T> const& psi, Vector<T> const& y) {
+    void absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         A_.resize(rows, d + 1);
@@ -47,19 +50,30 @@ public:
             A_(k, d) = weight * y[k];
             weight *= root_lambda_;
         }
-        scale(weight);
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        fold(L_, z_, A_);
+        fold(weight, L_, z_, A_);
+        rows_ += rows;
+    }
+
+    /// Puts after the rows here those of `newer`, a filter of this problem that started without prior.
+    void merge(QrBlock const& newer) {
+        Index const d = z_.size();
+        expects(newer.z_.size() == d && all(newer.root_lambda_ == root_lambda_) && !newer.prior_, "a part of this problem, no prior");
+        if (newer.rows_ > 0) psi_ = newer.psi_;
+        A_.resize(d, d + 1);
+        A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
+        fold(power(root_lambda_, newer.rows_), L_, z_, A_);                                              // (3)
+        rows_ += newer.rows_;
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
         for (Index i = 0; i < z_.size(); ++i) row_(0, i) = psi_[i];
         row_(0, z_.size()) = y;
-        scale(root_lambda_);
+        ++rows_;
         Truth<T> determined = true;
         for (Index i = 0; i < z_.size(); ++i) determined = determined && !(L_(i, i) == T(0));
-        T const root_gamma = fold(L_, z_, row_);
+        T const root_gamma = fold(root_lambda_, L_, z_, row_);
         return report_rotated(T(row_(0, z_.size())), root_gamma, determined);
     }
 
@@ -67,15 +81,7 @@ public:
     Vector<T, N> gain() const { return solve_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
-
-private:
-    void scale(T const& weight) {
-        for (Index i = 0; i < z_.size(); ++i) {
-            for (Index j = i; j < z_.size(); ++j) L_(j, i) *= weight;
-            z_[i] *= weight;
-        }
-    }
 };
-static_assert(ReportsInformation<QrBlock<double>> && StartsWithoutPrior<QrBlock<double>> && TakesBlocks<QrBlock<double>>);
+static_assert(ReportsInformation<QrBlock<double>> && Merges<QrBlock<double>> && TakesBlocks<QrBlock<double>>);
 
 }  // namespace rlslab

@@ -1,7 +1,80 @@
-// Householder reflections that fold a block of rows into a triangle.
+// Householder reflections that fold a block of rows into a triangle: one text, compiled for two instruction sets where the
+// arithmetic is the hardware's. The bits are the same: each sum has its order (kernels.hpp's), nothing is fused.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
+#include <rlslab/linalg/rotations.hpp>
+
+namespace rlslab::reflections {
+
+/// The loops of fold() by name, each over columns of `rows` numbers one after another.
+template <class T>
+struct SumOfSquares {
+    Index rows;
+    T const* v;
+    T* sum;
+};
+template <class T>
+struct Division {
+    Index rows;
+    T* v;
+    T pivot;
+};
+template <class T>
+struct Reflection {
+    Index rows, columns;    // of A, what is right of v
+    T const* v;
+    T tau;
+    T *A, *above, *last;    // above A: its columns' entries in R, the last one's apart
+};
+
+// GCC lowers vectors wider than its target's registers before it inlines, so that a target attribute on the caller comes
+// too late: the whole text is compiled under each target.
+namespace portable {
+#include <rlslab/linalg/isa/reflect.hpp>
+}
+#if defined(__x86_64__) && !defined(__AVX2__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+namespace avx2 {
+#include <rlslab/linalg/isa/reflect.hpp>
+}
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+/// Whether the loops in float and double may use AVX2. A test may change it: the bits do not depend on it.
+#if defined(__x86_64__)
+inline bool wide = (__builtin_cpu_init(), __builtin_cpu_supports("avx2"));
+#else
+inline bool wide = false;
+#endif
+
+template <class T, class Loop>
+inline void run(Loop const& loop) {
+#ifdef __AVX2__
+    constexpr int bytes = 32;
+#else
+    constexpr int bytes = 16;
+#endif
+    if constexpr (!std::same_as<T, float> && !std::same_as<T, double>) {
+        portable::run<portable::Single<T>>(loop);
+    } else {
+#if defined(__x86_64__) && !defined(__AVX2__)
+        if (wide) return avx2::call<avx2::Packed<T, 32>>(loop);
+#endif
+        portable::call<portable::Packed<T, bytes>>(loop);
+    }
+}
+
+}  // namespace rlslab::reflections
 
 namespace rlslab {
 
@@ -9,18 +82,44 @@ namespace rlslab {
 template <class T>
 using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
 
-/// |(a, x)|, where largest > 0 is its largest entry: by the plain sum of squares, or the scaled one when that leaves the
-/// range in which its terms are normal numbers.
-template <Real T>
-T norm(T const& a, T const* x, Index n, T const& largest) {
-    T const sum = a * a + dot(x, x, n);
-    if (is_finite(sum) && least_sum_of_squares<T>() < sum) return square_root(sum);
-    T scaled = (a / largest) * (a / largest);
-    for (Index k = 0; k < n; ++k) scaled += (x[k] / largest) * (x[k] / largest);
-    return largest * square_root(scaled);
+/// x^n by repeated squaring, n >= 0: the weight of what is n steps old.
+template <Field T>
+T power(T x, Index n) {
+    T out = T(1);
+    for (; n > 0; n /= 2, x *= x)
+        if (n % 2 == 1) out *= x;
+    return out;
 }
 
-/// Folds the B x (d + 1) block A = [psi' y] into [R z], R = L', one reflection for each column i:
+/// |(a, x)|: by the plain sum of squares, or the scaled one when that leaves the range in which its terms are normal
+/// numbers; 0 where x = 0, which asks for no reflection.
+template <Real T>
+T norm(T const& a, T const* x, Index n) {
+    T squares = T(0);
+    reflections::run<T>(reflections::SumOfSquares<T>{n, x, &squares});
+    T const sum = a * a + squares;
+    Truth<T> const in_range = T(0) < squares && is_finite(sum) && least_sum_of_squares<T>() < sum;
+    if (all(in_range)) return square_root(sum);
+    T largest = T(0);
+    for (Index k = 0; k < n; ++k) {
+        Truth<T> const stays = absolute(x[k]) <= largest || !(largest == largest);    // a NaN stays
+        largest = select(stays, largest, absolute(x[k]));
+    }
+    Truth<T> const as_it_is = largest == T(0) || !is_finite(largest);
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        if (as_it_is) return largest;
+    }
+    T const most = select(largest < absolute(a), absolute(a), largest);
+    T scaled = (a / most) * (a / most);
+    for (Index k = 0; k < n; ++k) scaled += (x[k] / most) * (x[k] / most);
+    T const size = most * square_root(scaled);
+    if constexpr (std::same_as<Truth<T>, bool>)
+        return size;
+    else
+        return select(in_range, square_root(sum), select(as_it_is, largest, size));
+}
+
+/// Folds the B x (d + 1) block A = [psi' y] into weight [R z], R = L', one reflection for each column i:
 ///
 ///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
 ///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
@@ -28,29 +127,25 @@ T norm(T const& a, T const* x, Index n, T const& largest) {
 /// A's last column becomes eta. Returns the product of |R_ii / r|: sqrt(gamma) when B = 1. A zero block changes nothing.
 /// Source: Golub, Numer. Math. 7, 1965; Golub & Van Loan, Matrix Computations, 5.1.
 template <Real T, int N>
-T fold(Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
+T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
     Index const d = z.size(), rows = A.rows();
+    for (Index i = 0; i < d; ++i) {
+        for (Index j = i; j < d; ++j) L(j, i) *= weight;
+        z[i] *= weight;
+    }
     T ratio = T(1);
     for (Index i = 0; i < d; ++i) {
         T* const v = A.col(i).data();
         T const a = L(i, i);
-        T largest = T(0);
-        for (Index k = 0; k < rows; ++k)
-            if (!(absolute(v[k]) <= largest)) largest = absolute(v[k]);
-        if (largest == T(0)) continue;    // nothing below the diagonal
-        if (largest < absolute(a)) largest = absolute(a);
-        T const size = norm(a, v, rows, largest);
-        T const r = a < T(0) ? size : -size;                                                             // (1)
-        T const tau = (r - a) / r, pivot = a - r;
-        for (Index k = 0; k < rows; ++k) v[k] /= pivot;
+        T const size = norm(a, v, rows);
+        Truth<T> const nothing = size == T(0);    // below the diagonal
+        if (all(nothing)) continue;
+        T const r = select(nothing, a, select(a < T(0), size, T(-size)));                                // (1)
+        T const tau = select(nothing, T(0), T((r - a) / r)), pivot = select(nothing, T(1), T(a - r));
+        reflections::run<T>(reflections::Division<T>{rows, v, pivot});
         L(i, i) = r;
-        ratio *= absolute(a / r);
-        for (Index j = i + 1; j <= d; ++j) {                                                             // (2)
-            T& above = j < d ? L(j, i) : z[i];
-            T const t = tau * (above + dot(v, A.col(j).data(), rows));
-            above -= t;
-            add_scaled(A.col(j).data(), -t, v, rows);
-        }
+        ratio *= select(nothing, T(1), absolute(T(a / r)));
+        reflections::run<T>(reflections::Reflection<T>{rows, d - i, v, tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
     }
     return ratio;
 }

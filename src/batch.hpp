@@ -1,0 +1,112 @@
+// Batch least squares on all cores, from rows in memory or in a file larger than it: parts folded apart, merged in order.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/model/records.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+namespace rlslab {
+
+/// Any number of rows [psi' y] of binary64, to be read from any place, by several threads at once.
+///   size(), rows()         d and N
+///   read(first, block)     rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block
+template <class S>
+concept RowSource = requires(S const s, Index first, Eigen::MatrixXd block) {
+    { s.size() } -> std::convertible_to<Index>;
+    { s.rows() } -> std::convertible_to<Index>;
+    s.read(first, block);
+};
+
+/// Records as a source. They must outlive it.
+class RowsInMemory {
+    Records const* records_;
+
+public:
+    explicit RowsInMemory(Records const& records) : records_(&records) {}
+    Index size() const { return records_->size(); }
+    Index rows() const { return records_->rows(); }
+    void read(Index first, Eigen::Ref<Eigen::MatrixXd> block) const {
+        block.topRows(size()) = records_->psi.middleCols(first, block.cols());
+        block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
+    }
+};
+
+/// Rows a part: 1.3 MB of them at 40 parameters; merging a part's d rows is then a hundredth of folding it in.
+inline constexpr Index rows_a_part = 4096;
+
+/// The columns [psi; y] of a block folded into f, as f likes them best.
+template <RecursiveLeastSquares F>
+void fold_in(F& f, Eigen::MatrixXd const& block, Index rows) {
+    using T = typename F::scalar;
+    Index const d = block.rows() - 1;
+    if constexpr (TakesBlocks<F>)
+        for (Index k = 0; k < rows; k += F::block) {
+            auto const some = block.middleCols(k, std::min<Index>(F::block, rows - k));
+            f.absorb(some.topRows(d).template cast<T>(), some.row(d).transpose().template cast<T>());
+        }
+    else
+        for (Index k = 0; k < rows; ++k) {
+            Vector<T> const psi = block.col(k).head(d).template cast<T>();
+            f.update(psi, T(block(d, k)));
+        }
+}
+
+/// The filter that took every row of the source, in order: rows (i B, (i + 1) B] are folded into a filter of their own that
+/// starts without prior, and these are merged into F(problem) in order of i, each by the thread that folded it:
+///
+///   ((F(problem) + part 0) + part 1) + ...
+///
+/// so that the bits depend on B alone, not on the number of threads (0: one a core). Memory: a part and two filters for
+/// each thread, whatever the rows. Throws what the source and F throw; std::invalid_argument when sizes differ.
+/// Source: Demmel, Grigori, Hoemmen & Langou, SIAM J. Sci. Comput. 34(1), 2012 (TSQR).
+template <Merges F, RowSource Source>
+F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {
+    expects(problem.size == source.size() && part >= 1, "rows of the problem's size, in parts of at least one");
+    F whole(problem);
+    Problem<typename F::scalar> without_prior = problem;
+    without_prior.prior.reset();
+    Index const rows = source.rows(), parts = (rows + part - 1) / part;
+
+    std::atomic<Index> next = 0;    // part to be taken
+    Index merged = 0;               // parts that are in `whole`
+    std::exception_ptr failure;
+    std::mutex mutex;               // guards whole, merged and failure
+    std::condition_variable turn;
+    auto const work = [&] {
+        try {
+            Eigen::MatrixXd block(source.size() + 1, std::min(part, rows));
+            for (Index i = next++; i < parts; i = next++) {
+                F newer(without_prior);
+                Index const here = std::min(part, rows - i * part);
+                source.read(i * part, block.leftCols(here));
+                fold_in(newer, block, here);
+                std::unique_lock lock(mutex);
+                turn.wait(lock, [&] { return merged == i || failure; });
+                if (failure) return;
+                whole.merge(newer);
+                ++merged;
+                turn.notify_all();
+            }
+        } catch (...) {
+            std::lock_guard const lock(mutex);
+            if (!failure) failure = std::current_exception();
+            turn.notify_all();
+        }
+    };
+    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    {
+        std::vector<std::jthread> others;
+        for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.emplace_back(work);
+        work();
+    }
+    if (failure) std::rethrow_exception(failure);
+    return whole;
+}
+
+}  // namespace rlslab

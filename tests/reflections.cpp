@@ -1,0 +1,69 @@
+// A folded block has the same bits whatever the registers: all of baseline, AVX2 and a scalar that has none.
+#include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/model/random.hpp>
+#include <rlslab/variants/qr_block.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace rlslab {
+namespace {
+
+/// R' and z after a few blocks of so many rows, zeros and numbers of very different size among them.
+template <class T>
+std::vector<double> folded(Index size, Index rows, double unit) {
+    Seed seed{std::uint64_t(64 * size + rows)};
+    auto const number = [&seed, unit] { return double(float(seed.next() % 7 == 0 ? 0 : seed.bell() * unit)); };
+    QrBlock<T> filter(Problem<T>{.size = size, .forgetting = T(0.96875), .prior = std::nullopt});
+    for (int block = 0; block < 3; ++block) {
+        Rows<T> psi(size, rows);
+        Vector<T> y(rows);
+        for (Index k = 0; k < rows; ++k) {
+            for (Index i = 0; i < size; ++i) psi(i, k) = T(number());
+            y[k] = T(number());
+        }
+        filter.absorb(psi, y);
+        filter.update({psi.col(0).data(), size}, y[0]);
+    }
+    std::vector<double> out;
+    Matrix<T> const L = filter.stored().F;
+    for (Index j = 0; j < size; ++j)
+        for (Index i = j; i < size; ++i) out.push_back(static_cast<double>(L(i, j)));
+    return out;
+}
+template <class T>
+std::vector<double> folded_by(bool wide, Index size, Index rows, double unit) {
+    bool const before = std::exchange(reflections::wide, wide && reflections::wide);
+    std::vector<double> out = folded<T>(size, rows, unit);
+    reflections::wide = before;
+    return out;
+}
+
+template <class T>
+void check() {
+    for (double unit : {1.0, 0x1p-70, 0x1p60})    // squares that underflow in float, or overflow, go another way
+        for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
+            for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
+                std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);
+                EXPECT_EQ(folded_by<T>(false, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                EXPECT_EQ(folded_by<T>(true, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+            }
+}
+TEST(Reflections, HaveTheSameBitsWithAnyRegistersInDouble) { check<double>(); }
+TEST(Reflections, HaveTheSameBitsWithAnyRegistersInFloat) { check<float>(); }
+
+/// A NaN or an infinity is not lost among the rows of a block, wherever it stands.
+TEST(Reflections, ANanAnywhereInABlockIsSeen) {
+    for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+        for (Index at = 0; at < 9; ++at) {
+            QrBlock<double> filter({.size = 2});
+            Rows<double> psi = Rows<double>::Zero(2, 9);
+            psi(0, at) = bad;
+            filter.absorb(psi, Vector<double>::Zero(9));
+            EXPECT_FALSE(std::isfinite(filter.theta()[0])) << at;
+        }
+}
+
+}  // namespace
+}  // namespace rlslab
