@@ -41,7 +41,8 @@ public:
     return total;
 }
 
-[[gnu::noinline]] void increase(Lanes* y, Lanes const& a, Index count) {
+[[gnu::noinline]] void increase(Lanes* y, double by, Index count) {
+    Lanes const a = Lanes{} + by;
     for (Index i = 0; i < count / width; i += unrolled)
 #pragma GCC unroll 8
         for (Index j = 0; j < unrolled; ++j) y[i + j] += a;
@@ -58,15 +59,15 @@ void read(benchmark::State& state, Index count) {
     Numbers x(count);
     Stopwatch watch(state, passes);
     double total = 0;
-    for (auto _ : state) {
-        total = 0;
-        watch.add(nanoseconds_of([&] {
-            for (int k = 0; k < passes; ++k) {
-                total += sum(x.lanes(), count);
-                wanted(total);
-            }
-        }));
-    }
+    for (auto _ : state)
+        watch.add([&] { total = 0; }, [&] {
+            return nanoseconds_of([&] {
+                for (int k = 0; k < passes; ++k) {
+                    total += sum(x.lanes(), count);
+                    wanted(total);
+                }
+            });
+        });
     watch.finish(exact_or_none(total, passes * 7.5 * double(count)));
 }
 
@@ -74,12 +75,15 @@ void read_modify_write(benchmark::State& state, Index count) {
     Numbers y(count);
     Stopwatch watch(state, passes);
     double before = 0;
-    for (auto _ : state) {
-        before = sum(y.lanes(), count);
-        watch.add(nanoseconds_of([&] {
-            for (int k = 0; k < passes; ++k) increase(y.lanes(), Lanes{} + 1.0, count);
-        }));
-    }
+    for (auto _ : state)
+        watch.add([&] { before = sum(y.lanes(), count); }, [&] {
+            return nanoseconds_of([&] {
+                for (int k = 0; k < passes; ++k) {
+                    increase(y.lanes(), 1, count);
+                    wanted(y);
+                }
+            });
+        });
     watch.finish(exact_or_none(sum(y.lanes(), count) - before, passes * double(count)));
 }
 

@@ -4,6 +4,8 @@
 #include <liquid/liquid.h>
 #include <memory>
 
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"    // liquid's next version is without it
+
 namespace rlslab::bench {
 namespace {
 
@@ -36,9 +38,9 @@ public:
         eqrls_rrrf_step(q_.get(), y, predicted);
     }
     Vector<float> theta() const {
-        Vector<float> oldest_first(size_);
-        eqrls_rrrf_get_weights(q_.get(), oldest_first.data());
-        return oldest_first.reverse();
+        Vector<float> weights(size_);    // of the newest sample first
+        eqrls_rrrf_get_weights(q_.get(), weights.data());
+        return weights;
     }
 };
 

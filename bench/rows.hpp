@@ -3,6 +3,7 @@
 
 #include "scenario.hpp"
 
+#include <rlslab/concept.hpp>
 #include <rlslab/timing.hpp>
 
 #include <benchmark/benchmark.h>
@@ -23,7 +24,8 @@ struct Answer {
     bool finite;
 };
 
-/// The time of an iteration is the one given by the row; what a page is made from is the least over all of them.
+/// Times an iteration without its preparation. What a row is quoted by is the least over all iterations; Google
+/// Benchmark's own time is their mean, with the cost of stopping and starting its clock.
 class Stopwatch {
     benchmark::State& state_;
     double const updates_;    // in one iteration
@@ -31,9 +33,13 @@ class Stopwatch {
 
 public:
     Stopwatch(benchmark::State& state, Index updates) : state_(state), updates_(double(updates)) {}
-    void add(double nanoseconds) {
-        least_ = std::min(least_, nanoseconds / updates_);
-        state_.SetIterationTime(nanoseconds * 1e-9);
+    /// One iteration: timed() gives the nanoseconds it took.
+    template <class Prepare, class Timed>
+    void add(Prepare prepare, Timed timed) {
+        state_.PauseTiming();
+        prepare();
+        state_.ResumeTiming();
+        least_ = std::min(least_, timed() / updates_);
     }
     void finish(Answer const& answer) {
         state_.counters["ns_per_update"] = least_;
@@ -42,10 +48,9 @@ public:
     }
 };
 
-/// Adds the row; the iteration times are given by hand.
 template <class Run>
 void add_row(std::string const& name, Run run) {
-    benchmark::RegisterBenchmark(name.c_str(), run)->UseManualTime();
+    benchmark::RegisterBenchmark(name.c_str(), run);
 }
 
 template <class T>
@@ -53,6 +58,15 @@ Problem<T> problem_in(Problem<double> const& problem) {
     Problem<T> out{.size = problem.size, .forgetting = T(problem.forgetting), .prior = std::nullopt};
     if (problem.prior) out.prior = Prior<T>{.variance = T(problem.prior->variance)};
     return out;
+}
+
+/// What a filter propagates and how: the page colours its line by that.
+template <class F>
+std::string family_of(F const& filter) {
+    if constexpr (ReportsCovariance<F>)
+        return filter.stored().kind == Stored<typename F::scalar>::Kind::factor ? "factored covariance" : "covariance";
+    else
+        return RecursiveLeastSquares<F> ? "information" : "peer";
 }
 
 /// F, a variant or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with the
@@ -95,12 +109,12 @@ public:
         Index const rows = y_.size() - scenario_.scored;
         Stopwatch watch(state, rows);
         F filter = scored_;
-        for (auto _ : state) {
-            filter = scored_;
-            watch.add(stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()));
-        }
+        for (auto _ : state)
+            watch.add([&] { filter = scored_; },
+                      [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
         watch.finish({digits_, theta(filter).allFinite()});
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
+        state.SetLabel(family_of(filter));
     }
 };
 
@@ -120,10 +134,10 @@ template <class Prepare, class Solve>
 void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepare, Solve solve) {
     Stopwatch watch(state, scenario.records.rows());
     Vector<double> theta;
-    for (auto _ : state) {
-        auto input = prepare(scenario.records);
-        watch.add(nanoseconds_of([&] { theta = solve(input); }));
-    }
+    std::optional<decltype(prepare(scenario.records))> input;
+    for (auto _ : state)
+        watch.add([&] { input.emplace(prepare(scenario.records)); },
+                  [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
     watch.finish({digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()});
 }
 
