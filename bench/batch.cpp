@@ -1,0 +1,42 @@
+// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; reference/ROWSxSIZE: the certified solution.
+#include "rows.hpp"
+
+#include <rlslab/variants/erase.hpp>
+#include <rlslab/variants/variants.hpp>
+
+namespace rlslab::bench {
+namespace {
+
+template <class F>
+void add_blocks() {
+    add_batch_rows("batch/" + std::string(F::name), [](Records const& records) { return &records; },
+                   [](Records const* records) {
+                       F filter({.size = records->size(), .forgetting = 1, .prior = std::nullopt});
+                       feed(filter, records->psi, records->y);
+                       return Vector<double>(filter.theta());
+                   });
+}
+
+/// The digits are those proven, at most the 30 that were asked for.
+void reference(benchmark::State& state, Index rows, Index size) {
+    Scenario const& scenario = batch(rows, size);
+    Stopwatch watch(state, rows);
+    double radius = 1;
+    for (auto _ : state)
+        watch.add([] {}, [&] {
+            return nanoseconds_of([&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); });
+        });
+    watch.finish({std::min(-std::log10(radius), 30.0), std::isfinite(radius)});
+}
+
+[[maybe_unused]] bool const added = [] {
+    for_each(Variants<double>{}, []<class F>() {
+        if constexpr (TakesBlocks<F> && StartsWithoutPrior<F>) add_blocks<F>();
+    });
+    for (Index size : {10, 20})
+        add_row("reference/" + shape(100000, size), [=](benchmark::State& state) { reference(state, 100000, size); });
+    return true;
+}();
+
+}  // namespace
+}  // namespace rlslab::bench

@@ -1,0 +1,46 @@
+// Runs the rows and prints one line for each: what it is quoted by, the median where there are repetitions.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <string>
+
+namespace {
+
+class OneLineEach : public benchmark::BenchmarkReporter {
+public:
+    bool ReportContext(Context const&) override {
+        fmt::print("{:<44}{:>14}{:>9}{:>8}{:>12}\n", "", "ns/update", "digits", "finite", "ns/theta");
+        return true;
+    }
+    void ReportRuns(std::vector<Run> const& runs) override {
+        for (Run const& run : runs) {
+            if (run.error_occurred) fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
+            if (run.error_occurred || (run.repetitions > 1 && run.aggregate_name != "median")) continue;
+            auto const counter = [&](char const* name) { return run.counters.at(name).value; };
+            fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter("ns_per_update"), counter("digits"),
+                       counter("finite") != 0 ? "yes" : "no");
+            if (run.counters.contains("ns_theta")) fmt::print("{:>12.1f}", counter("ns_theta"));
+            fmt::print("\n");
+        }
+        std::fflush(stdout);
+    }
+};
+
+/// What Linux calls the processor.
+std::string processor() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("model name") && line.find(": ") != std::string::npos) return line.substr(line.find(": ") + 2);
+    return "unknown processor";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    benchmark::AddCustomContext("cpu", processor());
+    benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
+    OneLineEach lines;
+    benchmark::RunSpecifiedBenchmarks(&lines);
+}

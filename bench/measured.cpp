@@ -1,0 +1,66 @@
+// Takes the names apart; one unit of time for every order of magnitude.
+#include "measured.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace rlslab::bench {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> parts_of(std::string const& name) {
+    std::vector<std::string> out;
+    std::istringstream in(name);
+    for (std::string part; std::getline(in, part, '/');) out.push_back(part);
+    return out;
+}
+
+/// The parameters in "64", "200000x10" or, for a limit, the bytes of its square.
+double size_of(std::string const& group, std::string const& what) {
+    double const last = std::stod(what.substr(what.find('x') + 1));
+    return group == "limit" ? std::sqrt(last / sizeof(double)) : last;
+}
+
+Measured measured(json const& row) {
+    std::vector<std::string> const parts = parts_of(row.at("run_name"));
+    if (parts.size() < 2) throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
+    Measured out{.group = parts.front(), .name = parts.size() > 2 ? parts[1] : parts.front(),
+                 .arithmetic = parts.size() > 3 ? parts[2] : "", .what = parts.back(), .family = row.value("label", parts.front()),
+                 .size = size_of(parts.front(), parts.back()), .nanoseconds = row.at("ns_per_update"), .digits = row.at("digits"),
+                 .finite = row.at("finite") != 0, .theta_nanoseconds = {}};
+    if (row.contains("ns_theta")) out.theta_nanoseconds = row["ns_theta"].get<double>();
+    return out;
+}
+
+}  // namespace
+
+Run read_run(std::string const& path) {
+    std::ifstream file(path);
+    json const all = json::parse(file);
+    json const& context = all.at("context");
+    Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
+                        context.value("date", "")), {}};
+    for (json const& row : all.at("benchmarks")) {
+        bool const repeated = row.value("repetitions", 1) > 1;
+        if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;
+        run.rows.push_back(measured(row));
+    }
+    return run;
+}
+
+std::string time_for_people(double nanoseconds) {
+    static constexpr char const* units[] = {"ns", "µs", "ms", "s"};
+    int unit = 0;
+    for (; unit < 3 && nanoseconds >= 999.5; ++unit) nanoseconds /= 1000;
+    int const decimals = nanoseconds < 9.995 ? 2 : nanoseconds < 99.95 ? 1 : 0;
+    std::string number = fmt::format("{:.{}f}", nanoseconds, decimals);
+    if (number.find('.') != std::string::npos) number.erase(number.find_last_not_of('0') + 1);
+    if (number.back() == '.') number.pop_back();
+    return number + " " + units[unit];
+}
+
+}  // namespace rlslab::bench

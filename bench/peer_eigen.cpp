@@ -1,0 +1,59 @@
+// What people write with Eigen: peer/eigen_textbook/double/SIZE, peer/eigen_householder/ROWSxSIZE, and the normal
+// equations, peer/normal_equations/ROWSxSIZE.
+#include "rows.hpp"
+
+#include <Eigen/Dense>
+
+namespace rlslab::bench {
+namespace {
+
+using Eigen::MatrixXd, Eigen::VectorXd;
+
+class EigenTextbook {
+    double lambda_;
+    VectorXd theta_;
+    MatrixXd P_;
+
+public:
+    using scalar = double;
+    static constexpr std::string_view name = "eigen_textbook";
+
+    explicit EigenTextbook(Problem<double> const& problem)
+        : lambda_(problem.forgetting), theta_(VectorXd::Zero(problem.size)),
+          P_(problem.prior->variance * MatrixXd::Identity(problem.size, problem.size)) {}
+    void update(Regressor<double> row, double y) {
+        Eigen::Map<VectorXd const> const psi(row.data(), row.size());
+        VectorXd const K = P_ * psi / (lambda_ + psi.dot(P_ * psi));
+        theta_ += K * (y - psi.dot(theta_));
+        P_ = (P_ - K * psi.transpose() * P_) / lambda_;    // (K psi') P: cubic, as it stands in many a repository
+    }
+    VectorXd const& theta() const { return theta_; }
+};
+
+/// In place, on a tall matrix by columns: the fastest it offers. What is destroyed is copied outside the time.
+void add_householder() {
+    add_batch_rows("peer/eigen_householder", [](Records const& records) { return std::pair(MatrixXd(records.psi.transpose()), &records.y); },
+                   [](auto& input) -> VectorXd {
+                       Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> const qr(input.first);
+                       return qr.solve(*input.second);
+                   });
+}
+
+void add_normal_equations() {
+    add_batch_rows("peer/normal_equations", [](Records const& records) { return &records; },
+                   [](Records const* records) -> VectorXd {
+                       MatrixXd M = MatrixXd::Zero(records->size(), records->size());
+                       M.selfadjointView<Eigen::Lower>().rankUpdate(records->psi);
+                       return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
+                   });
+}
+
+[[maybe_unused]] bool const added = [] {
+    for (Index size : sizes) add_filter_row<EigenTextbook>("peer", size);
+    add_householder();
+    add_normal_equations();
+    return true;
+}();
+
+}  // namespace
+}  // namespace rlslab::bench

@@ -1,0 +1,153 @@
+// How a row is timed and what it carries: the one harness under update/, fixed/, batch/, sparse/ and peer/.
+#pragma once
+
+#include "scenario.hpp"
+
+#include <rlslab/concept.hpp>
+#include <rlslab/timing.hpp>
+
+#include <benchmark/benchmark.h>
+#include <map>
+#include <string>
+
+namespace rlslab::bench {
+
+/// The sizes of the filters' rows, and the shapes of the batches'.
+inline std::vector<Index> const sizes{2, 4, 8, 16, 32, 64, 128, 256};
+inline constexpr Index batch_rows = 200000;
+inline std::vector<Index> const batch_sizes{10, 20, 40};
+inline std::string shape(Index rows, Index size) { return std::to_string(rows) + "x" + std::to_string(size); }
+
+/// What one row has to say besides its time.
+struct Answer {
+    double digits;
+    bool finite;
+};
+
+/// Times an iteration without its preparation. What a row is quoted by is the least over all iterations; Google
+/// Benchmark's own time is their mean, with the cost of stopping and starting its clock.
+class Stopwatch {
+    benchmark::State& state_;
+    double const updates_;    // in one iteration
+    double least_ = std::numeric_limits<double>::infinity();
+
+public:
+    Stopwatch(benchmark::State& state, Index updates) : state_(state), updates_(double(updates)) {}
+    /// One iteration: timed() gives the nanoseconds it took.
+    template <class Prepare, class Timed>
+    void add(Prepare prepare, Timed timed) {
+        state_.PauseTiming();
+        prepare();
+        state_.ResumeTiming();
+        least_ = std::min(least_, timed() / updates_);
+    }
+    void finish(Answer const& answer) {
+        state_.counters["ns_per_update"] = least_;
+        state_.counters["digits"] = answer.digits;
+        state_.counters["finite"] = answer.finite;
+    }
+};
+
+template <class Run>
+void add_row(std::string const& name, Run run) {
+    benchmark::RegisterBenchmark(name.c_str(), run);
+}
+
+template <class T>
+Problem<T> problem_in(Problem<double> const& problem) {
+    Problem<T> out{.size = problem.size, .forgetting = T(problem.forgetting), .prior = std::nullopt};
+    if (problem.prior) out.prior = Prior<T>{.variance = T(problem.prior->variance)};
+    return out;
+}
+
+/// What a filter propagates and how: the page colours its line by that.
+template <class F>
+std::string family_of(F const& filter) {
+    if constexpr (ReportsCovariance<F>)
+        return filter.stored().kind == Stored<typename F::scalar>::Kind::factor ? "factored covariance" : "covariance";
+    else
+        return RecursiveLeastSquares<F> ? "information" : "peer";
+}
+
+/// F, a variant or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with the
+/// scored rows it gives its digits; every timed stretch starts from there.
+template <class F>
+class FilterRow {
+    using T = typename F::scalar;
+    using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
+    Scenario const& scenario_;
+    Rows psi_;
+    Vector<T> y_;
+    F scored_;
+    double digits_;
+
+    static Vector<double> theta(F const& filter) { return Vector<T>(filter.theta()).template cast<double>(); }
+
+    /// The least over a few stretches of calls, as short as the clock allows.
+    static double nanoseconds_of_theta(F const& filter) {
+        double least = std::numeric_limits<double>::infinity();
+        for (int k = 0; k < 20; ++k) {
+            constexpr int calls = 16;
+            least = std::min(least, nanoseconds_of([&] {
+                                 for (int i = 0; i < calls; ++i) {
+                                     auto const& answer = filter.theta();
+                                     wanted(answer);
+                                 }
+                             }) / calls);
+        }
+        return least;
+    }
+
+public:
+    explicit FilterRow(Index size)
+        : scenario_(tapped_delay_line(size)), psi_(scenario_.records.psi.template cast<T>()),
+          y_(scenario_.records.y.template cast<T>()), scored_(problem_in<T>(scenario_.problem)) {
+        stretch<Theta::unasked>(scored_, psi_, y_, 0, scenario_.scored);
+        digits_ = digits(scenario_.exact, theta(scored_), std::numeric_limits<T>::digits);
+    }
+    void run(benchmark::State& state) const {
+        Index const rows = y_.size() - scenario_.scored;
+        Stopwatch watch(state, rows);
+        F filter = scored_;
+        for (auto _ : state)
+            watch.add([&] { filter = scored_; },
+                      [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
+        watch.finish({digits_, theta(filter).allFinite()});
+        state.counters["ns_theta"] = nanoseconds_of_theta(filter);
+        state.SetLabel(family_of(filter));
+    }
+};
+
+/// group/NAME/ARITHMETIC/SIZE. Google Benchmark calls a row several times; its scored filter is made once.
+template <class F>
+void add_filter_row(std::string const& group, Index size) {
+    std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
+    add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size), [size](benchmark::State& state) {
+        static std::map<Index, FilterRow<F>> made;
+        made.try_emplace(size, size).first->second.run(state);
+    });
+}
+
+/// A whole set of rows in one go: times solve(input) -> theta; input = prepare(records), where what a library destroys is
+/// copied and laid out as it likes it best, is made afresh for each iteration outside the time.
+template <class Prepare, class Solve>
+void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepare, Solve solve) {
+    Stopwatch watch(state, scenario.records.rows());
+    Vector<double> theta;
+    std::optional<decltype(prepare(scenario.records))> input;
+    for (auto _ : state)
+        watch.add([&] { input.emplace(prepare(scenario.records)); },
+                  [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
+    watch.finish({digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()});
+}
+
+/// group/NAME/ROWSxSIZE for every batch shape.
+template <class Prepare, class Solve>
+void add_batch_rows(std::string const& name, Prepare prepare, Solve solve) {
+    for (Index size : batch_sizes)
+        add_row(name + "/" + shape(batch_rows, size), [=](benchmark::State& state) {
+            run_batch(state, batch(batch_rows, size), prepare, solve);
+        });
+}
+
+}  // namespace rlslab::bench

@@ -1,0 +1,35 @@
+// The data every row is timed on and scored by: made once, the same bits for every variant, arithmetic and peer.
+#pragma once
+
+#include <rlslab/model/records.hpp>
+#include <rlslab/reference/certified.hpp>
+
+namespace rlslab::bench {
+
+/// One problem and its data. Every number in it is a float, so that float and double solve the same problem, and one
+/// certified solution judges both.
+struct Scenario {
+    Problem<double> problem;
+    Records records;
+    Index scored;    ///< theta is scored after this many rows; those that follow are for timing
+    Exact exact;     ///< the certified solution there
+};
+
+/// The filters' scenario: a transversal filter of d taps fed with white noise, psi_k = (x_k, x_{k-1}, ..., x_{k-d+1}), x = 0
+/// before the first row. lambda = 0.99 and P0 = 10 I, because liquid takes a delay line and has that P0 built in.
+Scenario const& tapped_delay_line(Index size);
+
+/// The batches' scenario: the same regressors, so many rows, lambda = 1, no prior; all rows are scored.
+Scenario const& batch(Index rows, Index size);
+
+/// The sparse variants' scenario: each row interpolates between two neighbouring parameters. lambda = 1, P0 = 10 I.
+Scenario const& interpolation(Index size);
+
+/// How many rows a filter is timed on before it is put back to where it was scored: few enough that the textbook forms
+/// stay finite and the data stay in L1, enough that reading the clock does not show.
+Index stretch_rows(Index size);
+
+/// The digits of an answer, at most those its arithmetic has; 0 when it is not finite.
+double digits(Exact const& exact, Vector<double> const& theta, int arithmetic_bits);
+
+}  // namespace rlslab::bench
