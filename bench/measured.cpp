@@ -43,7 +43,7 @@ Run read_run(std::string const& path) {
     json const all = json::parse(file);
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
-                        context.value("date", "")), {}};
+                        context.value("date", "").substr(0, 10)), {}};
     for (json const& row : all.at("benchmarks")) {
         bool const repeated = row.value("repetitions", 1) > 1;
         if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;
