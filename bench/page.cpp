@@ -41,7 +41,7 @@ svg:hover .line:not(:hover) { opacity: .25 }
 .swatch { display: inline-block; width: .8em; height: .8em; background: currentColor; border-radius: 2px; margin: 0 .3em 0 1em }
 .narrow { display: none }
 .scroll { overflow-x: auto }
-table { border-collapse: collapse; font-size: .84rem; font-variant-numeric: tabular-nums; margin: .4rem 0 }
+table { border-collapse: separate; border-spacing: 0; font-size: .84rem; font-variant-numeric: tabular-nums; margin: .4rem 0 }
 th, td { padding: .28rem .7rem; text-align: right; border-bottom: 1px solid var(--rule); white-space: nowrap; vertical-align: top }
 th:first-child { text-align: left; position: sticky; left: 0; background: var(--page) }
 td b { font-weight: 600 } td small { display: block; color: var(--soft); line-height: 1.3 }
@@ -95,9 +95,9 @@ std::vector<Series> series_of(Rows const& rows) {
 
 std::string plots(Rows const& rows) {
     std::vector<Series> const series = series_of(rows);
-    std::string const wide = plot(series, 1120, 660, true);
+    std::string const wide = plot(series, 1120, series.size() > 8 ? 660 : 360, true);
     if (wide.empty()) return "";
-    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide, plot(series, 400, 470, false),
+    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide, plot(series, 400, series.size() > 8 ? 470 : 340, false),
                        legend(series));
 }
 
@@ -188,7 +188,7 @@ std::string others(Rows const& rows) {
                      "normal_equations", {"batch", "peer"}, true},
              Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
              Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
-             Section{"The machine's limit", "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128.", "", {"limit"}, false}}) {
+             Section{"The machine's limit", "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
         Rows const mine = kept(rows, [&](Measured const& r) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
