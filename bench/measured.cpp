@@ -28,10 +28,16 @@ double size_of(std::string const& group, std::string const& what) {
 Measured measured(json const& row) {
     std::vector<std::string> const parts = parts_of(row.at("run_name"));
     if (parts.size() < 2) throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
-    Measured out{.group = parts.front(), .name = parts.size() > 2 ? parts[1] : parts.front(),
-                 .arithmetic = parts.size() > 3 ? parts[2] : "", .what = parts.back(), .family = row.value("label", parts.front()),
-                 .size = size_of(parts.front(), parts.back()), .nanoseconds = row.at("ns_per_update"), .digits = row.at("digits"),
-                 .finite = row.at("finite") != 0, .theta_nanoseconds = {}};
+    Measured out{.group = parts.front(),
+                 .name = parts.size() > 2 ? parts[1] : parts.front(),
+                 .arithmetic = parts.size() > 3 ? parts[2] : "",
+                 .what = parts.back(),
+                 .family = row.value("label", parts.front()),
+                 .size = size_of(parts.front(), parts.back()),
+                 .nanoseconds = row.at("ns_per_update"),
+                 .digits = row.at("digits"),
+                 .finite = row.at("finite") != 0,
+                 .theta_nanoseconds = {}};
     if (row.contains("ns_theta")) out.theta_nanoseconds = row["ns_theta"].get<double>();
     return out;
 }

@@ -73,11 +73,12 @@ Measured const* find(Rows const& rows, std::string const& name, std::string cons
     return found == rows.end() ? nullptr : &*found;
 }
 
-/// Digits of its arithmetic kept, and the row as a sentence.
+/// The row as a tooltip.
 std::string sentence(Measured const& row) {
     std::string out = fmt::format("{}, {}: {} per row, ", row.name, row.what, time_for_people(row.nanoseconds));
     out += row.finite ? fmt::format("{:.1f} digits", row.digits) : "not finite";
-    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5) out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
+    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5)
+        out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
     return out;
 }
 
@@ -97,8 +98,8 @@ std::string plots(Rows const& rows) {
     std::vector<Series> const series = series_of(rows);
     std::string const wide = plot(series, 1120, series.size() > 8 ? 660 : 360, true);
     if (wide.empty()) return "";
-    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide, plot(series, 400, series.size() > 8 ? 470 : 340, false),
-                       legend(series));
+    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide,
+                       plot(series, 400, series.size() > 8 ? 470 : 340, false), legend(series));
 }
 
 std::string cell(Measured const* row, Measured const* yardstick, bool least) {
@@ -129,7 +130,8 @@ std::string table(Rows const& rows, std::string const& yardstick) {
     for (std::string const& what : cases) {
         Measured const* best = nullptr;
         for (Measured const& row : rows)
-            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered())) best = &row;
+            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered()))
+                best = &row;
         least.push_back(best);
     }
     for (std::string const& name : names) {
@@ -169,7 +171,8 @@ std::string filters(Rows const& rows) {
                 limit.name = "limit: " + limit.name;
                 drawn.push_back(limit);
             }
-        out += fmt::format("<h2>{}</h2>\n{}{}", title, plots(drawn), table(panel, arithmetic == "double" ? "dlib" : "dlib (double)"));
+        out += fmt::format("<h2>{}</h2>\n{}{}", title, plots(drawn),
+                           table(panel, arithmetic == "double" ? "dlib" : "dlib (double)"));
     }
     return out;
 }
@@ -182,13 +185,14 @@ std::string others(Rows const& rows) {
         bool drawn;
     };
     std::string out;
-    for (Section const& section : {
-             Section{"Batches: all rows at hand, double, one thread",
-                     "Time per row, the solution included; × is against the normal equations, which square the condition number.",
-                     "normal_equations", {"batch", "peer"}, true},
-             Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
-             Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
-             Section{"The machine's limit", "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
+    for (Section const& section :
+         {Section{"Batches: all rows at hand, double, one thread",
+                  "Time per row, the solution included; × is against the normal equations, which square the condition number.",
+                  "normal_equations", {"batch", "peer"}, true},
+          Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
+          Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
+          Section{"The machine's limit",
+                  "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
         Rows const mine = kept(rows, [&](Measured const& r) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
@@ -203,15 +207,18 @@ std::string page(Run const& run) {
     std::string out = fmt::format("<!doctype html>\n<html lang='en'>\n<meta charset='utf-8'>\n"
                                   "<meta name='viewport' content='width=device-width, initial-scale=1'>\n"
                                   "<title>rlslab: the time of an update</title>\n<style>{}</style>\n", style);
-    out += "<h1>The time of an update</h1>\n"
-           "<p>What one row of data costs a filter of d parameters: the same data, prior and forgetting for all. Every time stands "
-           "with the digits of theta, measured against the certified reference: a fast wrong answer is worth nothing.</p>\n";
+    out +=
+        "<h1>The time of an update</h1>\n"
+        "<p>What one row of data costs a filter of d parameters: the same data, prior and forgetting for all. Every time "
+        "stands with the digits of theta, measured against the certified reference: a fast wrong answer is worth nothing.</p>\n";
     out += fmt::format("<p class='soft'>{}</p>\n", run.machine);
     out += "<p class='legend'>";
     for (char const* family : {"covariance", "factored covariance", "information", "peer", "limit"})
         out += fmt::format("<span><i class='swatch {}'></i>{}</span>", style_of(family), family);
-    out += "</p>\n<p class='soft'>The plots show the update alone. In the tables what theta() takes on top is said where it has to "
-           "be solved for, and counts in ×, the time over dlib's (less than 1 is faster), and in which variant is shaded as the fastest.</p>\n";
+    out +=
+        "</p>\n<p class='soft'>The plots show the update alone. In the tables what theta() takes on top is said where it has "
+        "to be solved for, and counts in ×, the time over dlib's (less than 1 is faster), and in which variant is shaded as "
+        "the fastest.</p>\n";
     return out + filters(run.rows) + others(run.rows) + "</html>\n";
 }
 
