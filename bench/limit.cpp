@@ -88,7 +88,7 @@ void read_modify_write(benchmark::State& state, Index count) {
 }
 
 [[maybe_unused]] bool const added = [] {
-    for (Index size : {32, 64, 128}) {
+    for (Index size : {32, 64, 128, 256}) {
         Index const count = size * size;
         std::string const bytes = std::to_string(count * Index(sizeof(double)));
         add_row("limit/read/" + bytes, [=](benchmark::State& state) { read(state, count); });

@@ -28,10 +28,16 @@ double size_of(std::string const& group, std::string const& what) {
 Measured measured(json const& row) {
     std::vector<std::string> const parts = parts_of(row.at("run_name"));
     if (parts.size() < 2) throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
-    Measured out{.group = parts.front(), .name = parts.size() > 2 ? parts[1] : parts.front(),
-                 .arithmetic = parts.size() > 3 ? parts[2] : "", .what = parts.back(), .family = row.value("label", parts.front()),
-                 .size = size_of(parts.front(), parts.back()), .nanoseconds = row.at("ns_per_update"), .digits = row.at("digits"),
-                 .finite = row.at("finite") != 0, .theta_nanoseconds = {}};
+    Measured out{.group = parts.front(),
+                 .name = parts.size() > 2 ? parts[1] : parts.front(),
+                 .arithmetic = parts.size() > 3 ? parts[2] : "",
+                 .what = parts.back(),
+                 .family = row.value("label", parts.front()),
+                 .size = size_of(parts.front(), parts.back()),
+                 .nanoseconds = row.at("ns_per_update"),
+                 .digits = row.at("digits"),
+                 .finite = row.at("finite") != 0,
+                 .theta_nanoseconds = {}};
     if (row.contains("ns_theta")) out.theta_nanoseconds = row["ns_theta"].get<double>();
     return out;
 }
@@ -43,7 +49,7 @@ Run read_run(std::string const& path) {
     json const all = json::parse(file);
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
-                        context.value("date", "")), {}};
+                        context.value("date", "").substr(0, 10)), {}};
     for (json const& row : all.at("benchmarks")) {
         bool const repeated = row.value("repetitions", 1) > 1;
         if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;

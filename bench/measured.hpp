@@ -15,6 +15,7 @@ struct Measured {
     double nanoseconds, digits;
     bool finite;
     std::optional<double> theta_nanoseconds;
+    double answered() const { return nanoseconds + theta_nanoseconds.value_or(0); }    ///< the update and theta() after it
 };
 
 struct Run {

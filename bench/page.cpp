@@ -41,12 +41,13 @@ svg:hover .line:not(:hover) { opacity: .25 }
 .swatch { display: inline-block; width: .8em; height: .8em; background: currentColor; border-radius: 2px; margin: 0 .3em 0 1em }
 .narrow { display: none }
 .scroll { overflow-x: auto }
-table { border-collapse: collapse; font-size: .84rem; font-variant-numeric: tabular-nums; margin: .4rem 0 }
+table { border-collapse: separate; border-spacing: 0; font-size: .84rem; font-variant-numeric: tabular-nums; margin: .4rem 0 }
 th, td { padding: .28rem .7rem; text-align: right; border-bottom: 1px solid var(--rule); white-space: nowrap; vertical-align: top }
 th:first-child { text-align: left; position: sticky; left: 0; background: var(--page) }
 td b { font-weight: 600 } td small { display: block; color: var(--soft); line-height: 1.3 }
 td.least { background: #e8f1f8 } td .bad { color: #b00020; font-weight: 600 }
-@media (max-width: 760px) { .wide { display: none } .narrow { display: block } body { padding: .6rem .6rem 2rem } }
+@media (max-width: 760px) { th:first-child { white-space: normal; padding-left: 0 } table { font-size: .76rem }
+  .wide { display: none } .narrow { display: block } body { padding: .6rem .6rem 2rem } }
 )";
 
 using Rows = std::vector<Measured>;
@@ -72,11 +73,12 @@ Measured const* find(Rows const& rows, std::string const& name, std::string cons
     return found == rows.end() ? nullptr : &*found;
 }
 
-/// Digits of its arithmetic kept, and the row as a sentence.
+/// The row as a tooltip.
 std::string sentence(Measured const& row) {
     std::string out = fmt::format("{}, {}: {} per row, ", row.name, row.what, time_for_people(row.nanoseconds));
     out += row.finite ? fmt::format("{:.1f} digits", row.digits) : "not finite";
-    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5) out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
+    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5)
+        out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
     return out;
 }
 
@@ -94,10 +96,10 @@ std::vector<Series> series_of(Rows const& rows) {
 
 std::string plots(Rows const& rows) {
     std::vector<Series> const series = series_of(rows);
-    std::string const wide = plot(series, 1120, 560, true);
+    std::string const wide = plot(series, 1120, series.size() > 8 ? 660 : 360, true);
     if (wide.empty()) return "";
-    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide, plot(series, 400, 470, false),
-                       legend(series));
+    return fmt::format("<div class='wide'>{}</div>\n<div class='narrow'>{}{}</div>\n", wide,
+                       plot(series, 400, series.size() > 8 ? 470 : 340, false), legend(series));
 }
 
 std::string cell(Measured const* row, Measured const* yardstick, bool least) {
@@ -106,12 +108,20 @@ std::string cell(Measured const* row, Measured const* yardstick, bool least) {
     out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class='bad'>not finite</small>";
     if (row->theta_nanoseconds && *row->theta_nanoseconds > 5)
         out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
-    if (yardstick && yardstick->nanoseconds > 0)
-        out += fmt::format("<small>{:.3g} ×</small>", row->nanoseconds / yardstick->nanoseconds);
+    if (yardstick) {
+        double const ratio = row->answered() / yardstick->answered();
+        out += fmt::format("<small>{:.{}f} ×</small>", ratio, ratio < 10 ? 2 : 0);
+    }
     return out + "</td>";
 }
 
-/// Names down, cases across; the least time of a variant in each column is shaded.
+/// A name that may go on in the next line after an underscore.
+std::string breakable(std::string name) {
+    for (size_t at = 0; (at = name.find('_', at)) != std::string::npos; at += 6) name.insert(at + 1, "<wbr>");
+    return name;
+}
+
+/// Names down, cases across; the variant with the least time to an answer in each column is shaded.
 std::string table(Rows const& rows, std::string const& yardstick) {
     auto const names = distinct(rows, std::mem_fn(&Measured::name)), cases = distinct(rows, std::mem_fn(&Measured::what));
     std::string out = "<div class='scroll'><table>\n<tr><th></th>";
@@ -120,11 +130,12 @@ std::string table(Rows const& rows, std::string const& yardstick) {
     for (std::string const& what : cases) {
         Measured const* best = nullptr;
         for (Measured const& row : rows)
-            if (row.what == what && row.finite && row.group != "peer" && (!best || row.nanoseconds < best->nanoseconds)) best = &row;
+            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered()))
+                best = &row;
         least.push_back(best);
     }
     for (std::string const& name : names) {
-        out += fmt::format("</tr>\n<tr><th>{}</th>", name);
+        out += fmt::format("</tr>\n<tr><th>{}</th>", breakable(name));
         for (size_t j = 0; j < cases.size(); ++j) {
             Measured const* const row = find(rows, name, cases[j]);
             out += cell(row, find(rows, yardstick, cases[j]), names.size() > 1 && row && row == least[j]);
@@ -147,19 +158,21 @@ std::string filters(Rows const& rows) {
     auto const panel_of = [](Measured const& r) { return title_of(r.group, r.arithmetic); };
     for (std::string const& title : distinct(single, panel_of)) {
         Rows panel = kept(single, [&](Measured const& r) { return panel_of(r) == title; });
-        std::string const arithmetic = panel.front().arithmetic;
+        std::string const group = panel.front().group, arithmetic = panel.front().arithmetic;
         auto const cases = distinct(panel, std::mem_fn(&Measured::what));
         for (Measured peer : kept(rows, [](Measured const& r) { return r.group == "peer" && !r.arithmetic.empty(); })) {
             if (std::ranges::find(cases, peer.what) == cases.end()) continue;
+            if (peer.arithmetic != arithmetic) peer.name += " (" + peer.arithmetic + ")";
             panel.push_back(peer);
         }
         Rows drawn = panel;
-        if (arithmetic == "double" && panel.front().group == "update")
+        if (arithmetic == "double" && group == "update")
             for (Measured limit : kept(rows, [](Measured const& r) { return r.group == "limit"; })) {
                 limit.name = "limit: " + limit.name;
                 drawn.push_back(limit);
             }
-        out += fmt::format("<h2>{}</h2>\n{}{}", title, plots(drawn), table(panel, "dlib"));
+        out += fmt::format("<h2>{}</h2>\n{}{}", title, plots(drawn),
+                           table(panel, arithmetic == "double" ? "dlib" : "dlib (double)"));
     }
     return out;
 }
@@ -172,13 +185,14 @@ std::string others(Rows const& rows) {
         bool drawn;
     };
     std::string out;
-    for (Section const& section : {
-             Section{"Batches: all rows at hand, double, one thread",
-                     "Time per row, the solution included; × is against the normal equations, which square the condition number.",
-                     "normal_equations", {"batch", "peer"}, true},
-             Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
-             Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
-             Section{"The machine's limit", "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128.", "", {"limit"}, false}}) {
+    for (Section const& section :
+         {Section{"Batches: all rows at hand, double, one thread",
+                  "Time per row, the solution included; × is against the normal equations, which square the condition number.",
+                  "normal_equations", {"batch", "peer"}, true},
+          Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
+          Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
+          Section{"The machine's limit",
+                  "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
         Rows const mine = kept(rows, [&](Measured const& r) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
@@ -193,15 +207,18 @@ std::string page(Run const& run) {
     std::string out = fmt::format("<!doctype html>\n<html lang='en'>\n<meta charset='utf-8'>\n"
                                   "<meta name='viewport' content='width=device-width, initial-scale=1'>\n"
                                   "<title>rlslab: the time of an update</title>\n<style>{}</style>\n", style);
-    out += "<h1>The time of an update</h1>\n"
-           "<p>Nanoseconds for one row of data in one filter of d parameters, theta() not included unless it is free: the same data, "
-           "prior and forgetting for all. Every time stands with the digits of the answer, measured against the certified "
-           "reference, because a fast wrong answer is worth nothing.</p>\n";
+    out +=
+        "<h1>The time of an update</h1>\n"
+        "<p>What one row of data costs a filter of d parameters: the same data, prior and forgetting for all. Every time "
+        "stands with the digits of theta, measured against the certified reference: a fast wrong answer is worth nothing.</p>\n";
     out += fmt::format("<p class='soft'>{}</p>\n", run.machine);
     out += "<p class='legend'>";
     for (char const* family : {"covariance", "factored covariance", "information", "peer", "limit"})
         out += fmt::format("<span><i class='swatch {}'></i>{}</span>", style_of(family), family);
-    out += "</p>\n<p class='soft'>In the tables: × is the time over dlib's at that size, less than 1 is faster; shaded, the fastest variant.</p>\n";
+    out +=
+        "</p>\n<p class='soft'>The plots show the update alone. In the tables what theta() takes on top is said where it has "
+        "to be solved for, and counts in ×, the time over dlib's (less than 1 is faster), and in which variant is shaded as "
+        "the fastest.</p>\n";
     return out + filters(run.rows) + others(run.rows) + "</html>\n";
 }
 

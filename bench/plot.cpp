@@ -27,14 +27,18 @@ std::vector<int> ranks(std::vector<Series> const& series) {
     return out;
 }
 
-/// Heights near those wanted, in their order, at least `gap` apart, none below `bottom`.
+/// Heights near those wanted, in their order, at least `gap` apart, none below `bottom`: halfway between what is had by
+/// only pushing down and by only pushing up, both of which keep the gap.
 std::vector<double> spread(std::vector<double> wanted, double gap, double bottom) {
     std::vector<size_t> order(wanted.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::ranges::stable_sort(order, {}, [&](size_t i) { return wanted[i]; });
-    double least = -1e300, most = bottom;
-    for (size_t i : order) least = (wanted[i] = std::max(wanted[i], least)) + gap;
-    for (size_t i : order | std::views::reverse) most = (wanted[i] = std::min(wanted[i], most)) - gap;
+    std::vector<double> down = wanted, up = wanted;
+    double least = -1e300, most = 1e300;
+    for (size_t i : order) least = (down[i] = std::max(down[i], least)) + gap;
+    for (size_t i : order | std::views::reverse) most = (up[i] = std::min(up[i], most)) - gap;
+    most = bottom;
+    for (size_t i : order | std::views::reverse) most = (wanted[i] = std::min((down[i] + up[i]) / 2, most)) - gap;
     return wanted;
 }
 
@@ -100,7 +104,8 @@ std::string plot(std::vector<Series> const& series, double width, double height,
     std::string out = fmt::format("<svg viewBox='0 0 {0:.0f} {1:.0f}' style='max-width:{0:.0f}px' role='img' "
                                   "aria-label='time of an update against the number of parameters'>\n", width, height);
     out += grid(sizes, x, y);
-    out += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>parameters d</text>\n", (x.begin + x.end) / 2, height - 8);
+    out += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>parameters d</text>\n", (x.begin + x.end) / 2,
+                       height - 8);
     std::vector<double> ends;
     for (Series const& s : series) ends.push_back(y(s.points.back().nanoseconds));
     std::vector<double> const heights = spread(ends, 16, y.begin);
