@@ -13,7 +13,7 @@ struct Rotation {
 
 /// A sum of squares this large cannot owe a digit to squares that went subnormal; beyond binary64's exponents: not zero.
 template <Real T>
-T least_sum_of_squares() {
+[[gnu::always_inline]] inline T least_sum_of_squares() {
     return T(std::ldexp(1.0, ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits));
 }
 
