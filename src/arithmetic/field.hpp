@@ -55,7 +55,7 @@ concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
 
 /// False for infinities and NaN; true for every value of a scalar that has neither.
 template <Field T>
-Truth<T> is_finite(T const& x) {
+[[gnu::always_inline]] inline Truth<T> is_finite(T const& x) {
     using std::isfinite;
     if constexpr (requires { isfinite(x); })
         return Truth<T>(isfinite(x));
@@ -69,7 +69,7 @@ T absolute(T const& x) {
 }
 
 template <Real T>
-T square_root(T const& x) {
+[[gnu::always_inline]] inline T square_root(T const& x) {    // a call in the middle of a kernel would spill its registers
     using std::sqrt;
     return sqrt(x);
 }

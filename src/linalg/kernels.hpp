@@ -1,6 +1,7 @@
 // The loops of dense recursive least squares, each with one defined order of evaluation in every arithmetic.
 //
 //   dot products       eight running lanes, then the tree ((0+4)+(2+6)) + ((1+5)+(3+7)), absent lanes left out;
+//   prefix sums        within blocks of eight, then each plus the sum of the blocks before;
 //   everything else    column sweeps, elementwise: there is no order to choose.
 // No operation is fused unless written so (the build says -ffp-contract=off).
 #pragma once

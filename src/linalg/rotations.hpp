@@ -21,7 +21,7 @@ Rotation<T> select(Truth<T> const& truth, Rotation<T> const& a, Rotation<T> cons
 
 /// A sum of squares this large cannot owe a digit to squares that went subnormal; beyond binary64's exponents: not zero.
 template <Real T>
-T least_sum_of_squares() {
+[[gnu::always_inline]] inline T least_sum_of_squares() {
     return T(std::ldexp(1.0, ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits));
 }
 

@@ -46,14 +46,16 @@ struct Plain {
     void take_root() {
         for (Index i = in.first; i < in.last; ++i) x[i] = square_root(x[i]);
     }
-    /// before_i = s, s += x_i, after_i = s, for one row after another.
+    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}: from block to block the sum waits for one addition only.
     void accumulate(T& s, Plain& before, Plain& after, Present p) const {
         before.in = after.in = p;
+        T here = x[0];
         for (Index i = 0; i < p.last; ++i) {
-            before.x[i] = s;
-            s += x[i];
-            after.x[i] = s;
+            if (i > 0) here += x[i];
+            before.x[i] = i > 0 ? after.x[i - 1] : s;
+            after.x[i] = s + here;
         }
+        s = after.x[p.last - 1];
     }
     void take(Plain const& a) {
         for (Index i = a.in.first; i < a.in.last; ++i) x[i] = a.x[i];
@@ -155,21 +157,23 @@ struct Simd {
     [[gnu::always_inline]] void add(Simd const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
     }
-    /// before_i = s, s += x_i, after_i = s, for one row after another; put together in registers, because narrow stores do
-    /// not forward to the wide loads that follow.
+    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}. Put together in registers, because narrow stores do not
+    /// forward to the wide loads that follow.
     [[gnu::always_inline]] void accumulate(T& s, Simd& before, Simd& after, Present p) const {
-        T b[Rows], a[Rows];
+        T here[Rows + 1];
+        here[0] = T(0);
         for (int m = 0; m < registers; ++m) {
             V term = v[m];
             if (p.last < Rows) leave_out(term, p.last, m);
-            for (int i = 0; i < W; ++i) {
-                b[m * W + i] = s;
-                s += term[i];
-                a[m * W + i] = s;
-            }
+            for (int i = 0; i < W; ++i) here[m * W + i + 1] = m + i > 0 ? here[m * W + i] + term[i] : term[i];
         }
-        before.put_together(b);
-        after.put_together(a);
+        before.put_together(here);
+        after.put_together(here + 1);
+        for (int m = 0; m < registers; ++m) {
+            before.v[m] = s + before.v[m];
+            after.v[m] = s + after.v[m];
+        }
+        s += here[Rows];
     }
     [[gnu::always_inline]] void take_root() {
         for (V& r : v) root(r);
@@ -232,7 +236,7 @@ struct Simd {
     }
 
 private:
-    [[gnu::always_inline]] void put_together(T const (&x)[Rows]) {
+    [[gnu::always_inline]] void put_together(T const* x) {
         for (int m = 0; m < registers; ++m) {
             T const* const a = x + m * W;
             if constexpr (W == 2)

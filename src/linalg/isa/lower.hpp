@@ -63,16 +63,14 @@ template <class T>
     s.z[i0 + i] = turn.c * t + turn.s * eta;
     *s.eta = turn.c * eta - turn.s * t;
 }
-/// All its rows; with m known and x a copy, the loops unroll and x stays in registers.
+/// The rows of a whole corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>
 [[gnu::always_inline]] inline void settle_all(S const& s, Index i0, T* x) {
     settle(s, i0, i, m, x);
     if constexpr (i + 1 < m) settle_all<i + 1, m>(s, i0, x);
 }
 template <int m, class S, class T>
-[[gnu::always_inline]] inline void corner(S const& s, Index i0, T* x, Index present) {
-    if constexpr (m > 1)
-        if (present < m) return corner<m - 1>(s, i0, x, present);
+[[gnu::always_inline]] inline void whole_corner(S const& s, Index i0, T* x) {
     T copy[m];
     for (Index i = 0; i < m; ++i) copy[i] = x[i];
     settle_all<0, m>(s, i0, copy);
@@ -83,8 +81,8 @@ template <class B, ByPanels S>
 [[gnu::always_inline]] inline void run(S const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         Index const m = rows_of<B>(i0, s.d).last;
-        if constexpr (B::padded)
-            corner<B::rows>(s, i0, s.x + i0, m);
+        if (B::padded && m == B::rows)
+            whole_corner<B::padded ? B::rows : 1>(s, i0, s.x + i0);
         else
             for (Index i = 0; i < m; ++i) settle(s, i0, i, m, s.x + i0);
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
