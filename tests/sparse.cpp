@@ -34,7 +34,10 @@ struct Banded {
 
 double distance(Vector<double> const& a, Vector<double> const& b) { return (a - b).norm() / b.norm() / epsilon<double>(); }
 
-/// Every form solves the same problem; the sparse ones to the digits of their condition number, or its square.
+/// In epsilons: five times what these well-conditioned rows leave between any two forms.
+constexpr double budget = 400;
+
+/// Every form solves the same problem, whether it is given the zeros or not.
 TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
     constexpr Index size = 60, rows = 512;
     Banded const data(size, rows, Seed{61});
@@ -62,15 +65,15 @@ TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
         dense_blocks.absorb(Eigen::MatrixXd(data.psi), data.y);
         EXPECT_EQ(sparse_rows.theta(), dense_rows.theta()) << "what is not zero is all that is used";
         EXPECT_EQ(sparse_blocks.theta(), dense_blocks.theta());
-        EXPECT_LE(distance(sparse_blocks.theta(), qr.theta()), 1e4) << lambda;
-        EXPECT_LE(distance(one_by_one.theta(), qr.theta()), 1e4) << lambda;
-        EXPECT_LE(distance(ud.theta(), qr.theta()), 1e4) << lambda;
-        EXPECT_LE(distance(sparse_rows.theta(), qr.theta()), 1e6) << lambda;
-        EXPECT_LE(distance(sparse_rows.gain(), qr.gain()), 1e6) << lambda;
-        EXPECT_LE(distance(sparse_blocks.gain(), qr.gain()), 1e4) << lambda;
+        EXPECT_LE(distance(sparse_blocks.theta(), qr.theta()), budget) << lambda;
+        EXPECT_LE(distance(one_by_one.theta(), qr.theta()), budget) << lambda;
+        EXPECT_LE(distance(ud.theta(), qr.theta()), budget) << lambda;
+        EXPECT_LE(distance(sparse_rows.theta(), qr.theta()), budget) << lambda;
+        EXPECT_LE(distance(sparse_rows.gain(), qr.gain()), budget) << lambda;
+        EXPECT_LE(distance(sparse_blocks.gain(), qr.gain()), budget) << lambda;
         Matrix<double> const X = qr.information();
-        EXPECT_LE((sparse_rows.information() - X).norm(), 1e4 * epsilon<double>() * X.norm());
-        EXPECT_LE((sparse_blocks.information() - X).norm(), 1e4 * epsilon<double>() * X.norm());
+        EXPECT_LE((sparse_rows.information() - X).norm(), budget * epsilon<double>() * X.norm());
+        EXPECT_LE((sparse_blocks.information() - X).norm(), budget * epsilon<double>() * X.norm());
     }
 }
 
@@ -95,8 +98,10 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     for (Index k = 0; k < 500; ++k) EXPECT_EQ(name_of(cholesky.update(column(data.psi, k), data.y[k]).health), "sound");
     some.absorb(SparseRows(data.psi.leftCols(500)), data.y.head(500));
 
+#ifndef __SANITIZE_ADDRESS__    // which keeps what is freed
     EXPECT_LE(resident() - before, 200) << "MB";
-    EXPECT_LE(distance(cholesky.theta(), some.theta()), 1e10);    // 500 rows: the prior's condition number, squared
+#endif
+    EXPECT_LE(distance(cholesky.theta(), some.theta()), 1e8);    // 500 rows: the prior's 1e6, squared by one of them
     Vector<double> truth(size);
     for (Index i = 0; i < size; ++i) truth[i] = double(1 + i % 7);
     EXPECT_LE((qr.theta() - truth).norm() / truth.norm(), 0.1);    // two rows a parameter, noise of 1/8
