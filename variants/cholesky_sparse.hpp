@@ -3,30 +3,28 @@
 
 #include <rlslab/concept.hpp>
 #include <rlslab/linalg/cholmod.hpp>
-#include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
 
 /// Propagates P^-1 = L D L', L sparse unit lower triangular, and b = P^-1 theta:
 ///
-///   (1) e = y - psi'theta,   gamma = lambda / (lambda + psi'P psi)      with the factors of the step before
+///   (1) e = y - psi'theta,   gamma = lambda / (lambda + f'D^-1 f),  L f = psi     with the factors of the step before
 ///   (2) D = lambda D, then L D L' + psi psi' by the update along psi's path in the elimination tree
 ///   (3) b = lambda b + psi y,   theta = (L D L')^-1 b
 ///
-/// The cost follows the fill of L, not d^2. Squares the condition number as `information` does. Needs a prior.
+/// Storage and time follow the fill of L, not d^2: f and (2) take the columns on psi's path, theta all of them. Columns keep
+/// their order, so a band stays one. Squares the condition number as `information` does. Needs a prior.
 /// Source: Davis & Hager, SIAM J. Matrix Anal. Appl. 20(3), 1999.
 class CholeskySparse {
     double lambda_;
-    Vector<double> theta_, b_, psi_;
+    Vector<double> theta_, b_, f_;
+    SparseRow psi_;
     SparseLdl factor_;
 
-    static Square<double> start(Problem<double> const& problem) {
-        expects(problem.prior.has_value(), "a prior: the sparse factor is kept nonsingular");
-        Square<double> L(problem.size), X(problem.size);
-        Column<double> D(problem.size);
-        start_information(problem, L, D);
-        outer(L, D, X);
-        return X;
+    static SparseRows start(Problem<double> const& problem) {
+        Vector<double> D;
+        SparseRows const L = start_information(problem, D), LD = L * D.asDiagonal();
+        return LD * SparseRows(L.transpose());
     }
 
 public:
@@ -34,30 +32,34 @@ public:
     static constexpr std::string_view name = "cholesky_sparse";
 
     explicit CholeskySparse(Problem<double> const& problem)
-        : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()),
-          psi_(Vector<double>::Zero(problem.size)), factor_(start(problem).view()) {
-        Column<double> b(problem.size);
-        multiply(start(problem), theta_.data(), b);
-        b_ = b.view();
+        : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()), f_(problem.size),
+          psi_(problem.size), factor_(start(problem).triangularView<Eigen::Lower>()) {
+        b_ = start(problem) * theta_;
     }
 
-    Step<double> update(Regressor<double> psi, double y) {
+    Step<double> update(Regressor<double> psi, double y) { return update(sparse(psi), y); }
+    Step<double> update(SparseRow const& psi, double y) {
         expects(psi.size() == theta_.size(), "a regressor of the problem's size");
-        psi_ = Eigen::Map<Vector<double> const>(psi.data(), psi.size());
-        double const e = y - dot(psi.data(), theta_.data(), psi.size());                                 // (1)
-        Vector<double> const f = factor_.solve(psi_);
-        double const gamma = lambda_ / (lambda_ + dot(psi.data(), f.data(), psi.size()));
+        psi_ = psi;
+        double const e = y - dot(psi, theta_);                                                           // (1)
+        double const gamma = lambda_ / (lambda_ + factor_.inverse_form(psi, f_));
         factor_.scale(lambda_);                                                                          // (2)
-        bool const definite = factor_.update(psi_);
-        b_ = lambda_ * b_ + y * psi_;                                                                    // (3)
-        theta_ = factor_.solve(b_);
+        bool const definite = factor_.update(psi);
+        b_ *= lambda_;                                                                                   // (3)
+        for (SparseRow::InnerIterator it(psi); it; ++it) b_[it.index()] += y * it.value();
+        theta_ = b_;
+        factor_.solve(theta_);
         Step<double> step = report(e, gamma);
         if (!definite && step.health == Health::sound) step.health = Health::indefinite;
         return step;
     }
 
     Vector<double> const& theta() const { return theta_; }
-    Vector<double> gain() const { return factor_.solve(psi_); }
+    Vector<double> gain() const {
+        Vector<double> K = psi_;
+        factor_.solve(K);
+        return K;
+    }
     Matrix<double> information() const {
         Stored<double> const X = stored();
         return X.F * X.D.asDiagonal() * X.F.transpose();

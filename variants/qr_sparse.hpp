@@ -2,9 +2,7 @@
 #pragma once
 
 #include <rlslab/concept.hpp>
-#include <rlslab/linalg/start.hpp>
-
-#include <Eigen/SPQRSupport>
+#include <rlslab/linalg/spqr.hpp>
 
 namespace rlslab {
 
@@ -15,24 +13,13 @@ namespace rlslab {
 ///       [ psi'               y                ]       [ 0  * ]
 ///   (2) e = y - psi'theta,   gamma = lambda / (lambda + |R^-T psi|^2)    with the R of the step before
 ///
-/// The cost follows the fill of R, not d^2. Needs a prior. Source: Davis, SuiteSparseQR, ACM TOMS 38(1), 2011.
+/// Storage and time follow the fill of R, not d^2; each block costs all of R once: with many parameters take as many rows
+/// at once. Needs a prior. Source: Davis, SuiteSparseQR, ACM TOMS 38(1), 2011.
 class QrSparse {
-    using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
     double lambda_;
-    Vector<double> z_, theta_, psi_;
-    Sparse R_;
-
-    static Sparse stacked(Sparse const& R, Eigen::MatrixXd const& rows) {
-        std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
-        for (Index j = 0; j < R.outerSize(); ++j)
-            for (Sparse::InnerIterator it(R, j); it; ++it) entries.emplace_back(it.row(), it.col(), it.value());
-        for (Index k = 0; k < rows.cols(); ++k)
-            for (Index i = 0; i < rows.rows(); ++i)
-                if (rows(i, k) != 0) entries.emplace_back(R.rows() + k, i, rows(i, k));
-        Sparse A(R.rows() + rows.cols(), R.cols());
-        A.setFromTriplets(entries.begin(), entries.end());
-        return A;
-    }
+    Vector<double> z_, theta_;
+    SparseRow psi_;
+    SparseTriangle R_;
 
 public:
     using scalar = double;
@@ -40,52 +27,51 @@ public:
     static constexpr Index block = 256;
 
     explicit QrSparse(Problem<double> const& problem)
-        : lambda_(checked(problem).forgetting), z_(problem.size), theta_(start_theta<double, Dynamic>(problem).view()),
-          psi_(Vector<double>::Zero(problem.size)) {
-        expects(problem.prior.has_value(), "a prior: sparse R is kept square and nonsingular");
-        Square<double> L(problem.size);
-        Column<double> z(problem.size);
-        start_information_root(problem, L, z);
-        z_ = z.view();
-        R_ = L.view().transpose().sparseView().cast<double>();
+        : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()), psi_(problem.size) {
+        Vector<double> D;
+        SparseRows const L = start_information(problem, D), R = D.cwiseSqrt().asDiagonal() * SparseRows(L.transpose());
+        R_ = R.cast<double>();
+        z_ = R * theta_;
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Eigen::MatrixXd const& psi, Vector<double> const& y) {
-        Index const d = z_.size(), rows = y.size();
-        expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
-        psi_ = psi.col(rows - 1);
-        Eigen::MatrixXd weighted = psi;
-        Vector<double> right(d + rows);
+    void absorb(Eigen::MatrixXd const& psi, Vector<double> const& y) { absorb(SparseRows(psi.sparseView()), y); }
+    void absorb(SparseRows const& psi, Vector<double> const& y) {
+        Index const rows = y.size();
+        expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
+        psi_ = column(psi, rows - 1);
+        SparseRows weighted = psi;
+        Vector<double> right = y;
         double weight = 1;
+        bool finite = true;    // SuiteSparseQR takes nothing else
         for (Index k = rows - 1; k >= 0; --k, weight *= std::sqrt(lambda_)) {                            // (1)
-            weighted.col(k) *= weight;
-            right[d + k] = weight * y[k];
+            for (SparseRows::InnerIterator it(weighted, k); it; ++it) {
+                it.valueRef() *= weight;
+                finite = finite && std::isfinite(it.value());
+            }
+            right[k] *= weight;
         }
-        right.head(d) = weight * z_;
-        if (!weighted.allFinite() || !right.allFinite()) {    // SuiteSparseQR does not take these
+        R_ *= weight;
+        z_ *= weight;
+        if (finite && right.allFinite() && z_.allFinite()) {
+            fold(R_, z_, weighted, right);
+            theta_ = z_;
+            R_.triangularView<Eigen::Upper>().solveInPlace(theta_);
+        } else {
             z_.setConstant(undefined<double>());
             theta_ = z_;
-            return;
         }
-        Eigen::SPQR<Sparse> qr;
-        qr.setSPQROrdering(SPQR_ORDERING_FIXED);
-        qr.setPivotThreshold(0);
-        qr.compute(stacked(weight * R_, weighted));
-        Vector<double> const rotated = qr.matrixQ().adjoint() * right;
-        R_ = qr.matrixR();
-        z_ = rotated.head(d);
-        theta_ = z_;
-        R_.triangularView<Eigen::Upper>().solveInPlace(theta_);
     }
 
-    Step<double> update(Regressor<double> psi, double y) {
+    Step<double> update(Regressor<double> psi, double y) { return update(sparse(psi), y); }
+    Step<double> update(SparseRow const& psi, double y) {
         expects(psi.size() == z_.size(), "a regressor of the problem's size");
-        Vector<double> f = Eigen::Map<Vector<double> const>(psi.data(), psi.size());                     // (2)
-        Eigen::MatrixXd const row = f;
-        double const e = y - dot(psi.data(), theta_.data(), psi.size());
+        Vector<double> f = psi;                                                                          // (2)
+        double const e = y - dot(psi, theta_);
         R_.transpose().triangularView<Eigen::Lower>().solveInPlace(f);
         double const gamma = lambda_ / (lambda_ + dot(f.data(), f.data(), f.size()));
+        SparseRows row(psi.size(), 1);
+        row.col(0) = psi;
         absorb(row, Vector<double>::Constant(1, y));
         return report(e, gamma);
     }

@@ -1,7 +1,7 @@
 // CHOLMOD's sparse L D L' as a value: copied, scaled, updated by one row, solved with. GPL-2+ (its Modify module).
 #pragma once
 
-#include <rlslab/problem.hpp>
+#include <rlslab/linalg/sparse.hpp>
 
 #include <cholmod.h>
 
@@ -31,30 +31,51 @@ class SparseLdl {
     std::unique_ptr<Workspace> work_;
     cholmod_factor* factor_ = nullptr;
 
-public:
-    /// Factors the lower triangle of X.
-    explicit SparseLdl(Matrix<double> const& X) : work_(std::make_unique<Workspace>()) {
-        Index const d = X.rows();
-        size_t entries = 0;
-        for (Index j = 0; j < d; ++j)
-            for (Index i = j; i < d; ++i) entries += X(i, j) != 0;
-        cholmod_sparse* A = cholmod_allocate_sparse(size_t(d), size_t(d), entries, 1, 1, -1, CHOLMOD_REAL, &work_->c);
-        auto* const column = static_cast<int*>(A->p);
-        auto* const row = static_cast<int*>(A->i);
-        auto* const value = static_cast<double*>(A->x);
-        int next = 0;
-        for (Index j = 0; j < d; ++j) {
-            column[j] = next;
-            for (Index i = j; i < d; ++i)
-                if (X(i, j) != 0) {
-                    row[next] = int(i);
-                    value[next++] = X(i, j);
-                }
+    /// Columns of Eigen's as CHOLMOD reads them, without a copy; stype -1: of a symmetric matrix the lower triangle.
+    static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values,
+                               int stype) {
+        cholmod_sparse A{};
+        A.nrow = rows;
+        A.ncol = columns;
+        A.nzmax = size_t(starts[columns]);
+        A.p = const_cast<int*>(starts);
+        A.i = const_cast<int*>(indices);
+        A.x = const_cast<double*>(values);
+        A.stype = stype;
+        A.itype = CHOLMOD_INT;
+        A.xtype = CHOLMOD_REAL;
+        A.dtype = CHOLMOD_DOUBLE;
+        A.sorted = A.packed = 1;
+        return A;
+    }
+    /// Column j: D_j, and the `count` numbers of L below its unit diagonal.
+    struct ColumnOfL {
+        double const& pivot;
+        int const* row;
+        double const* value;
+        int count;
+    };
+    ColumnOfL column(Index j) const {
+        int const start = static_cast<int const*>(factor_->p)[j];
+        auto const* const value = static_cast<double const*>(factor_->x) + start;
+        return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1,
+                static_cast<int const*>(factor_->nz)[j] - 1};
+    }
+    void solve_lower(Vector<double>& x) const {    // along psi's path where x = psi is sparse: what is zero is passed over
+        for (Index j = 0; j < size(); ++j) {
+            if (x[j] == 0) continue;
+            ColumnOfL const L = column(j);
+            for (int k = 0; k < L.count; ++k) x[L.row[k]] -= L.value[k] * x[j];
         }
-        column[d] = next;
-        factor_ = cholmod_analyze(A, &work_->c);
-        cholmod_factorize(A, factor_, &work_->c);
-        cholmod_free_sparse(&A, &work_->c);
+    }
+
+public:
+    /// Factors X, given by its lower triangle.
+    explicit SparseLdl(SparseRows const& lower) : work_(std::make_unique<Workspace>()) {
+        cholmod_sparse X = view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(),
+                                lower.valuePtr(), -1);
+        factor_ = cholmod_analyze(&X, &work_->c);
+        cholmod_factorize(&X, factor_, &work_->c);
     }
     SparseLdl(SparseLdl const& other) : work_(std::make_unique<Workspace>()) {
         factor_ = cholmod_copy_factor(other.factor_, &work_->c);
@@ -77,53 +98,48 @@ public:
     /// X = lambda X: the diagonal D, which CHOLMOD stores first in each column.
     void scale(double lambda) {
         auto* const value = static_cast<double*>(factor_->x);
-        auto const* const column = static_cast<int const*>(factor_->p);
-        for (size_t j = 0; j < factor_->n; ++j) value[column[j]] *= lambda;
+        auto const* const start = static_cast<int const*>(factor_->p);
+        for (size_t j = 0; j < factor_->n; ++j) value[start[j]] *= lambda;
     }
 
     /// X = X + psi psi', touching only the columns on psi's path in the elimination tree. False on breakdown.
-    bool update(Vector<double> const& psi) {
-        size_t const entries = size_t((psi.array() != 0).count());
-        if (entries == 0) return true;
-        cholmod_sparse* row = cholmod_allocate_sparse(size_t(psi.size()), 1, entries, 1, 1, 0, CHOLMOD_REAL, &work_->c);
-        int next = 0;
-        for (Index i = 0; i < psi.size(); ++i)
-            if (psi[i] != 0) {
-                static_cast<int*>(row->i)[next] = int(i);
-                static_cast<double*>(row->x)[next++] = psi[i];
-            }
-        static_cast<int*>(row->p)[0] = 0;
-        static_cast<int*>(row->p)[1] = next;
-        bool const good = cholmod_updown(1, row, factor_, &work_->c) && factor_->minor == factor_->n;
-        cholmod_free_sparse(&row, &work_->c);
-        return good;
+    bool update(SparseRow const& psi) {
+        if (psi.nonZeros() == 0) return true;
+        int const starts[] = {0, int(psi.nonZeros())};
+        cholmod_sparse row = view(size_t(psi.size()), 1, starts, psi.innerIndexPtr(), psi.valuePtr(), 0);
+        return cholmod_updown(1, &row, factor_, &work_->c) && factor_->minor == factor_->n;
     }
 
-    /// X^-1 b.
-    Vector<double> solve(Vector<double> const& b) const {
-        cholmod_dense view{};
-        view.nrow = view.nzmax = view.d = size_t(b.size());
-        view.ncol = 1;
-        view.x = const_cast<double*>(b.data());
-        view.xtype = CHOLMOD_REAL;
-        view.dtype = CHOLMOD_DOUBLE;
-        cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor_, &view, &work_->c);
-        Vector<double> out = Eigen::Map<Vector<double> const>(static_cast<double const*>(x->x), b.size());
-        cholmod_free_dense(&x, &work_->c);
-        return out;
+    /// psi' X^-1 psi = f' D^-1 f, f = L^-1 psi, summed from the first column to the last; f is workspace of size d.
+    double inverse_form(SparseRow const& psi, Vector<double>& f) const {
+        f.setZero();
+        for (SparseRow::InnerIterator it(psi); it; ++it) f[it.index()] = it.value();
+        solve_lower(f);
+        double sum = 0;
+        for (Index j = 0; j < size(); ++j)
+            if (f[j] != 0) sum += f[j] * f[j] / column(j).pivot;
+        return sum;
+    }
+
+    /// x = X^-1 x: column by column of L, then of L' from the last, each sum from its diagonal downwards.
+    void solve(Vector<double>& x) const {
+        solve_lower(x);
+        for (Index j = size() - 1; j >= 0; --j) {
+            ColumnOfL const L = column(j);
+            double xj = x[j] / L.pivot;
+            for (int k = 0; k < L.count; ++k) xj -= L.value[k] * x[L.row[k]];
+            x[j] = xj;
+        }
     }
 
     /// Dense copies of L and D.
     void factors(Matrix<double>& L, Vector<double>& D) const {
         L = Matrix<double>::Identity(size(), size());
         D.resize(size());
-        auto const* const value = static_cast<double const*>(factor_->x);
-        auto const* const column = static_cast<int const*>(factor_->p);
-        auto const* const row = static_cast<int const*>(factor_->i);
-        auto const* const count = static_cast<int const*>(factor_->nz);
         for (Index j = 0; j < size(); ++j) {
-            D[j] = value[column[j]];
-            for (int k = 1; k < count[j]; ++k) L(row[column[j] + k], j) = value[column[j] + k];
+            ColumnOfL const from = column(j);
+            D[j] = from.pivot;
+            for (int k = 0; k < from.count; ++k) L(from.row[k], j) = from.value[k];
         }
     }
 };
