@@ -94,7 +94,7 @@ Step<T> report(T const& innovation, T const& lambda, T const& s) {
 /// What is not defined: NaN in every scalar that has one.
 template <Field T>
 T undefined() {
-    if constexpr (std::floating_point<T> || requires(T x) { isfinite(x); })
+    if constexpr (Real<T>)    // the rationals have none
         return T(std::numeric_limits<double>::quiet_NaN());
     else
         return T(0);

@@ -5,8 +5,7 @@
 #include <rlslab/concept.hpp>
 #include <rlslab/erased.hpp>
 #include <rlslab/linalg/reflections.hpp>
-
-#include <chrono>
+#include <rlslab/timing.hpp>
 
 namespace rlslab {
 
@@ -125,41 +124,35 @@ public:
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
 };
 
+/// The least over stretches of the records, each measured by the harness of the benchmarks.
 template <class F>
 double nanoseconds(Problem<double> const& problem, Records const& records, Seed seed) {
     using T = typename F::scalar;
-    using Clock = std::chrono::steady_clock;
-    using Nanoseconds = std::chrono::duration<double, std::nano>;
-    constexpr double enough = 5e5, stretch_at_least = 16;    // ns of undisturbed timing in all, rows a stretch
-    constexpr int at_least = 8;                              // stretches: others disturb some of them
+    constexpr double enough = 5e5;    // ns of undisturbed timing in all
+    constexpr int at_least = 8;       // stretches: others disturb some of them
     Rows<T> const psi = records.psi.unaryExpr(&datum<T>);
     Vector<T> const y = records.y.unaryExpr(&datum<T>);
-    Index stretch = std::min<Index>(records.rows(), Index(stretch_at_least));
-    if constexpr (TakesBlocks<F>) stretch = std::min<Index>(records.rows(), F::block);
+    Index rows = std::min<Index>(records.rows(), 16);
+    if constexpr (TakesBlocks<F>) rows = std::min<Index>(records.rows(), F::block);
     Draws<T> const draws(seed);
-    double best = std::numeric_limits<double>::infinity();
+    double least = std::numeric_limits<double>::infinity();
     int stretches = 0;
-    auto const wanted = [&] { return stretches < at_least || best * double(stretches * stretch) < enough; };
+    auto const unsettled = [&] { return stretches < at_least || least * double(stretches * rows) < enough; };
     do {
         F filter(converted<T>(problem));
-        for (Index k = 0; k + stretch <= records.rows() && wanted(); k += stretch) {
-            Rows<T> const some_psi = psi.middleCols(k, stretch);
-            Vector<T> const some_y = y.segment(k, stretch);
-            auto const start = Clock::now();
-            if constexpr (TakesBlocks<F>)
-                feed(filter, some_psi, some_y);    // ends with theta()
-            else
-                for (Index i = 0; i < stretch; ++i) {
-                    filter.update({some_psi.col(i).data(), some_psi.rows()}, some_y[i]);
-                    auto const theta = filter.theta();
-                    asm volatile("" : : "r"(theta.data()) : "memory");    // it is wanted
-                }
-            double const took = Nanoseconds(Clock::now() - start).count();
-            best = std::min(best, took / double(stretch));
-            ++stretches;
+        for (Index k = 0; k + rows <= records.rows() && unsettled(); k += rows, ++stretches) {
+            double took;
+            if constexpr (TakesBlocks<F>) {
+                Rows<T> const block = psi.middleCols(k, rows);
+                Vector<T> const outputs = y.segment(k, rows);
+                took = nanoseconds_of([&] { feed(filter, block, outputs); });    // ends with theta()
+            } else {
+                took = stretch<Theta::asked>(filter, psi, y, k, k + rows);
+            }
+            least = std::min(least, took / double(rows));
         }
-    } while (wanted());
-    return best;
+    } while (unsettled());
+    return least;
 }
 
 /// F's line of the catalogue.

@@ -32,7 +32,7 @@ class Information {
     }
     void solve_factored(Column<T, N>& x) const {
         solve_lower(L_, x);
-        for (Index i = 0; i < x.size(); ++i) x[i] = select(positive_, T(x[i] / D_[i]), undefined<T>());
+        for (Index i = 0; i < x.size(); ++i) x[i] = select(positive_, T(x[i] / select(positive_, D_[i], T(1))), undefined<T>());
         solve_lower_transposed(L_, x);
     }
 

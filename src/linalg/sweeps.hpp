@@ -99,7 +99,8 @@ T weigh(Column<T, N> const& x, Column<T, N> const& D, Column<T, N>& s, Column<T,
     for (Index i = 0; i < x.size(); ++i) {
         T const weighed = w * x[i], sum = D[i] + weighed * x[i];
         s[i] = select(in_range, s[i], weighed);
-        w = select(x[i] == T(0) || sum == T(0), w, T(w * (D[i] / sum)));
+        Truth<T> const nothing = x[i] == T(0) || sum == T(0);
+        w = select(nothing, w, T(w * (D[i] / select(nothing, T(1), sum))));
     }
     return select(in_range, T(T(1) / inverse), w);
 }
