@@ -72,16 +72,18 @@ void multiply_lower_transposed(Square<T, N> const& L, Column<T, N> const& x, Col
 }
 
 template <Field T, int N>
-Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> x) {
+Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> const& b) {
+    Column<T, N> x = b;
     solve_lower_transposed(L, x);
     return x.view();
 }
 
 /// The solution x of L L'x = b.
 template <Field T, int N>
-Vector<T, N> solve_outer(Square<T, N> const& L, Column<T, N> b) {
-    solve_lower(L, b);
-    return solved_lower_transposed(L, b);
+Vector<T, N> solve_outer(Square<T, N> const& L, Column<T, N> const& b) {
+    Column<T, N> x = b;
+    solve_lower(L, x);
+    return solved_lower_transposed(L, x);
 }
 
 /// A A' and A diag(D) A'.

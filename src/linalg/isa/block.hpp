@@ -231,7 +231,8 @@ struct Simd {
             }
             Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
             Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
-            *reinterpret_cast<FourAnywhere*>(out) = __builtin_shufflevector(p, q, 0, 2, 4, 6) + __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            Four const even = __builtin_shufflevector(p, q, 0, 2, 4, 6), odd = __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            *reinterpret_cast<FourAnywhere*>(out) = even + odd;
         }
     }
 

@@ -1,6 +1,6 @@
 // Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
 
-/// Loops over the rows of a column in blocks.
+/// Which rows of the block at i0 come before `end`.
 template <class B>
 inline Present rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
