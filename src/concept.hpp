@@ -5,8 +5,8 @@
 
 namespace rlslab {
 
-/// Mathematics: after k updates theta() minimises J_k (see Problem), exactly in exact arithmetic; stored() is P_k or its
-///              inverse; gain() is K_k = P_k psi_k.
+/// Mathematics: after k updates theta() minimises J_k (see Problem), exactly in exact arithmetic; stored() is P_k, its
+///              inverse, or a factor of either; gain() is K_k = P_k psi_k.
 /// Members:     scalar, name                   T and the variant's name on the command line
 ///              F(Problem<T>)                  throws std::invalid_argument on misuse
 ///              update(psi, y) -> Step<T>      one row; allocates nothing (dense variants); breakdown is Step::health

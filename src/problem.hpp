@@ -41,7 +41,8 @@ struct Problem {
 /// Breakdown is a result.
 ///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow
 ///   undetermined   without a prior: fewer independent rows than parameters before this one, so that there was no theta
-///                  to innovate on; the row that determines theta is the last to say so
+///                  to innovate on; the row that determines theta is the last to say so. Read off exact zeros: rounding
+///                  may leave a tiny pivot where exact arithmetic has none, and such a pivot counts
 ///   indefinite     the update saw psi'P psi < 0, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 /// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
@@ -89,17 +90,18 @@ T undefined() {
         return T(0);
 }
 
-/// gamma = 0: without a prior, before theta is defined, there is no innovation to report.
+/// gamma = 0: without a prior, before theta is defined, there is no innovation to report. `seen` is any number that data
+/// which are not finite have spoilt.
 template <Field T>
-Step<T> report_undetermined() {
-    return {undefined<T>(), T(0), T(0), Health::undetermined};
+Step<T> report_undetermined(T const& seen) {
+    return {undefined<T>(), T(0), T(0), is_finite(seen) ? Health::undetermined : Health::nonfinite};
 }
 
 /// The report of a rotated row: eta at the end of it, sqrt(gamma), the product of the cosines, and whether R had no zero
 /// on its diagonal before. Where sqrt(gamma) underflows the innovation is lost and said to be: nonfinite.
 template <Field T>
 Step<T> report_rotated(T const& eta, T const& root_gamma, bool determined) {
-    if (!determined) return report_undetermined<T>();
+    if (!determined) return report_undetermined(eta);
     Step<T> step = report(eta / root_gamma, root_gamma * root_gamma);
     step.residual = eta * root_gamma;
     return step;

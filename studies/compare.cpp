@@ -126,8 +126,17 @@ Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
     std::vector<Result> const& results = comparison.results;
     double const noise = std::min(1.0, of.decimal_digits() / 4);
     if (comparison.prior_bias > most_prior_bias)
-        return {arithmetic, "", fmt::format("the prior, not the data, decides theta (it moves it by {:.2g}): raise --p0 first",
-                                            comparison.prior_bias)};
+        return {arithmetic, "", fmt::format("the prior, not the data, decides theta (it moves it by {:.2g}): {} first", comparison.prior_bias,
+                                            comparison.better_p0 ? "raise --p0" : "rescale the columns")};
+    for (Storage const& s : comparison.storage) {
+        if (s.arithmetic != of.name) continue;
+        if (s.rank < comparison.size)
+            return {arithmetic, "", fmt::format("stored so short the regressors have rank {} of {}: the prior decides theta", s.rank,
+                                                comparison.size)};
+        if (s.prior_bias > most_prior_bias)
+            return {arithmetic, "", fmt::format("of the data stored so short the prior, not they, decides theta (it moves it by {:.2g})",
+                                                s.prior_bias)};
+    }
     std::vector<Result const*> sound;
     int tried = 0;
     for (Result const& r : results) {
@@ -142,13 +151,16 @@ Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
     auto const least = [&](Result const* r) { return std::ranges::min(digits(r)); };
     // The best is the one whose least of the three is greatest.
     Result const* const best = *std::ranges::max_element(sound, {}, least);
-    if (std::min(*best->theta_digits, *best->covariance_digits) < 0.5)
-        return {arithmetic, "", fmt::format("none of {} row-at-a-time variants keeps half a digit of both theta and P", tried)};
     std::vector<Result const*> good;
     for (Result const* r : sound) {
         auto const mine = digits(r), bests = digits(best);
-        if (mine[0] >= bests[0] - noise && mine[1] >= bests[1] - noise && mine[2] >= bests[2] - noise) good.push_back(r);
+        bool keeps = least(r) >= 0.5;
+        for (size_t i = 0; i < mine.size(); ++i) keeps = keeps && mine[i] >= bests[i] - noise;
+        if (keeps) good.push_back(r);
     }
+    if (good.empty())
+        return {arithmetic, "", fmt::format("none of {} row-at-a-time variants keeps half a digit of every component of theta and of P",
+                                            tried)};
     std::ranges::stable_sort(good, {}, [](Result const* r) { return *r->operations; });
     std::vector<std::string_view> others;
     for (Result const* r : good)
@@ -159,27 +171,39 @@ Recommendation recommend(Arithmetic const& of, Comparison const& comparison) {
                        : fmt::format("with the fewest operations ({}) of those within {:.1f} digits of the best (then {})",
                                      *choice.operations, noise, fmt::join(others, ", "));
     return {arithmetic, std::string(choice.entry->variant),
-            fmt::format("keeps {:.1f} digits of theta and {:.1f} of P, {}; {} of {} row-at-a-time variants came through sound",
-                        *choice.theta_digits, *choice.covariance_digits, why, sound.size(), tried)};
+            fmt::format("keeps {:.1f} digits of theta ({:.1f} of its worst component) and {:.1f} of P, {}; {} of {} row-at-a-time "
+                        "variants came through sound{}",
+                        *choice.theta_digits, *choice.theta_digits_worst, *choice.covariance_digits, why, sound.size(), tried,
+                        of.stochastic ? fmt::format("; one draw, seed {}", comparison.options.seed) : "")};
 }
 
 /// The least p0 10^k whose bias is at most 1e-3; nothing within binary64's range has none.
 std::optional<double> less_biased(Records const& records, CompareOptions const& options, Exact const& without) {
     CompareOptions other = options;
-    for (other.p0 = std::pow(10, std::ceil(std::log10(options.p0))); other.p0 < 1e300; other.p0 *= 10) {
+    for (int exponent = int(std::ceil(std::log10(options.p0))); exponent <= 300; ++exponent) {
+        other.p0 = std::pow(10, exponent);
         auto const with = certified(problem_for(records, other, &as_is), records, {records.rows()});
         if (relative_change(with.front(), without) <= 1e-3) return other.p0;
     }
     return {};
 }
 
+std::vector<std::string> printable_names(Records const& records) {
+    std::vector<std::string> names;
+    for (std::string const& name : records.names) names.push_back(printable(name));
+    return names;
+}
+
 /// What the rounding of the data to this arithmetic does to the exact answer.
 Storage storage(Arithmetic const& arithmetic, Yardstick const& yard, Exact const& with_prior) {
     Problem<double> problem = yard.problem;
     problem.prior.reset();
-    Storage out{arithmetic.name, problem.forgetting, 0, {}};
-    if (0 < problem.forgetting && yard.records.psi.allFinite() && yard.records.y.allFinite())
-        out.rank = certified(problem, yard.records, {yard.records.rows()}).front().rank();
+    Storage out{arithmetic.name, problem.forgetting, 0, {}, std::numeric_limits<double>::quiet_NaN()};
+    if (0 < problem.forgetting && yard.records.psi.allFinite() && yard.records.y.allFinite()) {
+        Exact const without = certified(problem, yard.records, {yard.records.rows()}).front();
+        out.rank = without.rank();
+        if (yard.exact) out.prior_bias = relative_change(*yard.exact, without);
+    }
     if (yard.exact) out.theta_digits = number(-std::log10(relative_change(*yard.exact, with_prior)), 15.9);
     return out;
 }
@@ -232,11 +256,11 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
         throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
                                      "over {} rows{}",
                                      without.front().rank(), records.size(), records.rows(), constant_regressors(records)));
-    Comparison out{.rows = records.rows(), .skipped = records.skipped, .size = records.size(), .names = records.names,
+    Comparison out{.rows = records.rows(), .skipped = records.skipped, .size = records.size(), .names = printable_names(records),
                    .theta = with_prior.front().theta_strings(30), .radius = with_prior.front().radius(),
                    .bits = with_prior.front().bits(), .condition = condition(records, options.forgetting),
                    .prior_bias = relative_change(with_prior.front(), without.front()),
-                   .p0 = options.p0, .better_p0 = {}, .storage = {}, .results = {}, .recommendations = {}};
+                   .options = options, .better_p0 = {}, .storage = {}, .results = {}, .recommendations = {}};
 
     if (out.prior_bias > most_prior_bias) out.better_p0 = less_biased(records, options, without.front());
 

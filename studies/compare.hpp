@@ -42,6 +42,7 @@ struct Storage {
     double forgetting;                       ///< lambda as stored
     Index rank;                              ///< exact, of the regressors as stored
     std::optional<double> theta_digits;      ///< of the exact theta for binary64 data, left in the exact theta for the stored
+    double prior_bias;                       ///< of the stored problem; NaN when the prior alone makes it one
 };
 
 struct Recommendation {
@@ -58,8 +59,8 @@ struct Comparison {
     int bits;                                  ///< working precision at which it was certified
     double condition;                          ///< kappa_2 of the weighted data matrix
     double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
-    double p0;                                 ///< as asked for
-    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; only where p0's is above 1e-2
+    CompareOptions options;                    ///< as asked for
+    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; sought where it is above 1e-2
     std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;

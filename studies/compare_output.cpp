@@ -44,9 +44,10 @@ std::string storage_text(Storage const& s, Comparison const& c) {
 
 /// "warning ..." when the prior, not the data, decides theta; or nothing.
 std::string prior_warning(Comparison const& c) {
-    if (!c.better_p0) return "";
-    return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} of itself: try --p0 {:.0e}, which moves it by 1e-3 at most\n",
-                       c.p0, c.prior_bias, *c.better_p0);
+    if (!(c.prior_bias > 0.01)) return "";
+    return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} of itself: {}\n", c.options.p0, c.prior_bias,
+                       c.better_p0 ? fmt::format("try --p0 {:.0e}, which moves it by 1e-3 at most", *c.better_p0)
+                                   : "no --p0 in range will do; rescale the columns");
 }
 
 /// Text broken at spaces before column 114, the width of the table; it begins at column `at`, later lines at `indent`.
@@ -80,8 +81,8 @@ struct Paint {
 std::string as_table(Comparison const& c, bool colour) {
     Paint const paint{colour};
     std::string out;
-    out += fmt::format("data        {} rows, {} skipped; {} parameters, condition {:.2g}\n", c.rows, c.skipped, c.size,
-                       c.condition);
+    out += fmt::format("data        {} rows, {} skipped; {} parameter{}, condition {}\n", c.rows, c.skipped, c.size,
+                       c.size == 1 ? "" : "s", std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition));
     out += fmt::format("reference   exact for the data in binary64, proven to {:.0e} relative at {} bits; prior bias {:.1e}\n",
                        c.radius, c.bits, c.prior_bias);
     size_t width = 0;
@@ -130,18 +131,22 @@ std::string as_table(Comparison const& c, bool colour) {
 
 std::string as_json(Comparison const& c) {
     Json out;
+    out["version"] = RLSLAB_VERSION;
+    out["options"] = {{"forgetting", c.options.forgetting}, {"p0", c.options.p0}, {"seed", c.options.seed}};
     out["data"] = {{"rows", c.rows}, {"skipped", c.skipped}, {"size", c.size}, {"parameters", c.names}};
     out["reference"] = {{"theta", c.theta},
                         {"radius", short_json(c.radius)},
                         {"bits", c.bits},
                         {"condition", short_json(c.condition)},
-                        {"prior_bias", short_json(c.prior_bias)}};
+                        {"prior_bias", short_json(c.prior_bias)},
+                        {"better_p0", c.better_p0 ? Json(*c.better_p0) : Json(nullptr)}};
     out["storage"] = Json::array();
     for (Storage const& s : c.storage)
         out["storage"].push_back({{"arithmetic", s.arithmetic},
                                   {"forgetting", s.forgetting},
                                   {"rank", s.rank},
-                                  {"theta_digits", digits_json(s.theta_digits)}});
+                                  {"theta_digits", digits_json(s.theta_digits)},
+                                  {"prior_bias", short_json(s.prior_bias)}});
     out["results"] = Json::array();
     for (Result const& r : c.results)
         out["results"].push_back(

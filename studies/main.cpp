@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <unistd.h>
 
 namespace {
@@ -69,6 +70,7 @@ struct CompareArguments {
 
 /// The records the options describe; reads the file once the options make sense.
 Records records_of(CompareArguments const& a) {
+    if (a.file.empty()) throw InputError("FILE: expected the name of a file");
     if (a.output.empty()) throw InputError("--output: expected the name of the output column");
     if (!a.regressors.empty()) {
         if (!a.input.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
@@ -139,7 +141,7 @@ int run(int argc, char** argv) {
     CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
     comparing->footer("An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
                       "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
-    comparing->add_option("FILE", a.file, "CSV file (-: standard input)")->required()->type_name("");
+    comparing->add_option("FILE", a.file, "CSV file (-: standard input); empty, NA, N/A, NaN, null, . and ? are missing values")->required()->type_name("");
     comparing->add_option("--input", a.input, "column of the input u of an ARX model")->type_name("COLUMN");
     comparing->add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
     auto const count = [&](char const* name, int& into, long least, long most, char const* help) {
@@ -177,7 +179,10 @@ int run(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (CLI::Success const& success) {
-        return app.exit(success);
+        std::ostringstream text;
+        app.exit(success, text, text);
+        print(text.str());
+        return 0;
     } catch (CLI::ExtrasError const&) {
         std::string const word = app.remaining(true).empty() ? "" : printable(app.remaining(true).front());
         throw InputError((word.starts_with("-") ? fmt::format("no option \"{}\"", word)

@@ -2,6 +2,7 @@
 //
 // Every check is a predicate over the thing checked, so that a saboteur shows that it can fail.
 #include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/arithmetic/multiprecision.hpp>
 
 #include <gtest/gtest.h>
 

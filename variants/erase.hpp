@@ -130,16 +130,19 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     using T = typename F::scalar;
     using Clock = std::chrono::steady_clock;
     using Nanoseconds = std::chrono::duration<double, std::nano>;
-    constexpr double enough = 5e5, stretch_at_least = 16;    // ns of timing in all, rows a stretch
+    constexpr double enough = 5e5, stretch_at_least = 16;    // ns of undisturbed timing in all, rows a stretch
+    constexpr int at_least = 8;                              // stretches: others disturb some of them
     Rows<T> const psi = records.psi.unaryExpr(&datum<T>);
     Vector<T> const y = records.y.unaryExpr(&datum<T>);
     Index stretch = std::min<Index>(records.rows(), Index(stretch_at_least));
     if constexpr (TakesBlocks<F>) stretch = std::min<Index>(records.rows(), F::block);
     Draws<T> const draws(seed);
-    double best = std::numeric_limits<double>::infinity(), spent = 0;
+    double best = std::numeric_limits<double>::infinity();
+    int stretches = 0;
+    auto const wanted = [&] { return stretches < at_least || best * double(stretches * stretch) < enough; };
     do {
         F filter(converted<T>(problem));
-        for (Index k = 0; k + stretch <= records.rows() && spent < enough; k += stretch) {
+        for (Index k = 0; k + stretch <= records.rows() && wanted(); k += stretch) {
             Rows<T> const some_psi = psi.middleCols(k, stretch);
             Vector<T> const some_y = y.segment(k, stretch);
             auto const start = Clock::now();
@@ -153,9 +156,9 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
                 }
             double const took = Nanoseconds(Clock::now() - start).count();
             best = std::min(best, took / double(stretch));
-            spent += took;
+            ++stretches;
         }
-    } while (spent < enough);
+    } while (wanted());
     return best;
 }
 

@@ -60,22 +60,22 @@ public:
             z_[i] = c_[i] * t + s_[i] * eta;
             eta -= x_[i] * t;
         }
-        return determined ? report(eta, w) : report_undetermined<T>();                                   // (5)
+        return determined ? report(eta, w) : report_undetermined(eta);                                   // (5)
     }
 
     Vector<T, N> theta() const {
-        Column<T, N> theta = z_;
+        Vector<T, N> theta = z_.view();
         solve_lower_transposed(L_, theta);
         for (Index i = 0; i < theta.size(); ++i)
             if (D_[i] == T(0)) theta[i] = undefined<T>();
-        return theta.view();
+        return theta;
     }
     Vector<T, N> gain() const {
-        Column<T, N> K = psi_;
+        Vector<T, N> K = psi_.view();
         solve_lower(L_, K);
         for (Index i = 0; i < K.size(); ++i) K[i] /= D_[i];
         solve_lower_transposed(L_, K);
-        return K.view();
+        return K;
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view(), D_.view()}; }

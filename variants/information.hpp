@@ -12,7 +12,7 @@ namespace rlslab {
 ///   (2) X = lambda X + psi psi',   b = lambda b + psi y   (3) X = L D L',   theta = X^-1 b,   K = X^-1 psi when asked
 ///
 /// Squares the condition number: the other cautionary form. A pivot D_j <= 0 is breakdown (indefinite): theta is then
-/// NaN until a later X factors again. Starts without a prior: theta is NaN and health undetermined until X factors.
+/// NaN until a later X factors again, and the row after it indefinite too, having no theta to innovate on. Starts without a prior: theta is NaN and health undetermined until X factors.
 /// Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d) multiplications, no square root. Source: Gauss; Bierman 1977.
 template <Field T, int N = Dynamic>
 class Information {
@@ -58,15 +58,17 @@ public:
         solve_lower(L_, f_);                                                                             // (1)
         T s = lambda_;
         for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
-        bool const known = positive_;
+        bool const known = positive_, started = started_;
+        T seen = y;    // spoilt by data that are not finite
         for (Index j = 0; j < f_.size(); ++j) {
             for (Index i = 0; i < f_.size(); ++i) X_(i, j) = lambda_ * X_(i, j) + psi_[i] * psi_[j];     // (2)
             b_[j] = lambda_ * b_[j] + psi_[j] * y;
+            if (!known) seen += X_(j, j);
         }
         ++rows_;
         solve();
-        Step<T> step = known ? report(e, lambda_, s) : report_undetermined<T>();
-        if (started_ && !positive_ && step.health != Health::nonfinite) step.health = Health::indefinite;
+        Step<T> step = known ? report(e, lambda_, s) : report_undetermined(seen);
+        if (((started && !known) || (started_ && !positive_)) && step.health != Health::nonfinite) step.health = Health::indefinite;
         return step;
     }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/format.hpp>
-#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/model/random.hpp>
 
 #include <cmath>
@@ -116,11 +116,6 @@ struct ArithmeticTraits<Chopped<F, R>> {
     static constexpr std::string_view name = name_of(F, R);
     static constexpr int digits = F.digits, min_exp = F.min_exp, max_exp = F.max_exp;
 };
-
-template <Format F, Rounding R>
-Reference widen(Chopped<F, R> const& x) {
-    return Reference(static_cast<double>(x));
-}
 
 }  // namespace rlslab
 

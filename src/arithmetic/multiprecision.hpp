@@ -3,9 +3,8 @@
 // Fixed precision on the stack and expression templates off: `auto` holds a value, no global precision is consulted.
 #pragma once
 
-#include <rlslab/arithmetic/field.hpp>
+#include <rlslab/arithmetic/storage_traits.hpp>
 
-#include <Eigen/Core>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 #include <boost/multiprecision/mpfr.hpp>
@@ -39,6 +38,11 @@ inline bool is_finite(Rational const&) { return true; }
 /// The same number in the Reference arithmetic, exactly: every arithmetic of the lab has at most 257 bits.
 inline Reference widen(Reference const& x) { return x; }
 inline Reference widen(std::floating_point auto x) { return Reference(x); }
+template <class T>
+    requires(!std::floating_point<T> && ArithmeticTraits<T>::digits <= 53)
+Reference widen(T const& x) {
+    return Reference(static_cast<double>(x));
+}
 inline Reference widen(Quad const& x) {
     if (!isfinite(x) || x == 0) return Reference(static_cast<double>(x));
     // 113 = 53 + 53 + 7 bits: each piece is exact in double and so is the sum in Reference. ldexp keeps the pieces
@@ -55,21 +59,6 @@ inline Reference widen(Quad const& x) {
 }
 
 }  // namespace rlslab
-
-namespace rlslab::detail {
-/// What Eigen must know of a scalar to store it. Boost 1.74's own traits name the smallest positive number as lowest().
-template <class T>
-struct StorageTraits : Eigen::GenericNumTraits<T> {
-    using Real = T;
-    using NonInteger = T;
-    using Nested = T;
-    using Literal = double;
-    enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2, AddCost = 10, MulCost = 12 };
-    static T epsilon() { return T(rlslab::epsilon<T>()); }
-    static T dummy_precision() { return T(1000) * epsilon(); }
-    static int digits10() { return int(ArithmeticTraits<T>::digits * 0.30103); }
-};
-}  // namespace rlslab::detail
 
 template <>
 struct Eigen::NumTraits<rlslab::Quad> : rlslab::detail::StorageTraits<rlslab::Quad> {};

@@ -45,8 +45,8 @@ bool factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
 }
 
 /// Solves L x = x in place, L lower triangular.
-template <Field T, int N>
-void solve_lower(Square<T, N> const& L, Column<T, N>& x) {
+template <Field T, int N, class X>
+void solve_lower(Square<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) {
         x[i] /= L(i, i);
@@ -55,8 +55,8 @@ void solve_lower(Square<T, N> const& L, Column<T, N>& x) {
 }
 
 /// Solves L'x = x in place, L lower triangular.
-template <Field T, int N>
-void solve_lower_transposed(Square<T, N> const& L, Column<T, N>& x) {
+template <Field T, int N, class X>
+void solve_lower_transposed(Square<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = d - 1; i >= 0; --i) {
         if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x.data() + i + 1, d - i - 1);
@@ -73,17 +73,18 @@ void multiply_lower_transposed(Square<T, N> const& L, Column<T, N> const& x, Col
 
 template <Field T, int N>
 Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> const& b) {
-    Column<T, N> x = b;
+    Vector<T, N> x = b.view();
     solve_lower_transposed(L, x);
-    return x.view();
+    return x;
 }
 
 /// The solution x of L L'x = b.
 template <Field T, int N>
 Vector<T, N> solve_outer(Square<T, N> const& L, Column<T, N> const& b) {
-    Column<T, N> x = b;
+    Vector<T, N> x = b.view();
     solve_lower(L, x);
-    return solved_lower_transposed(L, x);
+    solve_lower_transposed(L, x);
+    return x;
 }
 
 /// A A' and A diag(D) A'.

@@ -189,7 +189,8 @@ struct Reading {
 };
 
 Reading reading_of(std::string_view cell) {
-    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "null"))
+    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") ||
+        same_word(cell, "#n/a") || same_word(cell, "null"))
         return {Kind::missing};
     bool const plus = cell[0] == '+';
     std::string_view const magnitude = cell.substr(plus || cell[0] == '-' ? 1 : 0);

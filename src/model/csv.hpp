@@ -31,7 +31,7 @@ inline constexpr double largest_value = 0x1p500;
 ///   rows        LF or CRLF; blank lines are skipped, and '#' lines above the first row; all have equally many cells
 ///   cells       may be quoted, quotes in them doubled, and then hold separators and line ends; outer spaces go
 ///   numbers     decimal, with a point; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
-///   missing     an empty cell, NA, NaN, null in any case, "." and "?"
+///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
 /// A column is called by its name in the header, and only so; without a header by its number: "1", "2", ...
 class CsvFile {
 public:
