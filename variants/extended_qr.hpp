@@ -29,8 +29,8 @@ public:
 
     explicit ExtendedQr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),
-          theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size), c_(problem.size), s_(problem.size),
-          L_(problem.size), V_(start_root<T, N>(problem)) {
+          theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size),
+          c_(problem.size), s_(problem.size), L_(problem.size), V_(start_root<T, N>(problem)) {
         start_information_root(problem, L_, z_);
     }
 

@@ -13,7 +13,8 @@ namespace rlslab {
 ///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j,  v_i += t g_j
 ///   (5) K = v / s_d, theta += K e
 ///
-/// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications. P is definite exactly while every D_j > 0.
+/// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. P is definite exactly while every D_j > 0.
+/// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
 /// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977; Thornton 1976.
 template <Field T, int N = Dynamic>
 class Ud {

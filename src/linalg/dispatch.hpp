@@ -4,6 +4,7 @@
 // tree that ends a dot product.
 #pragma once
 
+#include <rlslab/linalg/dot.hpp>
 #include <rlslab/linalg/rotations.hpp>
 #include <rlslab/linalg/storage.hpp>
 
@@ -254,7 +255,7 @@ template <class T, int N, class Kernel>
 [[gnu::always_inline]] inline void run(Kernel const& kernel) {
     using namespace kernels;
     if constexpr (!Hardware<T>) {
-        portable::run<portable::Plain<T>>(kernel);
+        portable::run<portable::Single<T>>(kernel);
     } else if constexpr (N != Dynamic && N <= 4) {
         portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
     } else if constexpr (N != Dynamic && N <= 8) {

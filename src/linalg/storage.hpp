@@ -38,7 +38,8 @@ struct Aligned {
 /// size numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
 template <class T, int Capacity>
 struct Buffer {
-    alignas(Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T)) std::array<T, size_t(Capacity)> values;
+    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
+    alignas(alignment) std::array<T, size_t(Capacity)> values;
     explicit Buffer(Index) { values.fill(T(0)); }
 };
 template <class T>
@@ -81,7 +82,8 @@ public:
     T& operator()(Index i, Index j) { return column(j)[i]; }
     T const& operator()(Index i, Index j) const { return column(j)[i]; }
     auto view() const {
-        return Eigen::Map<Matrix<T, N> const, 0, Eigen::OuterStride<>>(column(0), size(), size(), Eigen::OuterStride<>(stride()));
+        using Stride = Eigen::OuterStride<>;
+        return Eigen::Map<Matrix<T, N> const, 0, Stride>(column(0), size(), size(), Stride(stride()));
     }
 };
 

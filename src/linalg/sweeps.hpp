@@ -11,7 +11,8 @@ namespace rlslab {
 template <Field T, int N>
 void multiply_symmetric(Square<T, N> const& P, T const* x, Column<T, N>& dots, Column<T, N>& out) {
     run<T, N>(kernels::Multiply<T, true>{P.size(), P.stride(), P.column(0), out.data(), x});
-    run<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::above_diagonal>{P.size(), P.stride(), P.column(0), x, dots.data()});
+    using kernels::Shape, kernels::MultiplyTransposed;
+    run<T, N>(MultiplyTransposed<T, Shape::above_diagonal>{P.size(), P.stride(), P.column(0), x, dots.data()});
     add(out, dots, out);
 }
 
@@ -48,7 +49,8 @@ void sweep_ud(Square<T, N>& U, Column<T, N> const& g, Column<T, N> const& mu, Co
 template <Field T, int N>
 void sweep_carlson(Square<T, N>& S, Column<T, N> const& f, Column<T, N> const& keep, Column<T, N> const& mix,
                    DividedBy<T> const& by_r, Column<T, N>& v) {
-    run<T, N>(kernels::SweepCarlson<T>{S.size(), S.stride(), S.column(0), v.data(), f.data(), keep.data(), mix.data(), by_r.excess()});
+    run<T, N>(kernels::SweepCarlson<T>{S.size(), S.stride(), S.column(0), v.data(), f.data(), keep.data(), mix.data(),
+                                       by_r.excess()});
 }
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.

@@ -1,92 +1,30 @@
-// A block of eight rows (four for the smallest fixed sizes): what the kernels' texts are written in.
+// What the kernels' texts are written in: a row (Single), or a block of eight (four for the smallest fixed sizes).
 // Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 //
-// Plain works in every arithmetic and does exactly the rows that are present. Simd holds whole registers: rows that are not
-// there are padding, which may hold anything and is read by nobody; where it would be (sums) it is masked out.
+// Single works in every arithmetic. Simd holds whole registers: rows that are not there are padding, which may hold anything
+// and is read by nobody; where it would be (sums) it is masked out.
 
 template <class T>
-struct Plain {
+struct Single {
     using scalar = T;
-    static constexpr int rows = 8, registers = 8;
+    static constexpr int rows = 1, registers = 2;    // what a Pack takes
     static constexpr bool padded = false;
-    T x[8];
-    Present in;
+    T x;
 
-    void zero(Present p) {
-        in = p;
-        for (Index i = in.first; i < in.last; ++i) x[i] = T(0);
-    }
-    void load(T const* from, Present p) {
-        in = p;
-        for (Index i = in.first; i < in.last; ++i) x[i] = from[i];
-    }
-    void load_unpadded(T const* from, Present p) { load(from, p); }
-    void store(T* to) const {
-        for (Index i = in.first; i < in.last; ++i) to[i] = x[i];
-    }
-    void store_present(T* to, Present) const { store(to); }
-    void scale(T const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] *= a;
-    }
-    void divide(T const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] /= a;
-    }
-    void scale(Plain const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] *= a.x[i];
-    }
-    void divide(Plain const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] /= a.x[i];
-    }
-    void subtract(Plain const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] -= a.x[i];
-    }
-    void add(Plain const& a) {
-        for (Index i = in.first; i < in.last; ++i) x[i] += a.x[i];
-    }
-    void take_root() {
-        for (Index i = in.first; i < in.last; ++i) x[i] = square_root(x[i]);
-    }
-    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}: from block to block the sum waits for one addition only.
-    void accumulate(T& s, Plain& before, Plain& after, Present p) const {
-        before.in = after.in = p;
-        T here = x[0];
-        for (Index i = 0; i < p.last; ++i) {
-            if (i > 0) here += x[i];
-            before.x[i] = i > 0 ? after.x[i - 1] : s;
-            after.x[i] = s + here;
-        }
-        s = after.x[p.last - 1];
-    }
-    void take(Plain const& a) {
-        for (Index i = a.in.first; i < a.in.last; ++i) x[i] = a.x[i];
-    }
-    void add_product(Plain const& a, T const& b) {
-        for (Index i = std::max(in.first, a.in.first); i < std::min(in.last, a.in.last); ++i) x[i] += a.x[i] * b;
-    }
-    void subtract_product(Plain const& a, T const& b) {
-        for (Index i = std::max(in.first, a.in.first); i < std::min(in.last, a.in.last); ++i) x[i] -= a.x[i] * b;
-    }
-    /// The running lanes of dot products, only over rows that are present.
-    void start_sum(Plain const& a, Plain const& b, Present p) {
-        in = p;
-        if (p.last == 0) x[0] = T(0);
-        for (Index i = 0; i < p.last; ++i) x[i] = a.x[i] * b.x[i];
-    }
-    void start_sum_all(Plain const& a, Plain const& b) { start_sum(a, b, {0, 8}); }
-    void sum_all(Plain const& a, Plain const& b) {
-        for (Index i = 0; i < 8; ++i) x[i] += a.x[i] * b.x[i];
-    }
-    void sum(Plain const& a, Plain const& b, Present p) {
-        for (Index i = 0; i < p.last; ++i) x[i] += a.x[i] * b.x[i];
-    }
-    static void sums(Plain (&a)[4], T* out, Index count) {
-        for (Index c = 0; c < count; ++c) {
-            T* const lane = a[c].x;
-            for (Index half = 4; half >= 1; half /= 2)
-                for (Index i = 0; i < half && i + half < a[c].in.last; ++i) lane[i] += lane[i + half];
-            out[c] = lane[0];
-        }
-    }
+    [[gnu::always_inline]] void zero(Present) { x = T(0); }
+    [[gnu::always_inline]] void load(T const* from, Present) { x = *from; }
+    [[gnu::always_inline]] void store(T* to) const { *to = x; }
+    [[gnu::always_inline]] void store_present(T* to, Present) const { *to = x; }
+    [[gnu::always_inline]] void scale(T const& a) { x *= a; }
+    [[gnu::always_inline]] void divide(T const& a) { x /= a; }
+    [[gnu::always_inline]] void scale(Single const& a) { x *= a.x; }
+    [[gnu::always_inline]] void divide(Single const& a) { x /= a.x; }
+    [[gnu::always_inline]] void subtract(Single const& a) { x -= a.x; }
+    [[gnu::always_inline]] void add(Single const& a) { x += a.x; }
+    [[gnu::always_inline]] void take_root() { x = square_root(x); }
+    [[gnu::always_inline]] void take(Single const& a) { x = a.x; }
+    [[gnu::always_inline]] void add_product(Single const& a, T const& b) { x += a.x * b; }
+    [[gnu::always_inline]] void subtract_product(Single const& a, T const& b) { x -= a.x * b; }
 };
 
 template <class T, int Bytes, int Rows = 8>
@@ -231,7 +169,8 @@ struct Simd {
             }
             Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
             Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
-            *reinterpret_cast<FourAnywhere*>(out) = __builtin_shufflevector(p, q, 0, 2, 4, 6) + __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            Four const even = __builtin_shufflevector(p, q, 0, 2, 4, 6), odd = __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            *reinterpret_cast<FourAnywhere*>(out) = even + odd;
         }
     }
 

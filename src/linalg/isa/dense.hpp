@@ -1,6 +1,6 @@
 // Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
 
-/// Loops over the rows of a column in blocks.
+/// Which rows of the block at i0 come before `end`.
 template <class B>
 inline Present rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
@@ -63,10 +63,38 @@ template <class B, Elementwise K>
     }
 }
 
+/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} in blocks of eight: from block to block the sum waits for one
+/// addition only. The same in single rows.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void run(PrefixSums<T> const& k) {
+    T s = *k.s;
+    for (Index i0 = 0; i0 < k.d; i0 += 8) {
+        T here = k.x[i0], last = s;
+        for (Index i = i0; i < std::min(i0 + 8, k.d); ++i) {
+            if (i > i0) here += k.x[i];
+            k.before[i] = last;
+            last = s + here;
+            k.out[i] = last;
+        }
+        s = last;
+    }
+    *k.s = s;
+}
+
 // --- dot products, four columns at once -------------------------------------------------------------------------------
 
 /// out_j = A_j'x; of an upper triangle the rows down to the diagonal, or those above it.
 template <class B, class T, Shape shape>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
+    for (Index j = 0; j < k.d; ++j) {
+        Index const n = shape == Shape::full ? k.d : shape == Shape::upper ? j + 1 : j;
+        k.out[j] = n > 0 ? dot(k.A + j * k.ld, k.x, n) : T(0);
+    }
+}
+template <class B, class T, Shape shape>
+    requires(B::rows > 1)
 [[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
     constexpr bool upper = shape != Shape::full;
     constexpr Index diagonal = shape == Shape::upper ? 1 : 0;
@@ -74,20 +102,20 @@ template <class B, class T, Shape shape>
     B x_tail;
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
     for (Index j0 = 0; j0 < k.d; j0 += 4) {
-        Index const count = k.d - j0 < 4 ? k.d - j0 : 4, work = B::padded ? 4 : count;
+        Index const count = k.d - j0 < 4 ? k.d - j0 : 4;
         Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;    // the block with rows that are not present
         T const* column[4];
         for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
         B sum[4], x, a;
         if (last > 0) {
             x.load(k.x, {0, B::rows});
-            for (int c = 0; c < work; ++c) {
+            for (int c = 0; c < 4; ++c) {
                 a.load(column[c], {0, B::rows});
                 sum[c].start_sum_all(a, x);
             }
             for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
                 x.load(k.x + i0, {0, B::rows});
-                for (int c = 0; c < work; ++c) {
+                for (int c = 0; c < 4; ++c) {
                     a.load(column[c] + i0, {0, B::rows});
                     sum[c].sum_all(a, x);
                 }
@@ -95,7 +123,7 @@ template <class B, class T, Shape shape>
         }
         x = x_tail;
         if (last < tail) x.load(k.x + last, {0, B::rows});
-        for (int c = 0; c < work; ++c) {
+        for (int c = 0; c < 4; ++c) {
             Present const present{0, (upper ? j0 + c + diagonal : k.d) - last};
             a.load(column[c] + last, present);
             if (last > 0)

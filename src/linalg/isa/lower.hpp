@@ -93,15 +93,17 @@ template <class B, ByPanels S>
 template <class B, class T>
 [[gnu::always_inline]] inline void run(SweepGentleman<T> const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
-        B x;
-        Index const m = rows_of<B>(i0, s.d).last;
-        x.load(s.x + i0, {0, m});
-        for (Index i = 0; i < m; ++i) {
-            T* const column = s.L + (i0 + i) * s.ld + i0;
-            B t;
-            t.load(column, {i + 1, m});
-            step(s, i0 + i, t, x);
-            t.store_present(column, {i + 1, m});
+        if constexpr (B::rows > 1) {
+            B x;
+            Index const m = rows_of<B>(i0, s.d).last;
+            x.load(s.x + i0, {0, m});
+            for (Index i = 0; i < m; ++i) {
+                T* const column = s.L + (i0 + i) * s.ld + i0;
+                B t;
+                t.load(column, {i + 1, m});
+                step(s, i0 + i, t, x);
+                t.store_present(column, {i + 1, m});
+            }
         }
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
     }
