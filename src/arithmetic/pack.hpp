@@ -5,6 +5,7 @@
 #include <rlslab/arithmetic/storage_traits.hpp>
 
 #include <array>
+#include <utility>
 #include <cstdint>
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -21,6 +22,14 @@ inline constexpr int pack_register = 32;
 #else
 inline constexpr int pack_register = 16;
 #endif
+
+/// work(k) for k = 0 ... R - 1, each k a constant: registers in an array are registers only where no loop indexes them.
+template <int R, class Work>
+[[gnu::always_inline]] inline void for_registers(Work work) {
+    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+        (work(std::integral_constant<int, k>{}), ...);
+    }(std::make_integer_sequence<int, R>{});
+}
 
 template <class T, int L>
 struct PackShape {
@@ -44,33 +53,33 @@ public:
     Bits m[Shape::registers];
 
     PackMask() = default;
-    explicit(false) PackMask(bool b) {
-        for (Bits& r : m) r = Bits{} - (b ? 1 : 0);
+    [[gnu::always_inline]] explicit(false) PackMask(bool b) {
+        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { m[k] = Bits{} - (b ? 1 : 0); });
     }
     bool operator[](int lane) const { return m[lane / Shape::width][lane % Shape::width] != 0; }
-    friend PackMask operator&&(PackMask const& a, PackMask const& b) {
+    [[gnu::always_inline]] friend PackMask operator&&(PackMask const& a, PackMask const& b) {
         PackMask out;
-        for (int k = 0; k < Shape::registers; ++k) out.m[k] = a.m[k] & b.m[k];
+        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.m[k] & b.m[k]; });
         return out;
     }
-    friend PackMask operator||(PackMask const& a, PackMask const& b) {
+    [[gnu::always_inline]] friend PackMask operator||(PackMask const& a, PackMask const& b) {
         PackMask out;
-        for (int k = 0; k < Shape::registers; ++k) out.m[k] = a.m[k] | b.m[k];
+        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.m[k] | b.m[k]; });
         return out;
     }
-    friend PackMask operator!(PackMask const& a) {
+    [[gnu::always_inline]] friend PackMask operator!(PackMask const& a) {
         PackMask out;
-        for (int k = 0; k < Shape::registers; ++k) out.m[k] = ~a.m[k];
+        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { out.m[k] = ~a.m[k]; });
         return out;
     }
-    friend bool any(PackMask const& a) {
+    [[gnu::always_inline]] friend bool any(PackMask const& a) {
         Bits seen = a.m[0];
-        for (int k = 1; k < Shape::registers; ++k) seen |= a.m[k];
+        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { seen |= a.m[k]; });
         typename Shape::Word out = 0;
         for (int i = 0; i < Shape::width; ++i) out |= seen[i];
         return out != 0;
     }
-    friend bool all(PackMask const& a) { return !any(!a); }
+    [[gnu::always_inline]] friend bool all(PackMask const& a) { return !any(!a); }
 };
 
 /// L numbers; every operation rounds once in every lane, nothing is fused.
@@ -86,75 +95,83 @@ public:
     static constexpr int lanes = L;
     Numbers v[R];
 
-    Pack() : Pack(T(0)) {}
-    /// The same number in every lane.
-    explicit Pack(T x) {
-        for (Numbers& r : v) r = Numbers{} + x;
+    [[gnu::always_inline]] Pack() : Pack(T(0)) {}
+    /// Copied in whole registers: GCC's own copy goes by halves, which the next load of a whole one has to wait for.
+    [[gnu::always_inline]] Pack(Pack const& other) {
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = other.v[k]; });
     }
-    explicit Pack(int x) : Pack(T(x)) {}
-    explicit Pack(double x)
+    [[gnu::always_inline]] Pack& operator=(Pack const& other) {
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = other.v[k]; });
+        return *this;
+    }
+    /// The same number in every lane.
+    [[gnu::always_inline]] explicit Pack(T x) {
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = Numbers{} + x; });
+    }
+    [[gnu::always_inline]] explicit Pack(int x) : Pack(T(x)) {}
+    [[gnu::always_inline]] explicit Pack(double x)
         requires(!std::same_as<T, double>)
         : Pack(T(x)) {}
-    explicit Pack(std::array<T, L> const& x) {
+    [[gnu::always_inline]] explicit Pack(std::array<T, L> const& x) {
         for (int i = 0; i < L; ++i) set(i, x[size_t(i)]);
     }
     T operator[](int lane) const { return v[lane / Shape::width][lane % Shape::width]; }
     void set(int lane, T x) { v[lane / Shape::width][lane % Shape::width] = x; }
 
-    Pack& operator+=(Pack const& b) { return *this = *this + b; }
-    Pack& operator-=(Pack const& b) { return *this = *this - b; }
-    Pack& operator*=(Pack const& b) { return *this = *this * b; }
-    Pack& operator/=(Pack const& b) { return *this = *this / b; }
-    friend Pack operator+(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] Pack& operator+=(Pack const& b) { return *this = *this + b; }
+    [[gnu::always_inline]] Pack& operator-=(Pack const& b) { return *this = *this - b; }
+    [[gnu::always_inline]] Pack& operator*=(Pack const& b) { return *this = *this * b; }
+    [[gnu::always_inline]] Pack& operator/=(Pack const& b) { return *this = *this / b; }
+    [[gnu::always_inline]] friend Pack operator+(Pack const& a, Pack const& b) {
         return zipped(a, b, [](Numbers x, Numbers y) { return x + y; });
     }
-    friend Pack operator-(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Pack operator-(Pack const& a, Pack const& b) {
         return zipped(a, b, [](Numbers x, Numbers y) { return x - y; });
     }
-    friend Pack operator*(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Pack operator*(Pack const& a, Pack const& b) {
         return zipped(a, b, [](Numbers x, Numbers y) { return x * y; });
     }
-    friend Pack operator/(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Pack operator/(Pack const& a, Pack const& b) {
         return zipped(a, b, [](Numbers x, Numbers y) { return x / y; });
     }
-    friend Pack operator-(Pack const& a) {
+    [[gnu::always_inline]] friend Pack operator-(Pack const& a) {
         return zipped(a, a, [](Numbers x, Numbers) { return -x; });
     }
-    friend Mask operator<(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Mask operator<(Pack const& a, Pack const& b) {
         Mask out;
-        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] < b.v[k];
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.v[k] < b.v[k]; });
         return out;
     }
-    friend Mask operator<=(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Mask operator<=(Pack const& a, Pack const& b) {
         Mask out;
-        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] <= b.v[k];
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.v[k] <= b.v[k]; });
         return out;
     }
-    friend Mask operator==(Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Mask operator==(Pack const& a, Pack const& b) {
         Mask out;
-        for (int k = 0; k < R; ++k) out.m[k] = a.v[k] == b.v[k];
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.v[k] == b.v[k]; });
         return out;
     }
-    friend Mask operator!=(Pack const& a, Pack const& b) { return !(a == b); }
+    [[gnu::always_inline]] friend Mask operator!=(Pack const& a, Pack const& b) { return !(a == b); }
     /// x - x is zero for every number, NaN for infinities and NaN.
-    friend Mask isfinite(Pack const& a) { return a - a == Pack(); }
-    friend Pack sqrt(Pack const& a) {
+    [[gnu::always_inline]] friend Mask isfinite(Pack const& a) { return a - a == Pack(); }
+    [[gnu::always_inline]] friend Pack sqrt(Pack const& a) {
         return zipped(a, a, [](Numbers x, Numbers) { return root(x); });
     }
     /// a where the mask is set, else b.
-    friend Pack select(Mask const& mask, Pack const& a, Pack const& b) {
+    [[gnu::always_inline]] friend Pack select(Mask const& mask, Pack const& a, Pack const& b) {
         Pack out(Raw{});
-        for (int k = 0; k < R; ++k) out.v[k] = mask.m[k] ? a.v[k] : b.v[k];
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.v[k] = mask.m[k] ? a.v[k] : b.v[k]; });
         return out;
     }
 
 private:
     struct Raw {};
-    explicit Pack(Raw) {}
+    [[gnu::always_inline]] explicit Pack(Raw) {}
     template <class Operation>
     [[gnu::always_inline]] static Pack zipped(Pack const& a, Pack const& b, Operation operation) {
         Pack out(Raw{});
-        for (int k = 0; k < R; ++k) out.v[k] = operation(a.v[k], b.v[k]);
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.v[k] = operation(a.v[k], b.v[k]); });
         return out;
     }
     [[gnu::always_inline]] static Numbers root(Numbers x) {

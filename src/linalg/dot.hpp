@@ -5,14 +5,33 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <concepts>
 
 namespace rlslab {
 
 using Index = Eigen::Index;
 
+namespace detail {
+/// The part of the tree over lanes first, first + stride, ... of eight: the running sum of a lane where stride = 8.
+template <int first, int stride, class T>
+[[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
+    if constexpr (stride == 8) {
+        T sum = x[first] * y[first];
+        for (Index k = first + 8; k < n; k += 8) sum += x[k] * y[k];
+        return sum;
+    } else {
+        T sum = lanes_summed<first, 2 * stride>(x, y, n);
+        if (first + stride < n) sum += lanes_summed<first + stride, 2 * stride>(x, y, n);
+        return sum;
+    }
+}
+}  // namespace detail
+
 /// x'y over n numbers; n >= 1.
 template <Field T>
 T dot(T const* x, T const* y, Index n) {
+    if constexpr (!std::same_as<Truth<T>, bool>)    // a Pack: one lane after another leaves them in registers
+        return detail::lanes_summed<0, 1>(x, y, n);
     T lane[8];
     Index const lanes = std::min<Index>(n, 8);
     for (Index i = 0; i < lanes; ++i) lane[i] = x[i] * y[i];
