@@ -261,6 +261,7 @@ template <class T, int N, class Kernel>
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::run<portable::Simd<T, register_bytes>>(kernel);
     } else {
+        if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
 #if defined(__x86_64__) && !defined(__AVX2__)
