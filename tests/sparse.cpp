@@ -87,7 +87,7 @@ double resident() {
 /// A dense triangle of 20 000 parameters is 3.2 GB.
 TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     constexpr Index size = 20000, rows = 40000;
-    double const before = resident();
+    [[maybe_unused]] double const before = resident();
     Banded const data(size, rows, Seed{62});
     Problem<double> const p{.size = size, .prior = Prior<double>{.variance = 1e6}};
 
