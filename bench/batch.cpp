@@ -1,7 +1,7 @@
 // batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; reference/ROWSxSIZE: the certified solution.
 #include "rows.hpp"
 
-#include <rlslab/variants/erase.hpp>
+#include <rlslab/feed.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {

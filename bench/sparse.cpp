@@ -2,7 +2,7 @@
 #include "rows.hpp"
 
 #include <rlslab/variants/cholesky_sparse.hpp>
-#include <rlslab/variants/erase.hpp>
+#include <rlslab/feed.hpp>
 #include <rlslab/variants/qr_sparse.hpp>
 
 namespace rlslab::bench {

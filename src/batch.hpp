@@ -1,10 +1,9 @@
 // Batch least squares on all cores, from rows in memory or in a file larger than it: parts folded apart, merged in order.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/feed.hpp>
 #include <rlslab/model/records.hpp>
 
-#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
@@ -40,23 +39,6 @@ public:
 /// Rows a part: 1.3 MB of them at 40 parameters; merging a part's d rows is then a hundredth of folding it in.
 inline constexpr Index rows_a_part = 4096;
 
-/// The columns [psi; y] of a block folded into f, as f likes them best.
-template <RecursiveLeastSquares F>
-void fold_in(F& f, Eigen::MatrixXd const& block, Index rows) {
-    using T = typename F::scalar;
-    Index const d = block.rows() - 1;
-    if constexpr (TakesBlocks<F>)
-        for (Index k = 0; k < rows; k += F::block) {
-            auto const some = block.middleCols(k, std::min<Index>(F::block, rows - k));
-            f.absorb(some.topRows(d).template cast<T>(), some.row(d).transpose().template cast<T>());
-        }
-    else
-        for (Index k = 0; k < rows; ++k) {
-            Vector<T> const psi = block.col(k).head(d).template cast<T>();
-            f.update(psi, T(block(d, k)));
-        }
-}
-
 /// The filter that took every row of the source, in order: rows (i B, (i + 1) B] are folded into a filter of their own that
 /// starts without prior, and these are merged into F(problem) in order of i, each by the thread that folded it:
 ///
@@ -85,7 +67,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
                 source.read(i * part, block.leftCols(here));
-                fold_in(newer, block, here);
+                feed(newer, block.topRows(source.size()).leftCols(here), block.row(source.size()).head(here).transpose());
                 std::unique_lock lock(mutex);
                 turn.wait(lock, [&] { return merged == i || failure; });
                 if (failure) return;

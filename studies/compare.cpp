@@ -115,9 +115,6 @@ Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
     return result;
 }
 
-/// The prior moves theta by more than this: which variant computes that theta best is then not the question.
-constexpr double most_prior_bias = 0.01;
-
 /// The sound variant with the fewest operations among those as good as the best: within `noise` of it in theta, in its
 /// worst component and in P. That many digits the same variant gains or loses when rows are merely taken in another order.
 /// Batch and sparse variants are not recommended: they answer another need than a row at a time.

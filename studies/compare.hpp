@@ -9,6 +9,9 @@
 
 namespace rlslab {
 
+/// A prior that moves theta by more than this: which variant computes that theta best is then not the question.
+inline constexpr double most_prior_bias = 0.01;
+
 struct CompareOptions {
     double forgetting = 1;                      ///< lambda
     double p0 = 16384;                          ///< c^2 of P0 = c^2 I
@@ -60,7 +63,7 @@ struct Comparison {
     double condition;                          ///< kappa_2 of the weighted data matrix
     double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
     CompareOptions options;                    ///< as asked for
-    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; sought where it is above 1e-2
+    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; sought where it is above most_prior_bias
     std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;

@@ -44,7 +44,7 @@ std::string storage_text(Storage const& s, Comparison const& c) {
 
 /// "warning ..." when the prior, not the data, decides theta; or nothing.
 std::string prior_warning(Comparison const& c) {
-    if (!(c.prior_bias > 0.01)) return "";
+    if (!(c.prior_bias > most_prior_bias)) return "";
     return fmt::format("warning     the prior P0 = {:g} I moves theta by {:.2g} of itself: {}\n", c.options.p0, c.prior_bias,
                        c.better_p0 ? fmt::format("try --p0 {:.0e}, which moves it by 1e-3 at most", *c.better_p0)
                                    : "no --p0 in range will do; rescale the columns");

@@ -1,4 +1,6 @@
 // What people's CSV files hold is read bit for bit, and what cannot be read is refused in one clear line.
+#include "files.hpp"
+
 #include <rlslab/model/csv.hpp>
 
 #include <fmt/format.h>
@@ -20,44 +22,16 @@ namespace rlslab {
 namespace {
 
 namespace fs = std::filesystem;
+using files::Folder, files::message_of;
 using Names = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 std::string const bom = "\xef\xbb\xbf";
 
-/// A folder for one test, called "" in messages.
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "rlslab_csv_XXXXXX").string();
-        path = mkdtemp(pattern.data());
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(std::string const& text, std::string const& name = "data.csv") const {
-        std::ofstream(path / name, std::ios::binary) << text;
-        return (path / name).string();
-    }
-    std::string without(std::string message) const {
-        std::string const prefix = path.string() + "/";
-        if (auto const at = message.find(prefix); at != message.npos) message.erase(at, prefix.size());
-        return message;
-    }
-};
-
 Columns read(std::string const& text, Names const& asked) {
     Folder const folder;
     return read_columns(folder.file(text), asked);
-}
-
-template <class Action>
-std::string message_of(Action const& action) {
-    try {
-        action();
-    } catch (InputError const& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 std::string refusal(std::string const& text, Names const& asked) {

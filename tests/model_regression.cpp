@@ -1,4 +1,6 @@
 // Regressors hold what the model's equation says, and no row that misses a value.
+#include "files.hpp"
+
 #include <rlslab/model/regression.hpp>
 
 #include <gtest/gtest.h>
@@ -14,6 +16,7 @@ namespace rlslab {
 namespace {
 
 namespace fs = std::filesystem;
+using files::message_of;
 using Names = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
@@ -32,16 +35,6 @@ Matrix<double> rows(std::vector<Numbers> const& psi) {
     return matrix;
 }
 Numbers numbers(Vector<double> const& y) { return {y.begin(), y.end()}; }
-
-template <class Action>
-std::string message_of(Action const& action) {
-    try {
-        action();
-    } catch (InputError const& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 TEST(LinearRecords, AreTheColumnsWithTheInterceptFirst) {
     auto const data = columns({"y", "a", "b"}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});

@@ -1,4 +1,5 @@
 // Rows folded on several threads, from memory and from a file larger than memory: the same bits; errors that name the file.
+#include "files.hpp"
 #include "laws.hpp"
 
 #include <rlslab/batch.hpp>
@@ -19,44 +20,25 @@ namespace rlslab {
 namespace {
 
 namespace fs = std::filesystem;
+using files::Folder, files::message_of;
 using testing::HasSubstr;
 using F = QrBlock<double>;
 static_assert(RowSource<RowFile> && RowSource<RowsInMemory>);
 
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "rlslab_rows_XXXXXX").string();
-        path = mkdtemp(pattern.data());
+std::string file_of(Folder const& folder, Records const& records) {
+    std::string rows;
+    for (Index k = 0; k < records.rows(); ++k) {
+        rows.append(reinterpret_cast<char const*>(records.psi.col(k).data()), size_t(records.size()) * 8);
+        rows.append(reinterpret_cast<char const*>(&records.y[k]), 8);
     }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(Records const& records) const {
-        std::ofstream out(path / "rows.bin", std::ios::binary);
-        for (Index k = 0; k < records.rows(); ++k) {
-            out.write(reinterpret_cast<char const*>(records.psi.col(k).data()), records.size() * 8);
-            out.write(reinterpret_cast<char const*>(&records.y[k]), 8);
-        }
-        return path / "rows.bin";
-    }
-    std::string file_of_bytes(size_t bytes) const {
-        std::ofstream(path / "rows.bin", std::ios::binary) << std::string(bytes, '\0');
-        return path / "rows.bin";
-    }
-};
-template <class Action>
-std::string message_of(Action const& action) {
-    try {
-        action();
-    } catch (InputError const& error) {
-        return error.what();
-    }
-    return "no error";
+    return folder.file(rows, "rows.bin");
 }
+std::string file_of_bytes(Folder const& folder, size_t bytes) { return folder.file(std::string(bytes, '\0'), "rows.bin"); }
 
 TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
     Records const records = laws::noise_records(5, 1003, Seed{51});
     Folder const folder;
-    std::string const path = folder.file(records);
+    std::string const path = file_of(folder, records);
     for (auto const& p : {laws::problem(5, 0.999), Problem<double>{.size = 5, .prior = std::nullopt}}) {
         F const one = fold_all<F>(p, RowsInMemory(records), 1, 100);
         for (unsigned threads : {1u, 2u, 3u, 16u}) {
@@ -107,15 +89,15 @@ TEST(RowFile, SaysWhatIsWrongAndWithWhichFile) {
     EXPECT_THAT(opening(folder.path), HasSubstr(": is a directory"));
     ASSERT_EQ(mkfifo((folder.path / "pipe").c_str(), 0600), 0);
     EXPECT_THAT(opening(folder.path / "pipe"), HasSubstr("pipe: is not a regular file"));
-    EXPECT_THAT(opening(folder.file_of_bytes(0)), HasSubstr("rows.bin: is empty"));
-    EXPECT_THAT(opening(folder.file_of_bytes(83)),
+    EXPECT_THAT(opening(file_of_bytes(folder, 0)), HasSubstr("rows.bin: is empty"));
+    EXPECT_THAT(opening(file_of_bytes(folder, 83)),
                 HasSubstr("rows.bin: expected rows of 5 numbers (40 bytes each), found 83 bytes: 3 more than whole rows"));
-    EXPECT_THROW(RowFile(folder.file_of_bytes(80), 0), std::invalid_argument);
+    EXPECT_THROW(RowFile(file_of_bytes(folder, 80), 0), std::invalid_argument);
 }
 TEST(RowFile, ReadsAnyRowsAndNoOthers) {
     Records const records = laws::noise_records(4, 20, Seed{53});
     Folder const folder;
-    RowFile const file(folder.file(records), 4);
+    RowFile const file(file_of(folder, records), 4);
     EXPECT_EQ(file.rows(), 20);
     Eigen::MatrixXd block(5, 3);
     file.read(17, block);
@@ -134,7 +116,7 @@ TEST(OutOfCore, AFileLargerThanMemoryIsFolded) {
 #else
     Records const records = laws::noise_records(31, 5000, Seed{54});
     Folder const folder;
-    std::string const path = folder.file(records);
+    std::string const path = file_of(folder, records);
     constexpr long row = 32 * 8, megabyte = 1 << 20;
     fs::resize_file(path, 160 * megabyte / row * row);
     F expected(laws::problem(31));

@@ -1,4 +1,6 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
+#include "files.hpp"
+
 #include <rlslab/erased.hpp>
 
 #include <gmock/gmock.h>
@@ -34,14 +36,11 @@ struct Outcome {
 /// A folder of its own for each test, where the shell runs; `rlslab` in a command is the program.
 class Program : public testing::Test {
 protected:
-    fs::path folder;
+    rlslab::files::Folder const temporary;
+    fs::path const folder = temporary.path;
     void SetUp() override {
-        std::string name = (fs::temp_directory_path() / "rlslab-XXXXXX").string();
-        ASSERT_NE(mkdtemp(name.data()), nullptr);
-        folder = name;
         write("ok.csv", "u,y\n" + rows(40, [](int k) { return std::to_string(k * 5 % 13); }));
     }
-    void TearDown() override { fs::remove_all(folder); }
     void write(std::string const& file, std::string const& text) const { std::ofstream(folder / file) << text; }
     template <class U>
     static std::string rows(int n, U u) {

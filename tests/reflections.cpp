@@ -33,10 +33,10 @@ std::vector<double> folded(Index size, Index rows, double unit) {
     return out;
 }
 template <class T>
-std::vector<double> folded_by(bool wide, Index size, Index rows, double unit) {
-    bool const before = std::exchange(reflections::wide, wide && reflections::wide);
+std::vector<double> folded_by(Isa isa, Index size, Index rows, double unit) {
+    Isa const before = std::exchange(kernels::isa, std::min(isa, kernels::isa));    // no more than the machine has
     std::vector<double> out = folded<T>(size, rows, unit);
-    reflections::wide = before;
+    kernels::isa = before;
     return out;
 }
 
@@ -46,8 +46,8 @@ void check() {
         for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
             for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
                 std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);
-                EXPECT_EQ(folded_by<T>(false, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
-                EXPECT_EQ(folded_by<T>(true, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                EXPECT_EQ(folded_by<T>(Isa::baseline, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                EXPECT_EQ(folded_by<T>(Isa::avx2, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
             }
 }
 TEST(Reflections, HaveTheSameBitsWithAnyRegistersInDouble) { check<double>(); }

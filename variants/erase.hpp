@@ -1,53 +1,12 @@
 // Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue.
 #pragma once
 
-#include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/concept.hpp>
+#include <rlslab/datum.hpp>
 #include <rlslab/erased.hpp>
-#include <rlslab/linalg/reflections.hpp>
+#include <rlslab/feed.hpp>
 #include <rlslab/timing.hpp>
 
 namespace rlslab {
-
-/// While one is alive the thread's stochastic roundings draw from the seed; nothing in other arithmetics.
-template <class Scalar>
-struct Draws {
-    explicit Draws(Seed&) {}
-};
-template <Format F>
-struct Draws<Chopped<F, Rounding::stochastic>> : StochasticStream {
-    using StochasticStream::StochasticStream;
-};
-
-/// A datum as T stores it. Data are rounded to nearest whatever the rounding of the operations: the same bits are then
-/// given to the reference.
-template <class Scalar>
-struct Datum {
-    static constexpr bool stochastic = false;
-    static double round(double x) { return std::same_as<Scalar, float> ? double(float(x)) : x; }
-};
-template <Format F, Rounding R>
-struct Datum<Chopped<F, R>> {
-    static constexpr bool stochastic = R == Rounding::stochastic;
-    static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
-};
-
-template <class T>
-T datum(double x) {
-    return T(Datum<T>::round(x));
-}
-
-/// The problem with every number as T stores it.
-template <class T>
-Problem<T> converted(Problem<double> const& problem) {
-    Problem<T> out{.size = problem.size, .forgetting = datum<T>(problem.forgetting), .prior = std::nullopt};
-    if (problem.prior) {
-        out.prior = Prior<T>{.variance = datum<T>(problem.prior->variance)};
-        if (problem.prior->theta) out.prior->theta = problem.prior->theta->unaryExpr(&datum<T>);
-        if (problem.prior->covariance) out.prior->covariance = problem.prior->covariance->unaryExpr(&datum<T>);
-    }
-    return out;
-}
 
 template <class T>
 Reference widened(T const& x) {
@@ -56,25 +15,6 @@ Reference widened(T const& x) {
 template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
-}
-
-/// Folds rows first ... last-1 into f as it likes them best; the last step, or the health that theta shows after blocks.
-template <class F, class T = typename F::scalar>
-Step<T> feed(F& f, Rows<T> const& psi, Vector<T> const& y) {
-    if constexpr (TakesBlocks<F>) {
-        for (Index k = 0; k < y.size(); k += F::block) {
-            Index const rows = std::min(F::block, y.size() - k);
-            f.absorb(psi.middleCols(k, rows), y.segment(k, rows));
-        }
-        Vector<T> const theta = f.theta();
-        bool finite = true;
-        for (Index i = 0; i < theta.size(); ++i) finite = finite && is_finite(theta[i]);
-        return {undefined<T>(), undefined<T>(), undefined<T>(), finite ? Health::sound : Health::nonfinite};
-    } else {
-        Step<T> step{};
-        for (Index k = 0; k < y.size(); ++k) step = f.update({psi.col(k).data(), psi.rows()}, y[k]);
-        return step;
-    }
 }
 
 template <RecursiveLeastSquares F>
@@ -101,10 +41,16 @@ public:
         return step_in_double(filter_.update(row, datum<T>(y)));
     }
     Step<double> absorb(Records const& records, Index first, Index last) override {
-        Rows<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
+        Eigen::Matrix<T, Dynamic, Dynamic> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
         Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&datum<T>);
         Draws<T> const draws(seed_);
-        return step_in_double(feed(filter_, psi, y));
+        Step<T> step = feed(filter_, psi, y);
+        if constexpr (TakesBlocks<F>) {
+            Vector<T> const theta = filter_.theta();
+            for (Index i = 0; i < theta.size(); ++i)
+                if (!is_finite(theta[i])) step.health = Health::nonfinite;
+        }
+        return step_in_double(step);
     }
     // Reports draw from a copy of the seed: asking does not change what follows.
     Vector<Reference> theta() const override {
@@ -130,7 +76,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     using T = typename F::scalar;
     constexpr double enough = 5e5;    // ns of undisturbed timing in all
     constexpr int at_least = 8;       // stretches: others disturb some of them
-    Rows<T> const psi = records.psi.unaryExpr(&datum<T>);
+    Eigen::Matrix<T, Dynamic, Dynamic> const psi = records.psi.unaryExpr(&datum<T>);
     Vector<T> const y = records.y.unaryExpr(&datum<T>);
     Index rows = std::min<Index>(records.rows(), 16);
     if constexpr (TakesBlocks<F>) rows = std::min<Index>(records.rows(), F::block);
@@ -143,9 +89,12 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
         for (Index k = 0; k + rows <= records.rows() && unsettled(); k += rows, ++stretches) {
             double took;
             if constexpr (TakesBlocks<F>) {
-                Rows<T> const block = psi.middleCols(k, rows);
+                Eigen::Matrix<T, Dynamic, Dynamic> const block = psi.middleCols(k, rows);
                 Vector<T> const outputs = y.segment(k, rows);
-                took = nanoseconds_of([&] { feed(filter, block, outputs); });    // ends with theta()
+                took = nanoseconds_of([&] {
+                    feed(filter, block, outputs);
+                    wanted(Vector<T>(filter.theta()));
+                });
             } else {
                 took = stretch<Theta::asked>(filter, psi, y, k, k + rows);
             }

@@ -38,8 +38,7 @@ public:
         keep_regressor(psi, psi_);
         keep_regressor(psi, x_);
         T eta = y, root_gamma = T(1);
-        Truth<T> determined = true;
-        for (Index i = 0; i < x_.size(); ++i) determined = determined && !(L_(i, i) == T(0));
+        Truth<T> const determined = nonsingular(L_);
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
         for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
         return report_rotated(eta, root_gamma, determined);                                                          // (2)

@@ -71,8 +71,7 @@ public:
         for (Index i = 0; i < z_.size(); ++i) row_(0, i) = psi_[i];
         row_(0, z_.size()) = y;
         ++rows_;
-        Truth<T> determined = true;
-        for (Index i = 0; i < z_.size(); ++i) determined = determined && !(L_(i, i) == T(0));
+        Truth<T> const determined = nonsingular(L_);
         T const root_gamma = fold(root_lambda_, L_, z_, row_);
         return report_rotated(T(row_(0, z_.size())), root_gamma, determined);
     }

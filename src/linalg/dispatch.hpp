@@ -127,46 +127,38 @@ struct SubtractRankTwo {
     T const *x, *g;
     T excess;
 };
+/// Of an upper triangle A, with w running along its rows from zero.
 template <class T>
-struct SweepUd {
+struct OverTriangle {
     static constexpr int registers = 4;
     static constexpr bool upper = true;
     static constexpr Writes writes = Writes::all;
     static constexpr Start starts = Start::zero;
+    Index d, ld;
+    T *A, *w;
+};
+template <class T>
+struct SweepUd : OverTriangle<T> {
     struct At {
         T g, mu;
     };
-    Index d, ld;
-    T *A, *w;
     T const *g, *mu;
     At at(Index j) const { return {g[j], mu[j]}; }
 };
 template <class T>
-struct SweepCarlson {
-    static constexpr int registers = 4;
-    static constexpr bool upper = true;
-    static constexpr Writes writes = Writes::all;
-    static constexpr Start starts = Start::zero;
+struct SweepCarlson : OverTriangle<T> {
     struct At {
         T f, keep, mix;
     };
-    Index d, ld;
-    T *A, *w;
     T const *f, *keep, *mix;
     T excess;
     At at(Index j) const { return {f[j], keep[j], mix[j]}; }
 };
 template <class T>
-struct SweepRotations {
-    static constexpr int registers = 4;
-    static constexpr bool upper = true;
-    static constexpr Writes writes = Writes::all;
-    static constexpr Start starts = Start::zero;
+struct SweepRotations : OverTriangle<T> {
     struct At {
         T c, s;
     };
-    Index d, ld;
-    T *A, *w;
     T const *c, *s;
     T excess;
     At at(Index j) const { return {c[j], s[j]}; }
@@ -201,6 +193,30 @@ struct RotateIn {
 };
 template <class K>
 concept ByPanels = requires { K::corners; };
+
+// --- reflections: over columns of `rows` numbers, one after another ---------------------------------------------------------
+
+template <class T>
+struct SumOfSquares {
+    Index rows;
+    T const* v;
+    T* sum;
+};
+template <class T>
+struct Division {
+    Index rows;
+    T* v;
+    T pivot;
+};
+template <class T>
+struct Reflection {
+    Index rows, columns;    // of A, what is right of v
+    T const* v;
+    T tau;
+    T *A, *above, *last;    // above A: its columns' entries in R, the last one's apart
+};
+template <class K>
+concept OnColumns = requires(K k) { k.rows; };
 
 }  // namespace rlslab::kernels
 
@@ -255,19 +271,20 @@ template <class T, int N, class Kernel>
 [[gnu::always_inline]] inline void run(Kernel const& kernel) {
     using namespace kernels;
     if constexpr (!Hardware<T>) {
-        portable::run<portable::Single<T>>(kernel);
+        portable::run<portable::Any<Kernel, T>>(kernel);
     } else if constexpr (N != Dynamic && N <= 4) {
         portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::run<portable::Simd<T, register_bytes>>(kernel);
     } else {
-        if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+        if constexpr (!OnColumns<Kernel>)
+            if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
 #if defined(__x86_64__) && !defined(__AVX2__)
-        if (isa == Isa::avx2) return avx2::call<avx2::Simd<T, 32>>(kernel);
+        if (isa == Isa::avx2) return avx2::call<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
-        portable::call<portable::Simd<T, register_bytes>>(kernel);
+        portable::call<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
     }
 }
 

@@ -1,15 +1,12 @@
 // The dot product: eight running lanes, then the tree ((0+4)+(2+6)) + ((1+5)+(3+7)), absent lanes left out.
 #pragma once
 
-#include <rlslab/arithmetic/field.hpp>
+#include <rlslab/problem.hpp>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <concepts>
 
 namespace rlslab {
-
-using Index = Eigen::Index;
 
 namespace detail {
 /// The part of the tree over lanes first, first + stride, ... of eight: the running sum of a lane where stride = 8.

@@ -1,80 +1,8 @@
-// Householder reflections that fold a block of rows into a triangle: one text, compiled for two instruction sets where the
-// arithmetic is the hardware's. The bits are the same: each sum has its order (kernels.hpp's), nothing is fused.
+// Householder reflections that fold a block of rows into a triangle.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
 #include <rlslab/linalg/rotations.hpp>
-
-namespace rlslab::reflections {
-
-/// The loops of fold() by name, each over columns of `rows` numbers one after another.
-template <class T>
-struct SumOfSquares {
-    Index rows;
-    T const* v;
-    T* sum;
-};
-template <class T>
-struct Division {
-    Index rows;
-    T* v;
-    T pivot;
-};
-template <class T>
-struct Reflection {
-    Index rows, columns;    // of A, what is right of v
-    T const* v;
-    T tau;
-    T *A, *above, *last;    // above A: its columns' entries in R, the last one's apart
-};
-
-// GCC lowers vectors wider than its target's registers before it inlines, so that a target attribute on the caller comes
-// too late: the whole text is compiled under each target.
-namespace portable {
-#include <rlslab/linalg/isa/reflect.hpp>
-}
-#if defined(__x86_64__) && !defined(__AVX2__)
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
-namespace avx2 {
-#include <rlslab/linalg/isa/reflect.hpp>
-}
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
-#endif
-
-/// Whether the loops in float and double may use AVX2. A test may change it: the bits do not depend on it.
-#if defined(__x86_64__)
-inline bool wide = (__builtin_cpu_init(), __builtin_cpu_supports("avx2"));
-#else
-inline bool wide = false;
-#endif
-
-template <class T, class Loop>
-inline void run(Loop const& loop) {
-#ifdef __AVX2__
-    constexpr int bytes = 32;
-#else
-    constexpr int bytes = 16;
-#endif
-    if constexpr (!std::same_as<T, float> && !std::same_as<T, double>) {
-        portable::run<portable::Single<T>>(loop);
-    } else {
-#if defined(__x86_64__) && !defined(__AVX2__)
-        if (wide) return avx2::call<avx2::Packed<T, 32>>(loop);
-#endif
-        portable::call<portable::Packed<T, bytes>>(loop);
-    }
-}
-
-}  // namespace rlslab::reflections
 
 namespace rlslab {
 
@@ -96,7 +24,7 @@ T power(T x, Index n) {
 template <Real T>
 T norm(T const& a, T const* x, Index n) {
     T squares = T(0);
-    reflections::run<T>(reflections::SumOfSquares<T>{n, x, &squares});
+    run<T, Dynamic>(kernels::SumOfSquares<T>{n, x, &squares});
     T const sum = a * a + squares;
     Truth<T> const in_range = T(0) < squares && is_finite(sum) && least_sum_of_squares<T>() < sum;
     if (all(in_range)) return square_root(sum);
@@ -142,10 +70,10 @@ T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
         if (all(nothing)) continue;
         T const r = select(nothing, a, select(a < T(0), size, T(-size)));                                // (1)
         T const tau = select(nothing, T(0), T((r - a) / r)), pivot = select(nothing, T(1), T(a - r));
-        reflections::run<T>(reflections::Division<T>{rows, v, pivot});
+        run<T, Dynamic>(kernels::Division<T>{rows, v, pivot});
         L(i, i) = r;
         ratio *= select(nothing, T(1), absolute(T(a / r)));
-        reflections::run<T>(reflections::Reflection<T>{rows, d - i, v, tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
+        run<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
     }
     return ratio;
 }

@@ -42,21 +42,21 @@ void multiply_upper_transposed(Square<T, N> const& S, T const* x, Column<T, N>& 
 /// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j, t the old U_ij, v = 0 at first.
 template <Field T, int N>
 void sweep_ud(Square<T, N>& U, Column<T, N> const& g, Column<T, N> const& mu, Column<T, N>& v) {
-    run<T, N>(kernels::SweepUd<T>{U.size(), U.stride(), U.column(0), v.data(), g.data(), mu.data()});
+    run<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()});
 }
 
 /// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j, t the old S_ij, v = 0 at first.
 template <Field T, int N>
 void sweep_carlson(Square<T, N>& S, Column<T, N> const& f, Column<T, N> const& keep, Column<T, N> const& mix,
                    DividedBy<T> const& by_r, Column<T, N>& v) {
-    run<T, N>(kernels::SweepCarlson<T>{S.size(), S.stride(), S.column(0), v.data(), f.data(), keep.data(), mix.data(),
+    run<T, N>(kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(),
                                        by_r.excess()});
 }
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.
 template <Real T, int N>
 void sweep_rotations(Square<T, N>& S, Column<T, N> const& c, Column<T, N> const& s, DividedBy<T> const& by_r, Column<T, N>& g) {
-    run<T, N>(kernels::SweepRotations<T>{S.size(), S.stride(), S.column(0), g.data(), c.data(), s.data(), by_r.excess()});
+    run<T, N>(kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.excess()});
 }
 
 /// before_j = b_{j-1}, after_j = b_j of b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns the last b. By the plain sum of squares,

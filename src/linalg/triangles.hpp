@@ -44,6 +44,14 @@ Truth<T> factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
     return positive;
 }
 
+/// No zero on the diagonal.
+template <Field T, int N>
+Truth<T> nonsingular(Square<T, N> const& L) {
+    Truth<T> out = true;
+    for (Index i = 0; i < L.size(); ++i) out = out && !(L(i, i) == T(0));
+    return out;
+}
+
 /// Solves L x = x in place, L lower triangular.
 template <Field T, int N, class X>
 void solve_lower(Square<T, N> const& L, X& x) {

@@ -8,6 +8,14 @@
 
 #include <rlslab/linalg/isa/lower.hpp>
 
+#include <rlslab/linalg/isa/reflect.hpp>
+
+/// What a kernel's text is written in: for any arithmetic, and for registers of so many bytes.
+template <class K, class T>
+using Any = std::conditional_t<OnColumns<K>, Lane<T>, Single<T>>;
+template <class K, class T, int bytes>
+using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, Simd<T, bytes>>;
+
 template <class B, class K>
 [[gnu::noinline]] void call(K const& kernel) {
     K const copy = kernel;    // whose address nobody has: its fields stay in registers

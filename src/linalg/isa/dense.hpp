@@ -6,44 +6,34 @@ inline Present rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
 }
 
+/// The block at i0 of a column of d numbers.
+template <class B, class T>
+[[gnu::always_inline]] inline B block_of(T const* column, Index i0, Index d) {
+    B out;
+    out.load(column + i0, rows_of<B>(i0, d));
+    return out;
+}
+
 // --- elementwise, in one pass over a column ---------------------------------------------------------------------------
 
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(DivideByOne<T> const& k, Index, B& x) { x.divide(k.s); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) {
-    B y;
-    y.load(k.y + i0, rows_of<B>(i0, k.d));
-    x.divide(y);
-}
+[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) { x.divide(block_of<B>(k.y, i0, k.d)); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) {
-    B y;
-    y.load(k.y + i0, rows_of<B>(i0, k.d));
-    x.scale(y);
-}
+[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) { x.scale(block_of<B>(k.y, i0, k.d)); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) {
-    B y;
-    y.load(k.y + i0, rows_of<B>(i0, k.d));
-    x.add_product(y, k.a);
-}
+[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) { x.add_product(block_of<B>(k.y, i0, k.d), k.a); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) {
-    B y;
-    y.load(k.y + i0, rows_of<B>(i0, k.d));
-    x.add(y);
-}
+[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) { x.add(block_of<B>(k.y, i0, k.d)); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(AddProduct<T> const& k, Index i0, B& x) {
-    B y, z;
-    y.load(k.y + i0, rows_of<B>(i0, k.d));
-    z.load(k.z + i0, rows_of<B>(i0, k.d));
-    y.scale(z);
+    B y = block_of<B>(k.y, i0, k.d);
+    y.scale(block_of<B>(k.z, i0, k.d));
     x.add(y);
 }
 template <class B, class T>
@@ -56,8 +46,7 @@ template <class B, class T>
 template <class B, Elementwise K>
 [[gnu::always_inline]] inline void run(K const& k) {
     for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
-        B x;
-        x.load(k.x + i0, rows_of<B>(i0, k.d));
+        B x = block_of<B>(k.x, i0, k.d);
         apply(k, i0, x);
         x.store(k.out + i0);
     }

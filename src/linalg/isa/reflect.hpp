@@ -1,9 +1,9 @@
 // The loops of a Householder reflection on columns of any length, with one order of evaluation whatever the registers.
-// Included by reflections.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+// Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 
 /// Eight running lanes, one number each: every arithmetic.
 template <class T>
-struct Single {
+struct Lane {
     using scalar = T;
     using Register = T;
     static constexpr int width = 1, columns = 1;    // one column after another, as the formula reads
@@ -119,10 +119,4 @@ template <class P, class T>
     for (; k + 8 <= s.rows; k += 8)
         for (int r = 0; r < 8; r += P::width) P::store(s.v + k + r, P::load(s.v + k + r) / s.pivot);
     for (; k < s.rows; ++k) s.v[k] /= s.pivot;
-}
-
-template <class P, class Loop>
-[[gnu::noinline]] void call(Loop const& loop) {
-    Loop const copy = loop;    // whose address nobody has: its fields stay in registers
-    run<P>(copy);
 }

@@ -1,0 +1,31 @@
+// Many rows into one filter.
+#pragma once
+
+#include <rlslab/concept.hpp>
+
+#include <algorithm>
+
+namespace rlslab {
+
+/// The columns of psi and the numbers of y, the oldest first, each rounded to F's scalar: in blocks where F TakesBlocks,
+/// else one by one. Returns the last row's step; of blocks there is none.
+template <RecursiveLeastSquares F, class Psi, class Y>
+Step<typename F::scalar> feed(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
+    using T = typename F::scalar;
+    Step<T> step{undefined<T>(), undefined<T>(), undefined<T>()};
+    if constexpr (TakesBlocks<F>) {
+        for (Index k = 0; k < y.size(); k += F::block) {
+            Index const rows = std::min<Index>(F::block, y.size() - k);
+            f.absorb(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
+        }
+    } else {
+        Vector<T> row(psi.rows());
+        for (Index k = 0; k < y.size(); ++k) {
+            row = psi.col(k).template cast<T>();
+            step = f.update(row, T(y[k]));
+        }
+    }
+    return step;
+}
+
+}  // namespace rlslab
