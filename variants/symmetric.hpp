@@ -1,23 +1,23 @@
-// Conventional RLS on one triangle of P, mirrored: symmetric by construction.
+// Conventional RLS with one triangle of P computed and mirrored: symmetric by construction.
 #pragma once
 
 #include <rlslab/concept.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
-/// Propagates the upper triangle of P; what is below the diagonal is its mirror image.
+/// Propagates P in full storage; each number below the diagonal is the one above it, bit for bit.
 ///
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji = (P_ij - K_i f_j) / lambda for i <= j                   (5) theta += K e
 ///
-/// Storage d^2 (half used); per update 2 d^2 + O(d) multiplications. Source: Haykin, Adaptive Filter Theory (the Tri rule).
+/// Storage d^2; per update 2 d^2 + O(d) multiplications (in float and double the mirror image is computed, which is cheaper
+/// than copying it). Source: Haykin, Adaptive Filter Theory (the Tri rule).
 template <Field T, int N = Dynamic>
 class Symmetric {
     T lambda_;
     DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, h_, K_;
+    Column<T, N> theta_, f_, K_;
     Square<T, N> P_;
 
 public:
@@ -26,25 +26,22 @@ public:
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {
-        for (Index j = 0; j < problem.size; ++j)
-            for (Index i = j + 1; i < problem.size; ++i) P_(i, j) = T(0);
-    }
+          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
     Step<T> update(Regressor<T> psi, T y) {
         T const e = innovation(y, psi, theta_);
-        multiply_symmetric(P_, psi.data(), h_, f_);                                                      // (1)
+        multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        subtract_rank_one_upper(P_, K_, f_, by_lambda_);                                                 // (4)
+        subtract_rank_one_mirrored(P_, K_, f_, by_lambda_);                                              // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s);
     }
 
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
-    Matrix<T, N> covariance() const { return mirrored(P_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, mirrored(P_)}; }
+    Matrix<T, N> covariance() const { return P_.view(); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
 };
 static_assert(ReportsCovariance<Symmetric<double>>);
 

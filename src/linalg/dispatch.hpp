@@ -72,7 +72,7 @@ concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); }
 
 // --- products -----------------------------------------------------------------------------------------------------------
 
-enum class Shape { full, upper, above_diagonal };
+enum class Shape { full, upper };
 
 template <class T, Shape>
 struct MultiplyTransposed {
@@ -92,32 +92,36 @@ struct MultiplySquares {
 // --- sweeps over columns: what step j reads, what the running block starts from ------------------------------------------
 
 enum class Start { zero, column, first_product };
-/// What a sweep stores of a block: below the diagonal it stores zeros that it computed, or must keep from storing.
-enum class Writes { nothing, all, present };
 
-template <class T, bool is_upper>
+template <class T>
 struct Multiply {
     static constexpr int registers = 8;
-    static constexpr bool upper = is_upper;
-    static constexpr Writes writes = Writes::nothing;
-    static constexpr Start starts = is_upper ? Start::zero : Start::first_product;
+    static constexpr bool upper = false, writes = false;
+    static constexpr Start starts = Start::first_product;
     Index d, ld;
     T const* A;
     T* w;
     T const* x;
     T const& at(Index j) const { return x[j]; }
 };
-template <class T, bool is_upper>
+template <class T>
 struct SubtractRankOne {
     static constexpr int registers = 8;
-    static constexpr bool upper = is_upper;
-    static constexpr Writes writes = is_upper ? Writes::present : Writes::all;
+    static constexpr bool upper = false, writes = true;
     static constexpr Start starts = Start::column;
     Index d, ld;
     T* A;
     T const *w, *f;
     T excess;
     T at(Index j) const { return f[j]; }
+};
+template <class T>
+struct SubtractMirrored {
+    static constexpr int registers = 8;
+    Index d, ld;
+    T* A;
+    T const *w, *f;
+    T excess;
 };
 template <class T>
 struct SubtractRankTwo {
@@ -131,8 +135,7 @@ struct SubtractRankTwo {
 template <class T>
 struct OverTriangle {
     static constexpr int registers = 4;
-    static constexpr bool upper = true;
-    static constexpr Writes writes = Writes::all;
+    static constexpr bool upper = true, writes = true;    // below the diagonal the zeros that it computed
     static constexpr Start starts = Start::zero;
     Index d, ld;
     T *A, *w;
@@ -277,8 +280,10 @@ template <class T, int N, class Kernel>
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::run<portable::Simd<T, register_bytes>>(kernel);
     } else {
-        if constexpr (!OnColumns<Kernel>)
-            if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+        if constexpr (requires { kernel.rows; kernel.columns; }) {
+        } else if constexpr (OnColumns<Kernel>) {
+            if (kernel.rows == 1) return portable::run<portable::Any<Kernel, T>>(kernel);
+        } else if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
 #if defined(__x86_64__) && !defined(__AVX2__)

@@ -32,7 +32,7 @@ void add_scaled(Column<T, N>& y, T const& a, Column<T, N> const& x) {
 /// out = A x, as a sum of columns.
 template <Field T, int N>
 void multiply(Square<T, N> const& A, T const* x, Column<T, N>& out) {
-    run<T, N>(kernels::Multiply<T, false>{A.size(), A.stride(), A.column(0), out.data(), x});
+    run<T, N>(kernels::Multiply<T>{A.size(), A.stride(), A.column(0), out.data(), x});
 }
 
 /// out = A'x, a dot product for each column.
@@ -116,7 +116,12 @@ void divide(Column<T, N> const& x, DividedBy<T> const& by_r, Column<T, N>& out) 
 /// A = (A - x f') / r  and  A = (A - (x g' + g x')) / r.
 template <Field T, int N>
 void subtract_rank_one(Square<T, N>& A, Column<T, N> const& x, Column<T, N> const& f, DividedBy<T> const& by_r) {
-    run<T, N>(kernels::SubtractRankOne<T, false>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.excess()});
+    run<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.excess()});
+}
+/// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric.
+template <Field T, int N>
+void subtract_rank_one_mirrored(Square<T, N>& A, Column<T, N> const& x, Column<T, N> const& f, DividedBy<T> const& by_r) {
+    run<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.excess()});
 }
 template <Field T, int N>
 void subtract_rank_two(Square<T, N>& A, Column<T, N> const& x, Column<T, N> const& g, DividedBy<T> const& by_r) {

@@ -5,32 +5,6 @@
 
 namespace rlslab {
 
-// --- P symmetric, its upper triangle stored and zeros below ------------------------------------------------------------------
-
-/// out = P x: the sum over the columns of the upper triangle, plus the dot products over what is above the diagonal.
-template <Field T, int N>
-void multiply_symmetric(Square<T, N> const& P, T const* x, Column<T, N>& dots, Column<T, N>& out) {
-    run<T, N>(kernels::Multiply<T, true>{P.size(), P.stride(), P.column(0), out.data(), x});
-    using kernels::Shape, kernels::MultiplyTransposed;
-    run<T, N>(MultiplyTransposed<T, Shape::above_diagonal>{P.size(), P.stride(), P.column(0), x, dots.data()});
-    add(out, dots, out);
-}
-
-/// P_ij = (P_ij - x_i f_j) / r for i <= j.
-template <Field T, int N>
-void subtract_rank_one_upper(Square<T, N>& P, Column<T, N> const& x, Column<T, N> const& f, DividedBy<T> const& by_r) {
-    run<T, N>(kernels::SubtractRankOne<T, true>{P.size(), P.stride(), P.column(0), x.data(), f.data(), by_r.excess()});
-}
-
-/// What the upper triangle stands for.
-template <Field T, int N>
-Matrix<T, N> mirrored(Square<T, N> const& P) {
-    Matrix<T, N> out = P.view();
-    for (Index j = 0; j < P.size(); ++j)
-        for (Index i = 0; i < j; ++i) out(j, i) = out(i, j);
-    return out;
-}
-
 // --- upper triangles of a covariance --------------------------------------------------------------------------------------
 
 /// out = S'x and out = S x, S upper triangular.

@@ -77,6 +77,13 @@ struct Simd {
         }
     }
     [[gnu::always_inline]] void take(Simd const& a) { *this = a; }
+    /// The rows from `first` on.
+    [[gnu::always_inline]] void take_from(Index first, Simd const& a) {
+        for (int m = 0; m < registers; ++m) {
+            Mask const kept = mask(first, m);
+            v[m] = kept ? v[m] : a.v[m];
+        }
+    }
     [[gnu::always_inline]] void scale(T a) {
         for (V& r : v) r = r * a;
     }

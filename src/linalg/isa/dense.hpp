@@ -73,20 +73,19 @@ template <class B, class T>
 
 // --- dot products, four columns at once -------------------------------------------------------------------------------
 
-/// out_j = A_j'x; of an upper triangle the rows down to the diagonal, or those above it.
+/// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
 template <class B, class T, Shape shape>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
     for (Index j = 0; j < k.d; ++j) {
-        Index const n = shape == Shape::full ? k.d : shape == Shape::upper ? j + 1 : j;
-        k.out[j] = n > 0 ? dot(k.A + j * k.ld, k.x, n) : T(0);
+        Index const n = shape == Shape::full ? k.d : j + 1;
+        k.out[j] = dot(k.A + j * k.ld, k.x, n);
     }
 }
 template <class B, class T, Shape shape>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
-    constexpr bool upper = shape != Shape::full;
-    constexpr Index diagonal = shape == Shape::upper ? 1 : 0;
+    constexpr bool upper = shape == Shape::upper;
     Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
     B x_tail;
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
@@ -113,7 +112,7 @@ template <class B, class T, Shape shape>
         x = x_tail;
         if (last < tail) x.load(k.x + last, {0, B::rows});
         for (int c = 0; c < 4; ++c) {
-            Present const present{0, (upper ? j0 + c + diagonal : k.d) - last};
+            Present const present{0, (upper ? j0 + c + 1 : k.d) - last};
             a.load(column[c] + last, present);
             if (last > 0)
                 sum[c].sum(a, x, present);
@@ -122,7 +121,6 @@ template <class B, class T, Shape shape>
         }
         B::sums(sum, k.out + j0, count);
     }
-    if (shape == Shape::above_diagonal) k.out[0] = T(0);
 }
 
 // --- products of squares ----------------------------------------------------------------------------------------------

@@ -5,12 +5,12 @@
 // of scalars is read once by its at(j).
 
 // w = A x
-template <class B, class T, bool upper>
-[[gnu::always_inline]] inline void step(Multiply<T, upper> const&, T const& x, B& t, B& w) { w.add_product(t, x); }
+template <class B, class T>
+[[gnu::always_inline]] inline void step(Multiply<T> const&, T const& x, B& t, B& w) { w.add_product(t, x); }
 
 // A = (A - w f') / lambda
-template <class B, class T, bool upper>
-[[gnu::always_inline]] inline void step(SubtractRankOne<T, upper> const& k, T const& f, B& t, B& w) {
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SubtractRankOne<T> const& k, T const& f, B& t, B& w) {
     t.subtract_product(w, f);
     t.add_product(t, k.excess);
 }
@@ -45,8 +45,8 @@ template <class B, class T>
     w.take(turned);
 }
 
-/// Columns [j0, j1) of the first P of K blocks; in an upper triangle those that end in the P-th block, if so said.
-template <int P, bool ends, class B, int K, class S>
+/// Columns [j0, j1) of the first P of K blocks.
+template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void columns(S const& s, B (&w)[K], Index i0, Index j0, Index j1) {
     for (Index j = j0; j < j1; ++j) {
         auto* const column = s.A + j * s.ld + i0;
@@ -55,12 +55,7 @@ template <int P, bool ends, class B, int K, class S>
             B t;
             t.load(column + m * B::rows, rows_of<B>(i0 + m * B::rows, S::upper ? j + 1 : s.d));
             step(s, at, t, w[m]);
-            if constexpr (S::writes != Writes::nothing) {
-                if (S::writes == Writes::present && ends && m == P - 1)
-                    t.store_present(column + m * B::rows, rows_of<B>(i0 + m * B::rows, j + 1));
-                else
-                    t.store(column + m * B::rows);
-            }
+            if constexpr (S::writes) t.store(column + m * B::rows);
         }
     }
 }
@@ -68,11 +63,11 @@ template <int P, bool ends, class B, int K, class S>
 template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void staircase(S const& s, B (&w)[K], Index i0) {
     Index const j0 = i0 + (P - 1) * B::rows, j1 = j0 + B::rows;
-    columns<P, true>(s, w, i0, j0, std::min(j1, s.d));
+    columns<P>(s, w, i0, j0, std::min(j1, s.d));
     if constexpr (P < K)
         staircase<P + 1>(s, w, i0);
     else
-        columns<P, false>(s, w, i0, j1, s.d);
+        columns<P>(s, w, i0, j1, s.d);
 }
 
 template <class B, int K, Sweep S>
@@ -95,9 +90,53 @@ template <class B, int K, Sweep S>
     if constexpr (S::upper)
         staircase<1>(s, w, i0);
     else
-        columns<K, false>(s, w, i0, j0, s.d);
+        columns<K>(s, w, i0, j0, s.d);
     if constexpr (S::starts != Start::column)
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
+}
+
+// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j: what runs along the rows of a block is f up to the diagonal and w from
+// there on, and in the block on the diagonal both.
+template <int m, int p, class B, int K, class T>
+[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], B const& w, Index i0, Index j) {
+    Index const i = i0 + m * B::rows;
+    T* const here = s.A + j * s.ld + i;
+    B t;
+    t.load(here, rows_of<B>(i, s.d));
+    if constexpr (m < p) {
+        t.subtract_product(running[m], s.f[j]);
+    } else if constexpr (m > p) {
+        t.subtract_product(running[m], s.w[j]);
+    } else {
+        B product = w, mirror = running[m];
+        product.scale(s.f[j]);
+        mirror.scale(s.w[j]);
+        product.take_from(j + 1 - i, mirror);
+        t.subtract(product);
+    }
+    t.add_product(t, s.excess);
+    t.store(here);
+    if constexpr (m + 1 < K) mirrored<m + 1, p>(s, running, w, i0, j);
+}
+/// The columns whose diagonal is in block p, and so on to those beyond the last block.
+template <int p, class B, int K, class T>
+[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
+    Index const j0 = i0 + p * B::rows, j1 = p < K && j0 + B::rows < s.d ? j0 + B::rows : s.d;
+    if constexpr (p < K) {
+        B const w = block_of<B>(s.w, j0, s.d);
+        for (Index j = j0; j < j1; ++j) mirrored<0, p>(s, running, w, i0, j);
+        running[p] = w;
+        from_diagonal<p + 1>(s, running, i0);
+    } else {
+        for (Index j = j0; j < j1; ++j) mirrored<0, p>(s, running, running[0], i0, j);
+    }
+}
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
+    B running[K];
+    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
+    for (Index j = 0; j < i0; ++j) mirrored<0, -1>(s, running, running[0], i0, j);
+    from_diagonal<0>(s, running, i0);
 }
 
 // P = (P - (K g' + g K')) / lambda: two running columns.
@@ -130,6 +169,17 @@ template <class B, int K, class S>
     for (; s.d - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
     if constexpr (K > 1) groups<B, K / 2>(s, i0);
 }
+/// The triangle once and copied: a stochastic arithmetic would round its mirror image otherwise.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void run(SubtractMirrored<T> const& s) {
+    for (Index j = 0; j < s.d; ++j)
+        for (Index i = 0; i <= j; ++i) {
+            T const t = s.A[j * s.ld + i] - s.w[i] * s.f[j];
+            s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.excess;
+        }
+}
+
 template <class B, ByRows S>
 [[gnu::always_inline]] inline void run(S const& s) {
     groups<B, S::registers <= B::registers ? 1 : S::registers / B::registers>(s, 0);
