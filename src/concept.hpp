@@ -40,6 +40,18 @@ concept ReportsInformation = RecursiveLeastSquares<F> && requires(F const c) {
 template <class F>
 concept StartsWithoutPrior = RecursiveLeastSquares<F> && F::starts_without_prior;
 
+/// What an update does with its gain unless told otherwise: nothing.
+struct Undisturbed {
+    template <class K>
+    void operator()(K&) const {}
+};
+
+/// Uses K in the update of P, and lets it be changed just before: update(psi, y, disturb) calls disturb(K).
+template <class F>
+concept TakesGainError = ReportsCovariance<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+    { f.update(psi, y, Undisturbed{}) } -> std::same_as<Step<typename F::scalar>>;
+};
+
 /// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row.
 template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> &&

@@ -1,6 +1,7 @@
 // Data are binary64: how an arithmetic takes them, and from where a stochastic one draws.
 #pragma once
 
+#include <rlslab/arithmetic/bits.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/problem.hpp>
 
@@ -27,6 +28,12 @@ template <Format F, Rounding R>
 struct Datum<Chopped<F, R>> {
     static constexpr bool stochastic = R == Rounding::stochastic;
     static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
+};
+
+template <>
+struct Datum<Bits> {
+    static constexpr bool stochastic = false;
+    static double round(double x) { return static_cast<double>(Bits(x)); }
 };
 
 template <class T>

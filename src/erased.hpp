@@ -16,6 +16,8 @@ public:
     virtual ~AnyFilter() = default;
     /// One row. A step's numbers are rounded to binary64.
     virtual Step<double> update(Regressor<double> psi, double y) = 0;
+    /// One row, with K_i (1 + relative_i) in place of K_i where the variant TakesGainError; elsewhere as above.
+    virtual Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) = 0;
     /// Rows first ... last-1 as the variant likes them best: blocks where it TakesBlocks, else one by one. The step is
     /// the last row's, or for a block its health alone.
     virtual Step<double> absorb(Records const& records, Index first, Index last) = 0;
@@ -56,6 +58,7 @@ struct Entry {
     bool starts_without_prior;
     Index block;                                       ///< rows absorbed at once; 1 for most
     std::string_view propagates;                       ///< "covariance" or "information"
+    bool takes_gain_error;                             ///< an error in K changes P
     /// The filter for a problem given in binary64; the seed is that of stochastic rounding, unused elsewhere.
     /// Throws std::invalid_argument on misuse.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);
@@ -65,6 +68,9 @@ struct Entry {
 
 /// Every pair there is: arithmetics from the shortest to the longest, variants in the order of the list.
 std::vector<Entry> const& catalogue();
+/// Every variant in significands of any length: as many bits as the Precision has that is alive in the thread which makes,
+/// feeds and asks the filter (<rlslab/arithmetic/bits.hpp>). Not in the catalogue: it is a question, not an arithmetic.
+std::vector<Entry> const& in_bits();
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
 /// The operations a variant of this size takes at steady state (lambda = 0.99), per row; theta once for each block where

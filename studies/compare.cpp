@@ -4,7 +4,7 @@
 
 #include <rlslab/model/input_error.hpp>
 #include <rlslab/reference/certified.hpp>
-#include <rlslab/reference/definiteness.hpp>
+#include <rlslab/probes.hpp>
 
 #include <algorithm>
 #include <array>
@@ -66,21 +66,6 @@ std::optional<double> asymmetry(Stored<Reference> const& stored) {
     return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
 }
 
-/// The kind of breakdown that the stored state shows, or "".
-std::string broken(AnyFilter const& filter, Arithmetic const& arithmetic) {
-    double const widening = arithmetic.digits > 53 ? 0x1p-53 : 0;
-    if (surely_positive(filter.stored_in_double(), widening)) return "";
-    switch (definiteness(filter.stored())) {
-        case Definiteness::positive: return "";
-        case Definiteness::not_positive: return "indefinite";
-        default: return "nonfinite";
-    }
-}
-
-bool finite(Vector<Reference> const& x) {
-    return std::all_of(x.begin(), x.end(), [](Reference const& v) { return is_finite(v); });
-}
-
 Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
     Result result{&entry, {}, {}, {}};
     Arithmetic const& arithmetic = *entry.arithmetic;
@@ -91,20 +76,20 @@ Result run(Entry const& entry, Yardstick const& yard, Seed seed) {
     }
     auto const filter = entry.make(yard.problem, seed);
     Index const rows = yard.records.rows();
-    std::string kind = broken(*filter, arithmetic);
+    std::string kind = breakdown(*filter, arithmetic);
     if (!kind.empty()) result.breakdown = Breakdown{0, kind};
     for (Index k = 0; k < rows; k += entry.block) {
         Index const last = std::min(rows, k + entry.block);
         Step<double> const step = entry.block == 1 ? filter->update(yard.records.row(k), yard.records.y[k])
                                                    : filter->absorb(yard.records, k, last);
         if (result.breakdown) continue;
-        kind = broken(*filter, arithmetic);    // what is stored decides, not what the step saw of it
-        if (kind.empty() && step.health == Health::nonfinite && !finite(filter->theta())) kind = "nonfinite";
+        kind = breakdown(*filter, arithmetic);    // what is stored decides, not what the step saw of it
+        if (kind.empty() && step.health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
         if (!kind.empty()) result.breakdown = Breakdown{last, kind};
     }
     Vector<Reference> const theta = filter->theta();
     Stored<Reference> const stored = filter->stored();
-    if (!result.breakdown && !finite(theta)) result.breakdown = Breakdown{rows, "nonfinite"};
+    if (!result.breakdown && !is_finite(theta)) result.breakdown = Breakdown{rows, "nonfinite"};
     result.asymmetry = asymmetry(stored);
     if (yard.exact) {
         double const most = arithmetic.decimal_digits();

@@ -1,6 +1,8 @@
 // Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
 #pragma once
 
+#include "progress.hpp"
+
 #include <rlslab/erased.hpp>
 
 #include <functional>
@@ -68,9 +70,6 @@ struct Comparison {
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
 };
-
-/// Called now and then with the part done, in [0, 1]; from any thread, one at a time.
-using Progress = std::function<void(double)>;
 
 /// Throws InputError when the options name what does not exist, or the regressors are linearly dependent (exact rank).
 Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress = {});

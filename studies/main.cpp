@@ -1,5 +1,7 @@
-// The rlslab program: list what there is, compare variants on data.
+// The rlslab program: list what there is, compare variants on data, run studies.
 #include "compare.hpp"
+#include "journal.hpp"
+#include "report.hpp"
 
 #include <rlslab/model/regression.hpp>
 
@@ -47,16 +49,26 @@ void print(std::string const& text) {
         throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
 }
 
-/// "comparing  42 %" on a terminal's or a log's stderr, from the second second on.
-Progress progress_after_a_second() {
+/// "comparing  42 %, 3 min left" on a terminal's or a log's stderr, from the second second on.
+Progress progress_after_a_second(std::string doing) {
     auto const start = std::chrono::steady_clock::now();
     bool const terminal = isatty(STDERR_FILENO);
-    return [start, terminal, shown = -1](double part) mutable {
+    return [start, terminal, doing, shown = -1](double part) mutable {
         int const percent = int(100 * part), step = terminal ? 1 : 25;
-        if (std::chrono::steady_clock::now() - start < std::chrono::seconds(1) || percent / step == shown / step) return;
+        double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (seconds < 1 || percent / step == shown / step) return;
         shown = percent;
-        std::fprintf(stderr, terminal ? "\rcomparing %3d %%%s" : "comparing %3d %%\n%s", percent,
-                     terminal && percent == 100 ? "\r               \r" : "");
+        double const left = part > 0 ? seconds * (1 - part) / part : 0;
+        std::string const line = fmt::format("{} {:3} %{:<14}", doing, percent,
+                                             left < 5 ? "" : left < 90 ? fmt::format(", {:.0f} s left", left)
+                                                                       : fmt::format(", {:.0f} min left", left / 60));
+        std::string const blank(line.size(), ' ');
+        if (!terminal)
+            std::fprintf(stderr, "%s\n", line.c_str());
+        else if (percent == 100)
+            std::fprintf(stderr, "\r%s\r", blank.c_str());
+        else
+            std::fprintf(stderr, "\r%s", line.c_str());
     };
 }
 
@@ -90,9 +102,50 @@ Records records_of(CompareArguments const& a) {
 
 void run_compare(CompareArguments const& a) {
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
-    Comparison const comparison = compare(records_of(a), a.options, progress_after_a_second());
+    Comparison const comparison = compare(records_of(a), a.options, progress_after_a_second("comparing"));
     bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
     print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour));
+}
+
+struct StudyArguments {
+    std::vector<std::string> names;
+    bool all = false, fresh = false;
+    std::string budget = "quick", out = "out";
+    RunOptions options;
+};
+
+/// 1 if a claim failed.
+int run_study(StudyArguments a) {
+    std::vector<Study const*> chosen;
+    std::vector<std::string_view> known;
+    for (Study const* study : studies()) known.push_back(study->name);
+    for (std::string const& name : a.names)
+        if (std::ranges::find(known, name) == known.end())
+            throw InputError(fmt::format("study: expected one of {}, found \"{}\"", fmt::join(known, ", "), printable(name)));
+    if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
+    for (Study const* study : studies())
+        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
+    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
+    a.options.out = a.out;
+    if (a.fresh) std::filesystem::remove_all(a.options.out / ".trials");
+    std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
+    std::filesystem::create_directories(a.options.out / "figures");
+    for (Outcome const& outcome : outcomes)
+        for (Figure const& figure : figures(*outcome.study, outcome.table))
+            replace_file(a.options.out / "figures" / (figure.name + ".gp"), gnuplot_script(figure));
+    replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
+    replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
+    bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+    std::string text;
+    size_t failed = 0, claims = 0;
+    for (Outcome const& outcome : outcomes) {
+        text += verdict_lines(outcome, colour) + '\n';
+        claims += outcome.findings.size();
+        for (Finding const& finding : outcome.findings) failed += !finding.holds;
+    }
+    text += fmt::format("{} of {} claims hold; tables, figures and the report are in {}\n", claims - failed, claims, a.out);
+    print(text);
+    return failed ? 1 : 0;
 }
 
 void run_list(bool json) {
@@ -128,7 +181,11 @@ void run_list(bool json) {
                                       {"max_exp", s.max_exp},
                                       {"rounding", rounding}});
     }
-    text += "\nstudies\n  none yet\n";
+    text += "\nstudies\n";
+    for (Study const* study : studies()) {
+        text += fmt::format("  {:<23} {}\n", study->name, study->question);
+        out["studies"].push_back({{"name", study->name}, {"question", study->question}});
+    }
     print(json ? out.dump(2) + '\n' : text);
 }
 
@@ -172,6 +229,21 @@ int run(int argc, char** argv) {
     comparing->add_flag_callback("--no-timings", [&a] { a.options.timings = false; },
                                  "leave out nanoseconds, the only column that differs from run to run");
 
+    StudyArguments st;
+    CLI::App* const studying = app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
+    studying->footer("Exit code 1 when a claim fails. Killed and started again it goes on where it was.\n"
+                     "Example:  rlslab study --all --budget full --out out");
+    studying->add_option("NAME", st.names, "studies (rlslab list)")->type_name("");
+    studying->add_flag("--all", st.all, "every study");
+    studying->add_option("--budget", st.budget, "quick: seconds each; full: what is quoted; default quick")
+        ->check(CLI::IsMember({"quick", "full"}))->type_name("quick|full");
+    studying->add_option("--seed", st.options.seed, "of all random data; default 1")
+        ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+    studying->add_option("--threads", st.options.threads, "default: all cores; no byte of a table depends on it")
+        ->check(whole(1, 4096))->type_name("N");
+    studying->add_option("--out", st.out, "folder for tables, figures and the report; default out")->type_name("DIR");
+    studying->add_flag("--fresh", st.fresh, "run finished trials again");
+
     bool list_json = false;
     CLI::App* const listing = app.add_subcommand("list", "Variants, arithmetics, studies.");
     listing->add_flag("--json", list_json, "JSON");
@@ -193,10 +265,12 @@ int run(int argc, char** argv) {
     }
     if (comparing->parsed())
         run_compare(a);
+    else if (studying->parsed())
+        return run_study(st);
     else if (listing->parsed())
         run_list(list_json);
     else
-        throw InputError("expected a subcommand: compare or list (rlslab --help tells more)");
+        throw InputError("expected a subcommand: compare, study or list (rlslab --help tells more)");
     return 0;
 }
 

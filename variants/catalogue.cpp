@@ -14,12 +14,13 @@ static_assert(std::tuple_size_v<Arithmetics> == RLSLAB_ARITHMETICS, "variants/CM
 
 struct Lists {
     std::vector<Arithmetic> arithmetics;
-    std::vector<Entry> entries;
+    std::vector<Entry> entries, in_bits;
+    Arithmetic bits;
 };
 
 template <int... I>
-Lists gathered(std::integer_sequence<int, I...>) {
-    Lists lists;
+Lists const& gathered(std::integer_sequence<int, I...>) {
+    static Lists lists;    // entries point into it
     std::vector<Instances> all{instances<I>()...};
     for (Instances const& one : all) lists.arithmetics.push_back(one.arithmetic);
     for (size_t a = 0; a < all.size(); ++a)
@@ -27,11 +28,17 @@ Lists gathered(std::integer_sequence<int, I...>) {
             entry.arithmetic = &lists.arithmetics[a];
             lists.entries.push_back(entry);
         }
+    Instances const any_length = instances<bits_index>();
+    lists.bits = any_length.arithmetic;
+    for (Entry entry : any_length.entries) {
+        entry.arithmetic = &lists.bits;
+        lists.in_bits.push_back(entry);
+    }
     return lists;
 }
 
 Lists const& lists() {
-    static Lists const all = gathered(std::make_integer_sequence<int, RLSLAB_ARITHMETICS>{});
+    static Lists const& all = gathered(std::make_integer_sequence<int, RLSLAB_ARITHMETICS>{});
     return all;
 }
 
@@ -67,6 +74,7 @@ Cost counted_cost(Index d) {
 
 std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
 std::vector<Entry> const& catalogue() { return lists().entries; }
+std::vector<Entry> const& in_bits() { return lists().in_bits; }
 
 std::optional<Cost> cost(std::string_view variant, Index size) {
     std::optional<Cost> out;

@@ -28,12 +28,15 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Disturb = Undisturbed>
+    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         multiply_transposed(P_, psi.data(), h_);
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
+        disturb(K_);
         subtract_rank_one(P_, K_, h_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s);
@@ -44,6 +47,6 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
 };
-static_assert(ReportsCovariance<ConventionalTwoSided<double>>);
+static_assert(TakesGainError<ConventionalTwoSided<double>>);
 
 }  // namespace rlslab

@@ -40,6 +40,17 @@ public:
         Draws<T> const draws(seed_);
         return step_in_double(filter_.update(row, datum<T>(y)));
     }
+    Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
+        if constexpr (TakesGainError<F>) {
+            Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&datum<T>);
+            Draws<T> const draws(seed_);
+            return step_in_double(filter_.update(row, datum<T>(y), [&relative](auto& K) {
+                for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
+            }));
+        } else {
+            return update(psi, y);
+        }
+    }
     Step<double> absorb(Records const& records, Index first, Index last) override {
         Eigen::Matrix<T, Dynamic, Dynamic> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
         Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&datum<T>);
@@ -110,7 +121,7 @@ Entry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
     return {F::name, arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information",
-            &Erased<F>::make, &nanoseconds<F>};
+            TakesGainError<F>, &Erased<F>::make, &nanoseconds<F>};
 }
 
 /// T as data.

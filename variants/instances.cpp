@@ -11,7 +11,7 @@ namespace rlslab {
 
 template <>
 Instances instances<RLSLAB_ARITHMETIC>() {
-    using T = std::tuple_element_t<RLSLAB_ARITHMETIC, Arithmetics>;
+    using T = ArithmeticAt<RLSLAB_ARITHMETIC>;
     Instances out{arithmetic_of<T>(), {}};
     for_each(Variants<T>{}, [&]<class F>() { out.entries.push_back(entry_of<F>(nullptr)); });
     return out;

@@ -28,11 +28,14 @@ public:
           f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
           AP_(problem.size) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Disturb = Undisturbed>
+    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
+        disturb(K_);
         Index const d = f_.size();
         for (Index j = 0; j < d; ++j) {
             for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi[j]);                                  // (4)
@@ -51,6 +54,6 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
 };
-static_assert(ReportsCovariance<Joseph<double>>);
+static_assert(TakesGainError<Joseph<double>>);
 
 }  // namespace rlslab

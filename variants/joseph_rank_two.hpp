@@ -28,11 +28,14 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), g_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Disturb = Undisturbed>
+    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
+        disturb(K_);
         T const half = s / T(2);
         for (Index i = 0; i < f_.size(); ++i) g_[i] = f_[i] - half * K_[i];                              // (4)
         subtract_rank_two(P_, K_, g_, by_lambda_);                                                       // (5)
@@ -45,6 +48,6 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
 };
-static_assert(ReportsCovariance<JosephRankTwo<double>>);
+static_assert(TakesGainError<JosephRankTwo<double>>);
 
 }  // namespace rlslab

@@ -2,6 +2,7 @@
 // each, in an object library of its own (variants/CMakeLists.txt counts them).
 #pragma once
 
+#include <rlslab/arithmetic/bits.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/type_list.hpp>
@@ -20,5 +21,10 @@ using Arithmetics = std::tuple<
     long double,
     Quad,
     Reference>;
+
+/// Behind them one that is no format: significands of any length, for the studies.
+inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
+template <int I>
+using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<Bits>{}))>;
 
 }  // namespace rlslab

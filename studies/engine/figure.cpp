@@ -1,0 +1,128 @@
+#include "figure.hpp"
+
+#include "findings.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace rlslab {
+namespace {
+
+struct Named {
+    std::string_view name;
+    Look look;
+};
+/// One colour a family, hollow and dashed for its second member.
+std::vector<Named> const& variants() {
+    static std::vector<Named> const looks{
+        {"conventional", {"#000000", false, "circle"}},     {"conventional_two_sided", {"#000000", true, "circle-open"}},
+        {"symmetric", {"#0072b2", false, "square"}},        {"kalman", {"#0072b2", true, "square-open"}},
+        {"joseph", {"#d55e00", false, "diamond"}},          {"joseph_rank_two", {"#d55e00", true, "diamond-open"}},
+        {"potter", {"#b8860b", false, "triangle-up"}},      {"carlson", {"#b8860b", true, "triangle-up-open"}},
+        {"ud", {"#009e73", false, "star"}},                 {"inverse_qr", {"#009e73", true, "star-open"}},
+        {"information", {"#cc79a7", false, "x"}},           {"cholesky_sparse", {"#cc79a7", true, "x-open"}},
+        {"qr", {"#56b4e9", false, "triangle-down"}},        {"gentleman", {"#56b4e9", true, "triangle-down-open"}},
+        {"extended_qr", {"#6a3d9a", true, "cross-open"}},   {"qr_block", {"#6a3d9a", false, "cross"}},
+        {"qr_sparse", {"#7f7f7f", true, "square-open"}},    {"order_recursive", {"#7f7f7f", false, "square"}}};
+    return looks;
+}
+
+bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
+
+Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
+    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}, .low = {}, .high = {}};
+    std::map<double, std::vector<double>> at;
+    std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
+    for (size_t i = 0; i < x.size(); ++i)
+        if (shown(x[i], log_x) && shown(y[i], log_y)) at[x[i]].push_back(y[i]);
+    for (auto const& [place, values] : at) {
+        out.x.push_back(place);
+        out.y.push_back(median(values));
+        out.low.push_back(*std::ranges::min_element(values));
+        out.high.push_back(*std::ranges::max_element(values));
+    }
+    return out;
+}
+
+/// A cell for each (x, series), the median of its numbers.
+Curve cells(Table const& rows, Plot const& plot) {
+    Curve out{.name = plot.y, .look = {}, .x = {}, .y = {}, .low = {}, .high = {}};
+    for (Cell const& line : rows.distinct(plot.series)) {
+        Table const along = rows.where(plot.series, line);
+        for (Cell const& place : along.distinct(plot.x)) {
+            double const value = median(along.where(plot.x, place).numbers(plot.y));
+            out.x.push_back(std::get<double>(place));
+            out.y.push_back(value);
+            out.low.push_back(value);
+            out.high.push_back(value);
+            out.row.push_back(as_text(line));
+        }
+    }
+    return out;
+}
+
+/// Over the panel's x, which is where the curves are.
+Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y) {
+    constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
+    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}, .low = {}, .high = {}};
+    double from = INFINITY, to = -INFINITY;
+    for (Curve const& c : curves)
+        for (double const x : c.x) from = std::min(from, x), to = std::max(to, x);
+    constexpr int points = 60;
+    for (int i = 0; i <= points && from <= to; ++i) {
+        double const part = double(i) / points;
+        double const x = log_x ? from * std::pow(to / from, part) : from + (to - from) * part, y = of.y(x);
+        if (!shown(y, log_y)) continue;
+        out.x.push_back(x);
+        out.y.push_back(y);
+    }
+    return out;
+}
+
+}  // namespace
+
+Look look_of(std::string_view series, size_t place) {
+    for (Named const& named : variants())
+        if (named.name == series) return named.look;
+    constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#000000", "#6a3d9a"};
+    constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
+    bool const again = place / colours.size() % 2 == 1;
+    return {colours[place % colours.size()], again, std::string(marks[place % marks.size()]) + (again ? "-open" : "")};
+}
+
+std::vector<Figure> figures(Study const& study, Table const& table) {
+    std::vector<Figure> out;
+    for (Plot const& plot : study.plots) {
+        bool const log_x = plot.log.find('x') != std::string::npos, log_y = plot.log.find('y') != std::string::npos;
+        Figure figure{fmt::format("{}-{}", study.name, out.size() + 1), plot.title, plot.x_label.empty() ? plot.x : plot.x_label,
+                      plot.y_label.empty() ? plot.y : plot.y_label, log_x, log_y, plot.cells, {}};
+        Table rows = table;
+        for (auto const& [column, values] : plot.where) rows = rows.where(column, values);
+        // The same mark for the same series in every panel.
+        std::vector<Cell> const all_series = rows.distinct(plot.series);
+        std::vector<std::string> const by = plot.panel.empty() ? std::vector<std::string>{} : std::vector{plot.panel};
+        for (auto const& [name, here] : rows.groups(by)) {
+            Panel panel{name, {}, {}};
+            if (plot.cells)
+                panel.curves.push_back(cells(here, plot));
+            else
+                for (size_t place = 0; place < all_series.size(); ++place) {
+                    Table const one = here.where(plot.series, all_series[place]);
+                    if (one.empty()) continue;
+                    bool const word = std::holds_alternative<std::string>(all_series[place]);
+                    std::string const series = as_text(all_series[place]);
+                    panel.curves.push_back(curve(word ? series : plot.series + " " + series, look_of(series, place), one, plot, log_x, log_y));
+                }
+            for (size_t place = 0; place < plot.guides.size(); ++place)
+                panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y));
+            figure.panels.push_back(std::move(panel));
+        }
+        out.push_back(std::move(figure));
+    }
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,28 @@
+// The words claims are written in: numbers drawn from tables, and whether they are where they should be.
+#pragma once
+
+#include "study.hpp"
+
+namespace rlslab {
+
+using Number = std::function<double(Table const&)>;
+
+/// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than two.
+Number slope(std::string x, std::string y);
+/// The least-squares slope of y against x.
+Number linear_slope(std::string x, std::string y);
+Number median(std::string column);
+Number least(std::string column);
+Number greatest(std::string column);
+Number root_mean_square(std::string column);
+
+double median(std::vector<double> values);
+
+/// Every group's number lies in [from, to]: "0.99 (joseph, lambda 0.9) ... 1.01 (symmetric, lambda 1)". NaN does not. No
+/// group at all does not hold either: a claim about nothing is a mistake.
+Finding within(Table const& table, std::vector<std::string> const& by, Number const& number, double from, double to);
+
+/// Every row's cell in this column is the value; for claims such as "never indefinite".
+Finding everywhere(Table const& table, std::string const& column, Cell const& value);
+
+}  // namespace rlslab

@@ -1,0 +1,109 @@
+#include "report.hpp"
+
+#include "assets.hpp"
+
+#include <rlslab/revision.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rlslab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (char const c : text) {
+        if (c == '&') out += "&amp;";
+        else if (c == '<') out += "&lt;";
+        else if (c == '>') out += "&gt;";
+        else if (c == '"') out += "&quot;";
+        else out += c;
+    }
+    return out;
+}
+
+/// JSON inside a script element: nothing in it may end the element.
+std::string in_script(std::string text) {
+    for (size_t at = 0; (at = text.find("</", at)) != std::string::npos;) text.replace(at, 2, "<\\/");
+    return text;
+}
+
+Json json(Curve const& curve) {
+    Json out = {{"name", curve.name}, {"colour", curve.look.colour}, {"dashed", curve.look.dashed}, {"mark", curve.look.mark},
+                {"x", curve.x}, {"y", curve.y}};
+    if (curve.low != curve.y || curve.high != curve.y) out["low"] = curve.low, out["high"] = curve.high;
+    if (!curve.row.empty()) out["row"] = curve.row;
+    return out;
+}
+
+Json json(Figure const& figure) {
+    Json panels = Json::array();
+    for (Panel const& panel : figure.panels) {
+        Json one = {{"name", panel.name}, {"curves", Json::array()}, {"guides", Json::array()}};
+        for (Curve const& curve : panel.curves) one["curves"].push_back(json(curve));
+        for (Curve const& curve : panel.guides) one["guides"].push_back(json(curve));
+        panels.push_back(std::move(one));
+    }
+    return {{"name", figure.name}, {"title", figure.title}, {"x", figure.x}, {"y", figure.y}, {"logX", figure.log_x},
+            {"logY", figure.log_y}, {"cells", figure.cells}, {"panels", panels}};
+}
+
+std::string table_text(Table const& table) {
+    std::string out = fmt::format("{}\n", fmt::join(table.columns(), ","));
+    for (auto const& row : table.rows()) out += csv_line(row) + '\n';
+    return out;
+}
+
+std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
+    Study const& study = *outcome.study;
+    std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name, escaped(study.question));
+    if (!study.formula.empty()) out += fmt::format("<div class=\"formula\" data-tex=\"{0}\">{0}</div>\n", escaped(study.formula));
+    out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.reading));
+    for (size_t i = 0; i < outcome.findings.size(); ++i) {
+        Claim const& claim = study.claims[i];
+        Finding const& finding = outcome.findings[i];
+        out += fmt::format("<li class=\"{}\"><b>{}</b> {}<span class=\"measured\">{}</span>{}</li>\n", finding.holds ? "holds" : "fails",
+                           finding.holds ? "holds" : "fails", escaped(claim.text), escaped(finding.measured),
+                           claim.source.empty() ? "" : fmt::format("<span class=\"soft\">{}</span>", escaped(claim.source)));
+    }
+    out += "</ul>\n";
+    for (Figure const& figure : drawn)
+        out += fmt::format("<figure id=\"{0}\"><figcaption>{1}</figcaption><div class=\"plot\" data-figure=\"{0}\">"
+                           "<img src=\"figures/{0}.svg\" alt=\"{1}\"></div></figure>\n", figure.name, escaped(figure.title));
+    out += fmt::format("<details class=\"table\" data-table=\"{0}\"><summary>The table: {1} rows, also in <a href=\"{0}.csv\">{0}.csv</a></summary>"
+                       "<div class=\"scroll\"></div></details>\n", study.name, outcome.table.rows().size());
+    out += "<details><summary>Provenance, and how to run it again</summary><pre>";
+    for (std::string const& line : outcome.provenance) out += escaped(line) + '\n';
+    return out + "</pre></details></section>\n";
+}
+
+}  // namespace
+
+std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    Json data = {{"figures", Json::object()}, {"tables", Json::object()}};
+    std::string sections, contents;
+    size_t claims = 0, held = 0;
+    for (Outcome const& outcome : outcomes) {
+        std::vector<Figure> const drawn = figures(*outcome.study, outcome.table);
+        for (Figure const& figure : drawn) data["figures"][figure.name] = json(figure);
+        data["tables"][outcome.study->name] = table_text(outcome.table);
+        sections += section(outcome, drawn);
+        claims += outcome.findings.size();
+        for (Finding const& finding : outcome.findings) held += finding.holds;
+        contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n", outcome.holds() ? "holds" : "fails",
+                                outcome.study->name, escaped(outcome.study->question));
+    }
+    return fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<title>rlslab: {} studies</title>\n<style>{}</style></head><body>\n<header><h1>Which variant of recursive least squares can be trusted?</h1>\n"
+        "<p>{} of {} claims of {} studies hold. Every error is measured against the exact minimiser for the bits the variant was given, with a "
+        "proven bound. <span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}"
+        "<script>{}</script>\n<script>{}</script>\n<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n</body></html>\n",
+        outcomes.size(), assets::style(), held, claims, outcomes.size(), RLSLAB_VERSION, revision,
+        options.budget == Budget::quick ? "quick" : "full", options.seed, contents, sections, in_script(std::string(assets::plotly())),
+        in_script(std::string(assets::temml())), in_script(data.dump()), assets::script());
+}
+
+}  // namespace rlslab

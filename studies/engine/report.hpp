@@ -1,0 +1,13 @@
+// The report: one HTML file that opens offline, with everything a reader needs to believe or repeat it.
+#pragma once
+
+#include "figure.hpp"
+#include "run.hpp"
+
+namespace rlslab {
+
+/// Questions, formulas, plots, tables, claims with their verdicts, provenance. Complete in itself where the program was
+/// built with Plotly and Temml (`./lab report` sees to it); without them its plots are the SVG files beside it.
+std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options);
+
+}  // namespace rlslab

@@ -1,0 +1,138 @@
+#include "scenarios.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab {
+
+std::vector<Cell> covariance_forms() { return {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}; }
+std::vector<Cell> factor_forms() { return {"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}; }
+std::vector<Cell> row_forms() { return joined(covariance_forms(), joined(factor_forms(), {"information"})); }
+
+std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+std::vector<Cell> powers(double base, double first, double last, double step) {
+    std::vector<Cell> out;
+    int const n = int(std::floor(std::abs(last - first) / std::abs(step) + 0.5));
+    for (int i = 0; i <= n; ++i) out.emplace_back(std::pow(base, first + i * (last < first ? -std::abs(step) : std::abs(step))));
+    return out;
+}
+
+std::vector<Cell> counted(int n) {
+    std::vector<Cell> out;
+    for (int i = 1; i <= n; ++i) out.emplace_back(double(i));
+    return out;
+}
+
+namespace {
+
+Records answered(Matrix<double> psi, Seed seed, double noise) {
+    Index const rows = psi.cols();
+    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
+    for (Index k = 0; k < rows; ++k) {
+        double sum = 0;    // in order: Eigen's sum depends on the instruction set
+        for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
+        out.y[k] = sum + noise * seed.bell();
+    }
+    return out;
+}
+
+/// n orthonormal columns of `size` numbers, from noise by modified Gram-Schmidt, twice; sums in order.
+Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
+    Matrix<double> Q(size, n);
+    auto const dot = [&](Index a, Index b) {
+        double sum = 0;
+        for (Index i = 0; i < size; ++i) sum += Q(i, a) * Q(i, b);
+        return sum;
+    };
+    for (Index j = 0; j < n; ++j) {
+        for (Index i = 0; i < size; ++i) Q(i, j) = seed.bell();
+        for (int twice = 0; twice < 2; ++twice)
+            for (Index k = 0; k < j; ++k) {
+                double const c = dot(k, j);
+                for (Index i = 0; i < size; ++i) Q(i, j) -= c * Q(i, k);
+            }
+        double const length = std::sqrt(dot(j, j));
+        for (Index i = 0; i < size; ++i) Q(i, j) /= length;
+    }
+    return Q;
+}
+
+}  // namespace
+
+Records white(Index size, Index rows, Seed seed, double noise) {
+    Matrix<double> psi(size, rows);
+    for (Index k = 0; k < rows; ++k)
+        for (Index i = 0; i < size; ++i) psi(i, k) = seed.bell();
+    return answered(std::move(psi), seed, noise);
+}
+
+Records delay_line(Index size, Index rows, double pole, Seed seed, double noise) {
+    double const drive = std::sqrt(1 - pole * pole);
+    double x = seed.bell();    // of the stationary variance at once
+    std::vector<double> line(size_t(size + rows));
+    for (double& tap : line) tap = x = pole * x + drive * seed.bell();
+    Matrix<double> psi(size, rows);
+    for (Index k = 0; k < rows; ++k)
+        for (Index i = 0; i < size; ++i) psi(i, k) = line[size_t(size + k - i)];
+    return answered(std::move(psi), seed, noise);
+}
+
+Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
+    Matrix<double> const U = orthonormal(rows, size, seed), V = orthonormal(size, size, seed);
+    Matrix<double> psi = Matrix<double>::Zero(size, rows);
+    for (Index j = 0; j < size; ++j) {
+        double const sigma = size > 1 ? std::pow(kappa, -double(j) / double(size - 1)) : 1;
+        for (Index k = 0; k < rows; ++k)
+            for (Index i = 0; i < size; ++i) psi(i, k) += U(k, j) * sigma * V(i, j);
+    }
+    return answered(std::move(psi), seed, noise);
+}
+
+Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic) {
+    problem.forgetting = arithmetic.round(problem.forgetting);
+    if (problem.prior) {
+        problem.prior->variance = arithmetic.round(problem.prior->variance);
+        if (problem.prior->theta) problem.prior->theta = Vector<double>(problem.prior->theta->unaryExpr(arithmetic.round));
+        if (problem.prior->covariance) problem.prior->covariance = Matrix<double>(problem.prior->covariance->unaryExpr(arithmetic.round));
+    }
+    return problem;
+}
+
+Records as_stored(Records records, Arithmetic const& arithmetic) {
+    records.psi = records.psi.unaryExpr(arithmetic.round).eval();
+    records.y = records.y.unaryExpr(arithmetic.round).eval();
+    return records;
+}
+
+Errors errors(AnyFilter const& filter, Exact const& exact) {
+    auto const error = [](double digits) { return digits == digits ? std::pow(10, -digits) : INFINITY; };
+    return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
+}
+
+void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.absorb(records, first, last); }
+
+Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
+    using Kind = Stored<Reference>::Kind;
+    Matrix<Reference> X = stored.F;
+    if (stored.kind == Kind::factor) {
+        Matrix<Reference> FD = stored.F;
+        for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
+        X = FD.lazyProduct(stored.F.transpose());
+    }
+    if (stored.of == Stored<Reference>::Of::information) X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
+    return X;
+}
+
+double frobenius(Matrix<Reference> const& A) {
+    Reference sum = 0;
+    for (Index j = 0; j < A.cols(); ++j)
+        for (Index i = 0; i < A.rows(); ++i) sum += A(i, j) * A(i, j);
+    return static_cast<double>(sqrt(sum));
+}
+
+}  // namespace rlslab
