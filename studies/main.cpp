@@ -127,7 +127,8 @@ int run_study(StudyArguments a) {
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
-    if (a.fresh) std::filesystem::remove_all(a.options.out / ".trials");
+    std::error_code nothing_there;
+    if (a.fresh) std::filesystem::remove_all(a.options.out / ".trials", nothing_there);
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
     std::filesystem::create_directories(a.options.out / "figures");
     for (Outcome const& outcome : outcomes)
@@ -236,12 +237,15 @@ int run(int argc, char** argv) {
     studying->add_option("NAME", st.names, "studies (rlslab list)")->type_name("");
     studying->add_flag("--all", st.all, "every study");
     studying->add_option("--budget", st.budget, "quick: seconds each; full: what is quoted; default quick")
-        ->check(CLI::IsMember({"quick", "full"}))->type_name("quick|full");
+        ->check([](std::string const& text) {
+            return text == "quick" || text == "full" ? "" : fmt::format("expected quick or full, found \"{}\"", printable(text));
+        })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("quick|full");
     studying->add_option("--seed", st.options.seed, "of all random data; default 1")
         ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
     studying->add_option("--threads", st.options.threads, "default: all cores; no byte of a table depends on it")
         ->check(whole(1, 4096))->type_name("N");
-    studying->add_option("--out", st.out, "folder for tables, figures and the report; default out")->type_name("DIR");
+    studying->add_option("--out", st.out, "folder for tables, figures and the report; default out")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("DIR");
     studying->add_flag("--fresh", st.fresh, "run finished trials again");
 
     bool list_json = false;

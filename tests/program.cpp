@@ -88,6 +88,16 @@ TEST_F(Program, RefusesBadFilesInOneLine) {
     refused("compare ." + options, ".: expected a file, found a directory");
     refused("compare ok.csv --input v --output y --order 1", "no column \"v\"; the columns are \"u\", \"y\"");
 }
+TEST_F(Program, RefusesStudiesThatAreNotThere) {
+    refused("study", "study: expected the names of studies (rlslab list), or --all");
+    refused("study gain_error --all", "study: expected the names of studies (rlslab list), or --all");
+    refused("study gain_eror", "study: expected one of gain_error");
+    refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
+    refused("study gain_error --seed -1", "--seed: expected a whole number");
+    refused("study gain_error --threads 0", "--threads: expected a whole number");
+    refused("study gain_error --out /dev/null/here", "/dev/null/here: cannot create");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
 TEST_F(Program, RefusesBadOptionsInOneLine) {
     std::string const data = "compare ok.csv --input u --output y";
     refused(data + " --order 0", "--order: expected a whole number from 1 to 1000, found \"0\"");

@@ -37,7 +37,7 @@ Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bo
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
-        if (shown(x[i], log_x) && shown(y[i], log_y)) at[x[i]].push_back(y[i]);
+        if (shown(x[i], log_x) && shown(y[i], log_y) && !(y[i] < plot.floor && plot.floor > 0)) at[x[i]].push_back(y[i]);
     for (auto const& [place, values] : at) {
         out.x.push_back(place);
         out.y.push_back(median(values));
@@ -65,7 +65,7 @@ Curve cells(Table const& rows, Plot const& plot) {
 }
 
 /// Over the panel's x, which is where the curves are.
-Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y) {
+Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y, double floor) {
     constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
     Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}, .low = {}, .high = {}};
     double from = INFINITY, to = -INFINITY;
@@ -75,7 +75,7 @@ Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, boo
     for (int i = 0; i <= points && from <= to; ++i) {
         double const part = double(i) / points;
         double const x = log_x ? from * std::pow(to / from, part) : from + (to - from) * part, y = of.y(x);
-        if (!shown(y, log_y)) continue;
+        if (!shown(y, log_y) || (floor > 0 && y < floor)) continue;
         out.x.push_back(x);
         out.y.push_back(y);
     }
@@ -117,7 +117,7 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
                     panel.curves.push_back(curve(word ? series : plot.series + " " + series, look_of(series, place), one, plot, log_x, log_y));
                 }
             for (size_t place = 0; place < plot.guides.size(); ++place)
-                panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y));
+                panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y, plot.floor));
             figure.panels.push_back(std::move(panel));
         }
         out.push_back(std::move(figure));

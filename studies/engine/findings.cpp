@@ -20,23 +20,29 @@ Number over(std::string column, double (*of)(std::vector<double>)) {
     return [=](Table const& table) { return of(table.numbers(column)); };
 }
 
-}  // namespace
-
-Number slope(std::string x, std::string y) {
+/// Fitted to the rows for which both scales give a finite number.
+Number fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(double)) {
     return [=](Table const& table) {
         std::vector<double> const all_x = table.numbers(x), all_y = table.numbers(y);
-        std::vector<double> log_x, log_y;
-        for (size_t i = 0; i < all_x.size(); ++i)
-            if (all_x[i] > 0 && all_y[i] > 0 && std::isfinite(all_x[i]) && std::isfinite(all_y[i])) {
-                log_x.push_back(std::log10(all_x[i]));
-                log_y.push_back(std::log10(all_y[i]));
-            }
-        return fitted(log_x, log_y);
+        std::vector<double> kept_x, kept_y;
+        for (size_t i = 0; i < all_x.size(); ++i) {
+            double const at = of_x(all_x[i]), value = of_y(all_y[i]);
+            if (!std::isfinite(at) || !std::isfinite(value)) continue;
+            kept_x.push_back(at);
+            kept_y.push_back(value);
+        }
+        return fitted(kept_x, kept_y);
     };
 }
-Number linear_slope(std::string x, std::string y) {
-    return [=](Table const& table) { return fitted(table.numbers(x), table.numbers(y)); };
-}
+double as_it_is(double x) { return x; }
+double log_10(double x) { return std::log10(x); }
+double log_e(double x) { return std::log(x); }
+
+}  // namespace
+
+Number slope(std::string x, std::string y) { return fit(std::move(x), &log_10, std::move(y), &log_10); }
+Number rate(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &log_e); }
+Number linear_slope(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &as_it_is); }
 
 double median(std::vector<double> values) {
     if (values.empty()) return std::nan("");

@@ -9,6 +9,8 @@ using Number = std::function<double(Table const&)>;
 
 /// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than two.
 Number slope(std::string x, std::string y);
+/// The same of ln y against x: the rate of an exponential.
+Number rate(std::string x, std::string y);
 /// The least-squares slope of y against x.
 Number linear_slope(std::string x, std::string y);
 Number median(std::string column);

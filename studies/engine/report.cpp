@@ -14,8 +14,10 @@ using Json = nlohmann::ordered_json;
 
 std::string escaped(std::string_view text) {
     std::string out;
-    for (char const c : text) {
-        if (c == '&') out += "&amp;";
+    for (size_t i = 0; i < text.size(); ++i) {
+        char const c = text[i];
+        if (text.substr(i, 3) == "+- ") out += "±", ++i;
+        else if (c == '&') out += "&amp;";
         else if (c == '<') out += "&lt;";
         else if (c == '>') out += "&gt;";
         else if (c == '"') out += "&quot;";
@@ -98,10 +100,10 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>rlslab: {} studies</title>\n<style>{}</style></head><body>\n<header><h1>Which variant of recursive least squares can be trusted?</h1>\n"
-        "<p>{} of {} claims of {} studies hold. Every error is measured against the exact minimiser for the bits the variant was given, with a "
+        "<p>{} of {} claims hold, in {} {}. Every error is measured against the exact minimiser for the bits the variant was given, with a "
         "proven bound. <span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}"
         "<script>{}</script>\n<script>{}</script>\n<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n</body></html>\n",
-        outcomes.size(), assets::style(), held, claims, outcomes.size(), RLSLAB_VERSION, revision,
+        outcomes.size(), assets::style(), held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
         options.budget == Budget::quick ? "quick" : "full", options.seed, contents, sections, in_script(std::string(assets::plotly())),
         in_script(std::string(assets::temml())), in_script(data.dump()), assets::script());
 }

@@ -72,6 +72,7 @@ struct Plot {
     std::string x_label = {}, y_label = {};                               ///< the columns' names if empty
     std::vector<std::pair<std::string, std::vector<std::string>>> where = {};    ///< only rows with one of these values
     std::vector<Guide> guides = {};
+    double floor = 0;                                                     ///< smaller numbers are not drawn
     /// Cells instead of lines: `series` runs along y, and y's value is the shade of the cell.
     bool cells = false;
 };

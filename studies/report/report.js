@@ -91,7 +91,7 @@ function draw(box) {
         { height: figure.panels.length === 1 ? 470 : 360, margin: { l: 66, r: 12, t: 14, b: 52 }, font: { family: 'system-ui, sans-serif', size: 12, color: '#1a1a1a' },
           hovermode: 'closest', paper_bgcolor: '#fff', plot_bgcolor: '#fff', xaxis: axis(figure.x, figure.logX, spanX),
           yaxis: figure.cells ? { type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : axis(figure.y, figure.logY, spanY) },
-        { responsive: true, displaylogo: false, modeBarButtonsToRemove: ['lasso2d', 'select2d', 'toImage'] });
+        { responsive: true, displayModeBar: false });
   };
   if (!figure.cells) {
     const legend = document.createElement('div');
