@@ -1,3 +1,4 @@
+// Rows become curves: apart by series and panel, the median where several share a place.
 #include "figure.hpp"
 
 #include "findings.hpp"

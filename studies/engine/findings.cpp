@@ -1,3 +1,4 @@
+// What claims measure, and the two ways in which it may be where it should.
 #include "findings.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// A line for each finished trial, with a checksum; what is not whole is cut off.
 #include "journal.hpp"
 
 #include <rlslab/model/input_error.hpp>

@@ -1,3 +1,4 @@
+// The report's HTML: what it says is written here, what it draws goes along as JSON.
 #include "report.hpp"
 
 #include "assets.hpp"

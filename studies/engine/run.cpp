@@ -1,3 +1,4 @@
+// All trials of all studies in one parallel loop; tables are put together in the order of the factors.
 #include "run.hpp"
 
 #include "journal.hpp"

@@ -1,3 +1,4 @@
+// Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
 #include "scenarios.hpp"
 
 #include <Eigen/QR>

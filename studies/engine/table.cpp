@@ -1,3 +1,4 @@
+// Tables are small: selections copy.
 #include "table.hpp"
 
 #include <algorithm>

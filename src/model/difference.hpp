@@ -1,0 +1,37 @@
+// The difference equation itself: simulated, predicted, and seen through its poles and zeros.
+#pragma once
+
+#include <rlslab/model/regression.hpp>
+#include <rlslab/model/signals.hpp>
+
+#include <complex>
+
+namespace rlslab {
+
+/// y_k + a_1 y_{k-1} + ... + a_na y_{k-na} = sum_j (b_{j,0} u_{j,k-delay} + ... + b_{j,nb} u_{j,k-delay-nb}) + c + xi_k.
+struct DifferenceEquation {
+    std::vector<double> a;                     ///< a_1 ... a_na
+    std::vector<std::vector<double>> b;        ///< one polynomial b_0 ... b_nb for each input
+    int delay = 0;
+    double c = 0;
+
+    /// The models's parameters in the order of its regressors, one input.
+    static DifferenceEquation of(Arx const& model, Vector<double> const& theta);
+};
+
+/// y from rest, sums in the order written. Throws std::invalid_argument unless the inputs and xi are equally long.
+Signal simulate(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& xi);
+/// From measured outputs before the first row instead of rest: y[0 ... lead) is taken as it is.
+Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index lead);
+
+/// The roots of z^n + p_1 z^{n-1} + ... + p_n, |largest| first: of a companion matrix, refined by Newton's steps in 113 bits.
+std::vector<std::complex<double>> roots(std::vector<double> const& p);
+/// Roots of the a-polynomial, and of an input's b-polynomial without its leading zeros.
+std::vector<std::complex<double>> poles(DifferenceEquation const& model);
+std::vector<std::complex<double>> zeros(DifferenceEquation const& model, size_t input = 0);
+
+/// A stable system of order n with one input: pairs of poles (and one real pole if n is odd) in 0.3 <= |z| <= 0.95, b uniform
+/// in [-1, 1) and not all small.
+DifferenceEquation random_stable(int order, Seed seed);
+
+}  // namespace rlslab
