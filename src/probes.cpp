@@ -1,3 +1,4 @@
+// Cheap proof first; what it leaves open is decided exactly.
 #include <rlslab/probes.hpp>
 
 #include <rlslab/reference/definiteness.hpp>

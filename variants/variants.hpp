@@ -11,6 +11,7 @@
 #include <rlslab/variants/inverse_qr.hpp>
 #include <rlslab/variants/joseph.hpp>
 #include <rlslab/variants/joseph_rank_two.hpp>
+#include <rlslab/variants/kalman.hpp>
 #include <rlslab/variants/potter.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/qr_block.hpp>
@@ -41,6 +42,7 @@ using Variants = OverScalar<T,
     Carlson<R>,
     Ud<T>,
     InverseQr<R>,
+    Kalman<T>,
     Information<T>,
     Qr<R>,
     Gentleman<T>,

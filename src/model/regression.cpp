@@ -76,22 +76,30 @@ Records linear_records(Columns const& data, std::vector<std::string> const& regr
     });
 }
 
-Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file) {
-    expects(u.size() == y.size(), "input and output of equal length");
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
+                    Arx const& model, std::string const& file) {
+    expects(Index(inputs.size()) == model.inputs && inputs.size() == input_names.size(), "as many inputs, and names of them, as the model has");
+    for (auto const& u : inputs) expects(u.size() == y.size(), "input and output of equal length");
     if (model.na < 0) fail("", fmt::format("na: expected at least 0, found {}", model.na));
     if (model.nb < 0) fail("", fmt::format("nb: expected at least 0, found {}", model.nb));
     if (model.delay < 0) fail("", fmt::format("delay: expected at least 0, found {}", model.delay));
     expect_rows(file, model.size(), Index(y.size()));        // before names are made: a mistyped order may be huge
     std::vector<std::string> names;
     for (int i = 1; i <= model.na; ++i) names.push_back(fmt::format("a{}", i));
-    for (int i = 0; i <= model.nb; ++i) names.push_back(fmt::format("b{}", i));
+    for (std::string const& input : input_names)
+        for (int i = 0; i <= model.nb; ++i) names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
     if (model.intercept) names.push_back("1");
     return collected(file, y, std::move(names), model.lead_in(), [&](Index k, std::span<double> psi) {
         auto next = psi.begin();
         for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];
-        for (Index i = 0; i <= model.nb; ++i) *next++ = u[std::size_t(k - model.delay - i)];
+        for (auto const& u : inputs)
+            for (Index i = 0; i <= model.nb; ++i) *next++ = u[std::size_t(k - model.delay - i)];
         if (model.intercept) *next = 1;
     });
+}
+
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file) {
+    return arx_records({u}, {"u"}, y, model, file);
 }
 
 Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model) {

@@ -13,11 +13,13 @@ namespace rlslab {
 
 /// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only if asked for.
 ///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
+/// With several inputs a polynomial b for each, one after another.
 struct Arx {
     int na, nb;                    ///< >= 0; na = 0: a finite impulse response
     int delay = 0;                 ///< >= 0
     bool intercept = false;
-    Index size() const { return Index(na) + nb + 1 + intercept; }                  ///< d
+    int inputs = 1;                ///< >= 1
+    Index size() const { return Index(na) + Index(inputs) * (nb + 1) + intercept; }    ///< d
     Index lead_in() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
 };
 
@@ -35,6 +37,10 @@ Records linear_records(Columns const& data, std::vector<std::string> const& regr
 /// messages about rows begin with `file`.
 Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
                     std::string const& file = "");
+
+/// The same for several inputs; the parameters of input "u2" are called b0[u2] ...
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
+                    Arx const& model, std::string const& file = "");
 
 /// The same on two columns. Throws InputError if input and output are one column, too.
 Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);

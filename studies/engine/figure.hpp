@@ -20,6 +20,7 @@ struct Curve {
     Look look;
     std::vector<double> x, y, low, high;    ///< ascending in x; low and high differ from y where several rows share an x
     std::vector<std::string> row = {};      ///< cells: what each stands at along the other axis
+    bool marks = true, line = true;
 };
 
 struct Panel {
@@ -32,6 +33,8 @@ struct Figure {
     std::string title, x, y;
     bool log_x, log_y, cells;
     std::vector<Panel> panels;
+    bool square = false;                   ///< a unit is as long along x as along y
+    bool own_y = false;                    ///< each panel has its own range of y
 };
 
 /// Numbers that a logarithmic axis cannot show (0, NaN, infinity) are left out of the curve.

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 namespace rlslab {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
@@ -27,6 +26,8 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
+namespace {
+
 /// JSON inside a script element: nothing in it may end the element.
 std::string in_script(std::string text) {
     for (size_t at = 0; (at = text.find("</", at)) != std::string::npos;) text.replace(at, 2, "<\\/");
@@ -38,6 +39,8 @@ Json json(Curve const& curve) {
                 {"x", curve.x}, {"y", curve.y}};
     if (curve.low != curve.y || curve.high != curve.y) out["low"] = curve.low, out["high"] = curve.high;
     if (!curve.row.empty()) out["row"] = curve.row;
+    if (!curve.marks) out["marks"] = false;
+    if (!curve.line) out["line"] = false;
     return out;
 }
 
@@ -50,7 +53,7 @@ Json json(Figure const& figure) {
         panels.push_back(std::move(one));
     }
     return {{"name", figure.name}, {"title", figure.title}, {"x", figure.x}, {"y", figure.y}, {"logX", figure.log_x},
-            {"logY", figure.log_y}, {"cells", figure.cells}, {"panels", panels}};
+            {"logY", figure.log_y}, {"cells", figure.cells}, {"square", figure.square}, {"ownY", figure.own_y}, {"panels", panels}};
 }
 
 std::string table_text(Table const& table) {
@@ -58,6 +61,27 @@ std::string table_text(Table const& table) {
     for (auto const& row : table.rows()) out += csv_line(row) + '\n';
     return out;
 }
+
+}  // namespace
+
+std::string figure_html(Figure const& figure) {
+    return fmt::format("<figure id=\"{0}\"><figcaption>{1}</figcaption><div class=\"plot\" data-figure=\"{0}\">"
+                       "<img src=\"figures/{0}.svg\" alt=\"{1}\"></div></figure>\n", figure.name, escaped(figure.title));
+}
+
+std::string page(std::string const& title, std::string const& body, std::vector<Figure> const& drawn, Tables const& tables) {
+    Json data = {{"figures", Json::object()}, {"tables", Json::object()}};
+    for (Figure const& figure : drawn) data["figures"][figure.name] = json(figure);
+    for (auto const& [name, text] : tables) data["tables"][name] = text;
+    return fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<title>{}</title>\n<style>{}</style></head><body>\n{}"
+        "<script>{}</script>\n<script>{}</script>\n<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n</body></html>\n",
+        escaped(title), assets::style(), body, in_script(std::string(assets::plotly())), in_script(std::string(assets::temml())),
+        in_script(data.dump()), assets::script());
+}
+
+namespace {
 
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     Study const& study = *outcome.study;
@@ -72,9 +96,7 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
                            claim.source.empty() ? "" : fmt::format("<span class=\"soft\">{}</span>", escaped(claim.source)));
     }
     out += "</ul>\n";
-    for (Figure const& figure : drawn)
-        out += fmt::format("<figure id=\"{0}\"><figcaption>{1}</figcaption><div class=\"plot\" data-figure=\"{0}\">"
-                           "<img src=\"figures/{0}.svg\" alt=\"{1}\"></div></figure>\n", figure.name, escaped(figure.title));
+    for (Figure const& figure : drawn) out += figure_html(figure);
     out += fmt::format("<details class=\"table\" data-table=\"{0}\"><summary>The table: {1} rows, also in <a href=\"{0}.csv\">{0}.csv</a></summary>"
                        "<div class=\"scroll\"></div></details>\n", study.name, outcome.table.rows().size());
     out += "<details><summary>Provenance, and how to run it again</summary><pre>";
@@ -85,28 +107,27 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
 }  // namespace
 
 std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options) {
-    Json data = {{"figures", Json::object()}, {"tables", Json::object()}};
+    std::vector<Figure> all;
+    Tables tables;
     std::string sections, contents;
     size_t claims = 0, held = 0;
     for (Outcome const& outcome : outcomes) {
         std::vector<Figure> const drawn = figures(*outcome.study, outcome.table);
-        for (Figure const& figure : drawn) data["figures"][figure.name] = json(figure);
-        data["tables"][outcome.study->name] = table_text(outcome.table);
+        all.insert(all.end(), drawn.begin(), drawn.end());
+        tables.emplace_back(outcome.study->name, table_text(outcome.table));
         sections += section(outcome, drawn);
         claims += outcome.findings.size();
         for (Finding const& finding : outcome.findings) held += finding.holds;
         contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n", outcome.holds() ? "holds" : "fails",
                                 outcome.study->name, escaped(outcome.study->question));
     }
-    return fmt::format(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<title>rlslab: {} studies</title>\n<style>{}</style></head><body>\n<header><h1>Which variant of recursive least squares can be trusted?</h1>\n"
-        "<p>{} of {} claims hold, in {} {}. Every error is measured against the exact minimiser for the bits the variant was given, with a "
-        "proven bound. <span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}"
-        "<script>{}</script>\n<script>{}</script>\n<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n</body></html>\n",
-        outcomes.size(), assets::style(), held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-        options.budget == Budget::quick ? "quick" : "full", options.seed, contents, sections, in_script(std::string(assets::plotly())),
-        in_script(std::string(assets::temml())), in_script(data.dump()), assets::script());
+    return page("rlslab: studies",
+                fmt::format("<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} {}. "
+                            "Every error is measured against the exact minimiser for the bits the variant was given, with a proven bound. "
+                            "<span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
+                            held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
+                            options.budget == Budget::quick ? "quick" : "full", options.seed, contents, sections),
+                all, tables);
 }
 
 }  // namespace rlslab

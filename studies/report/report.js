@@ -18,7 +18,7 @@ function mark(curve) {
     'triangle-down': 'M17 11l5-9h-10z', star: 'M17 .5l1.5 3.8 4 .3-3.1 2.6 1 4-3.4-2.2-3.4 2.2 1-4-3.1-2.6 4-.3z',
     cross: 'M15.4 1.5h3.2v3h3v3h-3v3h-3.2v-3h-3v-3h3z', x: 'M13 3.5l1.8-1.8L17 4l2.2-2.3L21 3.5 18.8 6 21 8.5l-1.8 1.8L17 8l-2.2 2.3L13 8.5 15.2 6z' };
   svg.innerHTML = `<path d="M0 6H34" stroke="${curve.colour}" stroke-width="1.8" ${curve.dashed ? 'stroke-dasharray="5 3"' : ''}/>` +
-    (shape ? `<path d="${paths[shape]}" fill="${open ? '#fff' : curve.colour}" stroke="${curve.colour}"/>` : '');
+    (shape && curve.marks !== false ? `<path d="${paths[shape]}" fill="${open ? '#fff' : curve.colour}" stroke="${curve.colour}"/>` : '');
   return svg;
 }
 
@@ -31,7 +31,7 @@ function traces(panel, figure, hidden) {
         line: { width: 0 }, mode: 'lines', hoverinfo: 'skip', showlegend: false, visible: shown };
       out.push(band);
     }
-    out.push({ x: c.x, y: c.y, name: c.name, mode: 'lines+markers', visible: shown, showlegend: false,
+    out.push({ x: c.x, y: c.y, name: c.name, mode: c.marks === false ? 'lines' : c.line === false ? 'markers' : 'lines+markers', visible: shown, showlegend: false,
       line: { color: c.colour, width: 1.6, dash: c.dashed ? 'dash' : 'solid' },
       marker: { color: c.colour, symbol: c.mark, size: 7, line: { width: 1.4, color: c.colour } },
       text: c.x.map((x, i) => `<b>${c.name}</b><br>${figure.x}: ${digits(x)}<br>${figure.y}: ${digits(c.y[i])}` +
@@ -75,7 +75,7 @@ function draw(box) {
   const hidden = new Set();
   const panels = document.createElement('div');
   panels.className = 'panels' + (figure.panels.length === 1 ? ' one' : figure.cells && figure.panels.length > 4 ? ' many' : '');
-  const spanX = range(figure, 'x'), spanY = figure.cells ? undefined : range(figure, 'y');
+  const spanX = figure.square ? undefined : range(figure, 'x'), spanY = figure.cells || figure.square || figure.ownY ? undefined : range(figure, 'y');
   const plots = figure.panels.map(panel => {
     const cell = document.createElement('div');
     cell.className = 'panel';
@@ -90,7 +90,7 @@ function draw(box) {
       Plotly.react(plot, figure.cells ? cellTraces(panel, figure) : traces(panel, figure, hidden),
         { height: figure.panels.length === 1 ? 470 : 360, margin: { l: 66, r: 12, t: 14, b: 52 }, font: { family: 'system-ui, sans-serif', size: 12, color: '#1a1a1a' },
           hovermode: 'closest', paper_bgcolor: '#fff', plot_bgcolor: '#fff', xaxis: axis(figure.x, figure.logX, spanX),
-          yaxis: figure.cells ? { type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : axis(figure.y, figure.logY, spanY) },
+          yaxis: figure.cells ? { type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : { ...axis(figure.y, figure.logY, spanY), ...(figure.square ? { scaleanchor: 'x' } : {}) } },
         { responsive: true, displayModeBar: false });
   };
   if (!figure.cells) {

@@ -1,0 +1,36 @@
+// What the program's subcommands share: checks of options, and the one way out.
+#pragma once
+
+#include "progress.hpp"
+
+#include <rlslab/model/input_error.hpp>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace rlslab {
+
+/// A whole number in [least, most], else one line that says so.
+CLI::Validator whole(long least, long most);
+/// A finite number that `holds`, else one line that says what was expected.
+CLI::Validator real(char const* expected, bool (*holds)(double));
+
+/// The whole answer to standard output, or an error: a closed pipe is one too.
+void print(std::string const& text);
+
+/// "comparing  42 %, 3 min left" on a terminal's or a log's stderr, from the second second on.
+Progress progress_after_a_second(std::string doing);
+
+/// A subcommand: its options, and what to do once it was asked for; gives the exit code.
+struct Command {
+    CLI::App* app;
+    std::function<int()> run;
+};
+Command compare_command(CLI::App& app);
+Command study_command(CLI::App& app);
+Command identify_command(CLI::App& app);
+Command simulate_command(CLI::App& app);
+Command excitation_command(CLI::App& app);
+Command list_command(CLI::App& app);
+
+}  // namespace rlslab

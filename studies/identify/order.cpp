@@ -1,0 +1,107 @@
+// One factorisation serves every order; the criteria are one line each.
+#include "order.hpp"
+
+#include <rlslab/variants/order_recursive_qr.hpp>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <fmt/format.h>
+
+namespace rlslab {
+
+OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, int delay, bool intercept) {
+    Index const first = most + delay, rows = Index(y.size()) - first;
+    OrderColumns out{{}, {}, int(inputs.size()), intercept};
+    expects(rows > out.columns(most), "more rows than parameters of the largest order");
+    out.X.resize(rows, out.columns(most));
+    out.y.resize(rows);
+    for (Index k = 0; k < rows; ++k) {
+        Index column = 0;
+        out.y[k] = y[size_t(first + k)];
+        for (Index lag = 0; lag <= most; ++lag) {
+            if (lag > 0) out.X(k, column++) = -y[size_t(first + k - lag)];
+            for (Signal const& u : inputs) out.X(k, column++) = u[size_t(first + k - delay - lag)];
+            if (lag == 0 && intercept) out.X(k, column++) = 1;
+        }
+    }
+    return out;
+}
+
+double whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
+    Index const N = residuals.size();
+    expects(1 <= lags && lags < N, "at least one lag, and fewer than residuals");
+    auto const sum = [&](Index lag) {
+        double out = 0;
+        for (Index k = lag; k < N; ++k) out += residuals[k] * residuals[k - lag];
+        return out;
+    };
+    double const variance = sum(0);
+    if (!(variance > 0)) return 1;    // nothing is left: nothing is correlated
+    double Q = 0;
+    for (Index lag = 1; lag <= lags; ++lag) {
+        double const r = sum(lag) / variance;
+        Q += double(N) * double(N + 2) * r * r / double(N - lag);
+    }
+    double const freedom = fitted < lags ? double(lags - fitted) : 1;
+    return cdf(complement(boost::math::chi_squared(freedom), Q));
+}
+
+OrderChoice choose_order(OrderColumns const& all, int most, double held_out) {
+    Index const rows = all.y.size(), fitted = rows - Index(std::floor(held_out * double(rows)));
+    expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
+    double const N = double(fitted);
+    // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
+    double const y = all.y.head(fitted).cwiseAbs().maxCoeff(), nothing = N * (0x1p-46 * y) * (0x1p-46 * y);
+    OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
+    OrderChoice out{fitted, {}, 0, 0, 0, 0, 0, ""};
+    auto const lags = std::min<Index>(fitted - 1, std::max<Index>(20, 2 * most));
+    for (int order = 0; order <= most; ++order) {
+        Index const d = all.columns(order);
+        while (recursion.size() < d) recursion.append(all.X.col(recursion.size()).head(fitted));
+        Vector<double> const theta = recursion.theta();
+        auto const predicted = [&](Index from, Index count) {
+            Vector<double> p(count);
+            for (Index k = 0; k < count; ++k) {
+                double sum = 0;
+                for (Index i = 0; i < d; ++i) sum += all.X(from + k, i) * theta[i];
+                p[k] = sum;
+            }
+            return p;
+        };
+        double const J = std::max(recursion.J(), nothing), mean = J / N;
+        OrderFit fit{order, d, J, N * std::log(mean) + 2.0 * double(d), N * std::log(mean) + double(d) * std::log(N),
+                     mean * (N + double(d)) / (N - double(d)), 1, 0, std::numeric_limits<double>::quiet_NaN()};
+        if (!out.fits.empty()) {
+            double const more = double(d - out.fits.back().parameters), left = N - double(d);
+            double const F = (out.fits.back().J - J) / more / (J / left);
+            fit.p = J > 0 && F > 0 ? cdf(complement(boost::math::fisher_f(more, left), F)) : 1;
+        }
+        Vector<double> residuals = all.y.head(fitted);
+        Vector<double> const p = predicted(0, fitted);
+        for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
+        fit.whiteness = whiteness(residuals, lags, order);
+        if (fitted < rows) fit.held_out = fit_percent(all.y.tail(rows - fitted), predicted(fitted, rows - fitted));
+        out.fits.push_back(fit);
+    }
+    auto const least = [&](double OrderFit::*criterion, auto const& keeps) {
+        OrderFit const* best = nullptr;
+        for (OrderFit const& fit : out.fits)
+            if (keeps(fit) && (!best || fit.*criterion < best->*criterion)) best = &fit;
+        return best ? best->order : -1;
+    };
+    auto const any = [](OrderFit const& fit) { return fit.order > 0; };
+    out.aic = least(&OrderFit::aic, any);
+    out.bic = least(&OrderFit::bic, any);
+    out.fpe = least(&OrderFit::fpe, any);
+    for (OrderFit const& fit : out.fits)
+        if (fit.order > 0 && fit.p < 0.01) out.f_test = fit.order;
+    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.whiteness > 0.01; });
+    out.order = white > 0 ? white : out.bic;
+    out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
+              : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)
+                               : "the least BIC; at no order do the residuals pass for white";
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,51 @@
+// Which order: all of them fitted in one pass over the columns, and what the usual criteria say.
+#pragma once
+
+#include <rlslab/model/fit.hpp>
+#include <rlslab/model/regression.hpp>
+#include <rlslab/model/signals.hpp>
+
+namespace rlslab {
+
+/// One order's fit, on the N rows that all orders share.
+struct OrderFit {
+    int order;
+    Index parameters;                      ///< d
+    double J;                              ///< sum of squared residuals
+    double aic, bic, fpe;                  ///< N ln(J/N) + 2 d,   N ln(J/N) + d ln N,   (J/N) (N + d)/(N - d)
+    double p;                              ///< F-test against the order before: the tail probability of its improvement
+    double whiteness;                      ///< the tail probability of Ljung and Box's Q of the residuals
+    double held_out;                       ///< percent of one-step fit on the rows held out; NaN where none are
+};
+
+/// What each criterion suggests, and the choice: of the orders whose residuals pass for white (1 %) the least BIC; if none
+/// does, the least BIC of all. `why` says which.
+struct OrderChoice {
+    Index rows;
+    std::vector<OrderFit> fits;
+    int aic, bic, fpe, f_test;             ///< f_test: up to the last order that improves at 1 %
+    int order;
+    std::string why;
+};
+
+/// The columns of an ARX model in the order of its recursion, for all orders at once on the same rows (the lead-in of the largest):
+/// X = u_k (each input), 1 if there is an intercept, then -y_{k-1}, u_{k-1} (each input), ..., -y_{k-most}, u_{k-most}.
+struct OrderColumns {
+    Matrix<double> X;
+    Vector<double> y;
+    int inputs;
+    bool intercept;
+    /// Columns of order n.
+    Index columns(int order) const { return inputs + intercept + Index(order) * (1 + inputs); }
+};
+OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, int delay, bool intercept);
+
+/// Orders 0 ... most by appended columns of a QR factorisation; the last held_out part of the rows is not fitted.
+/// Source: Söderström & Stoica, System Identification, 1989, 11.5; Ljung & Box, Biometrika 65, 1978.
+OrderChoice choose_order(OrderColumns const& columns, int most, double held_out);
+
+/// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), chi-squared with lags - fitted degrees of
+/// freedom where fitted < lags, else 1; its tail probability. Throws std::invalid_argument unless 1 <= lags < N.
+double whiteness(Vector<double> const& residuals, Index lags, Index fitted);
+
+}  // namespace rlslab

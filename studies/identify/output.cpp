@@ -1,0 +1,194 @@
+// An identified model for people, for programs, and as a page.
+#include "identify.hpp"
+#include "report.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rlslab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string complex_text(std::complex<double> z) {
+    return z.imag() == 0 ? fmt::format("{:.4f}", z.real()) : fmt::format("{:.4f}{:+.4f}i", z.real(), z.imag());
+}
+std::string list_of(std::vector<std::complex<double>> const& values) {
+    std::vector<std::string> parts;
+    for (auto const& z : values)
+        if (z.imag() > 0)
+            parts.push_back(fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f})", z.real(), z.imag(), std::abs(z)));
+        else if (z.imag() == 0)
+            parts.push_back(complex_text(z));
+    return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+}
+std::string percent(double x) { return x == x ? fmt::format("{:.2f} %", x) : "-"; }
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json numbers(Signal const& x) {
+    Json out = Json::array();
+    for (double const v : x) out.push_back(number(v));
+    return out;
+}
+Json complexes(std::vector<std::complex<double>> const& values) {
+    Json out = Json::array();
+    for (auto const& z : values) out.push_back({z.real(), z.imag()});
+    return out;
+}
+
+Curve curve(std::string name, size_t place, Signal x, Signal y) {
+    Look look = look_of("", place);
+    return {.name = std::move(name), .look = look, .x = std::move(x), .y = y, .low = y, .high = y};
+}
+Curve line(std::string name, size_t place, Signal x, Signal y) {
+    Curve out = curve(std::move(name), place, std::move(x), std::move(y));
+    out.marks = false;
+    return out;
+}
+Signal counting(size_t n, double from = 0) {
+    Signal out(n);
+    for (size_t k = 0; k < n; ++k) out[k] = from + double(k);
+    return out;
+}
+Curve level(std::string name, double from, double to, double y) {
+    Curve out = line(std::move(name), 6, {from, to}, {y, y});
+    out.look = {"#555555", true, ""};
+    return out;
+}
+
+std::vector<Figure> drawn(Identified const& m) {
+    std::vector<Figure> out;
+    size_t const N = m.measured.size();
+    double const first = double(m.samples - Index(N));
+    Signal const time = counting(N, first);
+    Figure output{"output", fmt::format("Measured and modelled output; held out from sample {} on", m.samples - m.held_out), "sample", m.options.output,
+                  false, false, false, {{"one step ahead", {line("measured", 6, time, m.measured), line("predicted", 1, time, m.one_step)}, {}},
+                                        {"simulated from the first outputs", {line("measured", 6, time, m.measured), line("simulated", 0, time, m.simulated)}, {}}}};
+    output.own_y = true;
+    out.push_back(std::move(output));
+
+    Figure correlations{"residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound), "lag", "correlation",
+                        false, false, false, {}};
+    correlations.own_y = true;
+    auto const panel = [&](std::string const& name, Signal const& r, size_t skip) {
+        Signal const x = counting(r.size() - skip, double(skip));
+        Signal const y(r.begin() + long(skip), r.end());
+        Panel p{name, {curve("correlation", 0, x, y)}, {level("bound", x.front(), x.back(), m.bound), level("bound", x.front(), x.back(), -m.bound)}};
+        correlations.panels.push_back(std::move(p));
+    };
+    panel("with itself, lags from 1", m.auto_correlation, 1);
+    for (size_t j = 0; j < m.cross_correlation.size(); ++j) panel("with past " + m.options.inputs[j], m.cross_correlation[j], 0);
+    out.push_back(std::move(correlations));
+
+    Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant), "row", "value", false, false,
+                      false, {{"", {}, {}}}};
+    for (size_t j = 0; j < m.parameters.size(); ++j) {
+        Curve c{.name = m.parameters[j].name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};
+        for (TrajectoryPoint const& point : m.trajectory) {
+            if (point.row < 2 * Index(m.parameters.size())) continue;    // the prior is still there
+            double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
+            c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
+        }
+        c.marks = false;
+        on_the_way.panels[0].curves.push_back(std::move(c));
+    }
+    out.push_back(std::move(on_the_way));
+
+    Figure plane{"poles", "Poles and zeros", "real part", "imaginary part", false, false, false, {{"", {}, {}}}};
+    plane.square = true;
+    Signal cosine, sine;
+    for (int i = 0; i <= 180; ++i) cosine.push_back(std::cos(i * 0.03490658503988659)), sine.push_back(std::sin(i * 0.03490658503988659));
+    Curve circle = line("unit circle", 6, cosine, sine);
+    circle.look = {"#999999", true, ""};
+    plane.panels[0].guides.push_back(circle);
+    auto const points = [&](std::string name, std::string mark, size_t place, std::vector<std::complex<double>> const& values) {
+        Signal x, y;
+        for (auto const& z : values) x.push_back(z.real()), y.push_back(z.imag());
+        Curve c = curve(std::move(name), place, x, y);
+        c.line = false, c.look.mark = std::move(mark);
+        plane.panels[0].curves.push_back(std::move(c));
+    };
+    points("poles", "x", 1, m.poles);
+    for (size_t j = 0; j < m.zeros.size(); ++j) points("zeros of " + m.options.inputs[j], "circle-open", j == 0 ? 0 : j + 1, m.zeros[j]);
+    out.push_back(std::move(plane));
+
+    Figure orders{"orders", "What each order explains, and what the criteria say of it", "order", "value", false, false, false, {}};
+    orders.own_y = true;
+    auto const criterion = [&](std::string name, std::vector<std::pair<std::string, double OrderFit::*>> const& which) {
+        Panel p{std::move(name), {}, {}};
+        for (size_t i = 0; i < which.size(); ++i) {
+            Signal x, y;
+            for (OrderFit const& f : m.choice.fits)
+                if (f.order > 0 && std::isfinite(f.*which[i].second)) x.push_back(f.order), y.push_back(f.*which[i].second);
+            p.curves.push_back(curve(which[i].first, i, x, y));
+        }
+        orders.panels.push_back(std::move(p));
+    };
+    criterion("criteria: smaller is better", {{"AIC", &OrderFit::aic}, {"BIC", &OrderFit::bic}});
+    criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::whiteness}});
+    if (m.held_out > 0) criterion("one-step fit on held-out rows, %", {{"held out", &OrderFit::held_out}});
+    out.push_back(std::move(orders));
+    return out;
+}
+
+}  // namespace
+
+std::string as_table(Identified const& m) {
+    std::string out = fmt::format("{}: {} samples, {} rows fitted, {} held out; {} in double, lambda {}\n", printable(m.file, 200), m.samples, m.fitted,
+                                  m.held_out, m.options.variant, m.options.forgetting);
+    for (std::string const& warning : m.warnings) out += "warning: " + warning + '\n';
+    for (size_t i = 0; i < m.excitation.size(); ++i)
+        out += fmt::format("input {}: exciting of order {} at least\n", printable(m.options.inputs[i]), m.excitation[i].order);
+    out += fmt::format("\norder {} ({}); AIC says {}, BIC {}, FPE {}, F-test {}\n", m.order, m.why, m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test);
+    out += fmt::format("\n  {:<10} {:>14} {:>12}   {:.0f} % interval\n", "parameter", "estimate", "sd", 100 * m.options.confidence);
+    for (Parameter const& p : m.parameters) out += fmt::format("  {:<10} {:>14.6g} {:>12.2g}   {:.5g} ... {:.5g}\n", p.name, p.value, p.sd, p.low, p.high);
+    out += fmt::format("\npoles: {}\n", list_of(m.poles));
+    for (size_t j = 0; j < m.zeros.size(); ++j) out += fmt::format("zeros of {}: {}\n", printable(m.options.inputs[j]), list_of(m.zeros[j]));
+    out += fmt::format("\nfit: {} one step ahead; held out: {} one step ahead, {} simulated\n", percent(m.fit_one_step), percent(m.held_out_one_step),
+                       percent(m.held_out_simulated));
+    out += fmt::format("residuals: sigma^2 = {:.4g}; {} (Ljung-Box, p = {:.3g})\n", m.sigma2, m.whiteness < 0.01 ? "not white" : "pass for white", m.whiteness);
+    out += fmt::format("arithmetic: {} kept {:.1f} of 15.9 digits of theta ({:.1f} of its worst component) against the certified minimiser; kappa = {:.3g}\n",
+                       m.options.variant, m.digits, m.digits_worst, m.condition);
+    return out;
+}
+
+std::string as_json(Identified const& m) {
+    Json parameters = Json::array(), orders = Json::array(), inputs = Json::array();
+    for (Parameter const& p : m.parameters)
+        parameters.push_back({{"name", p.name}, {"value", number(p.value)}, {"sd", number(p.sd)}, {"low", number(p.low)}, {"high", number(p.high)}});
+    for (OrderFit const& f : m.choice.fits)
+        orders.push_back({{"order", f.order}, {"parameters", f.parameters}, {"J", f.J}, {"aic", number(f.aic)}, {"bic", number(f.bic)}, {"fpe", number(f.fpe)},
+                          {"p", f.p}, {"whiteness", f.whiteness}, {"held_out", number(f.held_out)}});
+    for (size_t j = 0; j < m.excitation.size(); ++j)
+        inputs.push_back({{"name", m.options.inputs[j]}, {"mean", m.means[j]}, {"exciting_of_order", m.excitation[j].order}, {"still", m.excitation[j].still},
+                          {"zeros", complexes(m.zeros[j])}, {"residual_correlation", numbers(m.cross_correlation[j])}});
+    Json const out = {
+        {"version", RLSLAB_VERSION},
+        {"file", m.file},
+        {"options", {{"output", m.options.output}, {"variant", m.options.variant}, {"forgetting", m.options.forgetting}, {"p0", m.options.p0}, {"delay", m.options.delay},
+                     {"intercept", m.options.intercept}, {"detrend", m.options.detrend}, {"validate", m.options.validate}, {"confidence", m.options.confidence}}},
+        {"samples", m.samples}, {"fitted", m.fitted}, {"held_out", m.held_out}, {"warnings", m.warnings},
+        {"order", m.order}, {"why", m.why},
+        {"suggested", {{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}}, {"orders", orders},
+        {"parameters", parameters}, {"poles", complexes(m.poles)}, {"inputs", inputs}, {"output_mean", m.means.back()},
+        {"sigma2", number(m.sigma2)},
+        {"fit", {{"one_step", number(m.fit_one_step)}, {"held_out_one_step", number(m.held_out_one_step)}, {"held_out_simulated", number(m.held_out_simulated)}}},
+        {"whiteness", m.whiteness}, {"residual_correlation", numbers(m.auto_correlation)}, {"bound", m.bound},
+        {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}}, {"condition", number(m.condition)}};
+    return out.dump(2) + '\n';
+}
+
+std::string as_page(Identified const& m) {
+    std::vector<Figure> const figures = drawn(m);
+    std::string body = fmt::format("<header><h1>{}: order {}</h1><p class=\"question\">{}</p>", escaped(printable(m.file, 200)), m.order, escaped(m.why));
+    if (!m.warnings.empty()) {
+        body += "<ul class=\"claims\">";
+        for (std::string const& warning : m.warnings) body += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+        body += "</ul>";
+    }
+    body += "</header><pre>" + escaped(as_table(m)) + "</pre>";
+    for (Figure const& figure : figures) body += figure_html(figure);
+    return page(m.file + ": identified", body, figures, {});
+}
+
+}  // namespace rlslab

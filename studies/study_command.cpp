@@ -1,0 +1,78 @@
+// rlslab study: questions with claims; tables, figures, verdicts, a report.
+#include "commands.hpp"
+#include "journal.hpp"
+#include "report.hpp"
+
+#include <cstdlib>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace rlslab {
+namespace {
+
+struct StudyArguments {
+    std::vector<std::string> names;
+    bool all = false, fresh = false;
+    std::string budget = "quick", out = "out";
+    RunOptions options;
+};
+
+/// 1 if a claim failed.
+int run_study(StudyArguments a) {
+    std::vector<Study const*> chosen;
+    std::vector<std::string_view> known;
+    for (Study const* study : studies()) known.push_back(study->name);
+    for (std::string const& name : a.names)
+        if (std::ranges::find(known, name) == known.end())
+            throw InputError(fmt::format("study: expected one of {}, found \"{}\"", fmt::join(known, ", "), printable(name)));
+    if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
+    for (Study const* study : studies())
+        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
+    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
+    a.options.out = a.out;
+    std::error_code nothing_there;
+    if (a.fresh) std::filesystem::remove_all(a.options.out / ".trials", nothing_there);
+    std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
+    std::filesystem::create_directories(a.options.out / "figures");
+    for (Outcome const& outcome : outcomes)
+        for (Figure const& figure : figures(*outcome.study, outcome.table))
+            replace_file(a.options.out / "figures" / (figure.name + ".gp"), gnuplot_script(figure));
+    replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
+    replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
+    bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
+    std::string text;
+    size_t failed = 0, claims = 0;
+    for (Outcome const& outcome : outcomes) {
+        text += verdict_lines(outcome, colour) + '\n';
+        claims += outcome.findings.size();
+        for (Finding const& finding : outcome.findings) failed += !finding.holds;
+    }
+    text += fmt::format("{} of {} claims hold; tables, figures and the report are in {}\n", claims - failed, claims, a.out);
+    print(text);
+    return failed ? 1 : 0;
+}
+
+}  // namespace
+
+Command study_command(CLI::App& app) {
+    auto const st = std::make_shared<StudyArguments>();
+    CLI::App* const studying = app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
+    studying->footer("Exit code 1 when a claim fails. Killed and started again it goes on where it was.\n"
+                     "Example:  rlslab study --all --budget full --out out");
+    studying->add_option("NAME", st->names, "studies (rlslab list)")->type_name("");
+    studying->add_flag("--all", st->all, "every study");
+    studying->add_option("--budget", st->budget, "quick: seconds each; full: what is quoted; default quick")
+        ->check([](std::string const& text) {
+            return text == "quick" || text == "full" ? "" : fmt::format("expected quick or full, found \"{}\"", printable(text));
+        })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("quick|full");
+    studying->add_option("--seed", st->options.seed, "of all random data; default 1")
+        ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+    studying->add_option("--threads", st->options.threads, "default: all cores; no byte of a table depends on it")
+        ->check(whole(1, 4096))->type_name("N");
+    studying->add_option("--out", st->out, "folder for tables, figures and the report; default out")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("DIR");
+    studying->add_flag("--fresh", st->fresh, "run finished trials again");
+    return {studying, [st] { return run_study(*st); }};
+}
+
+}  // namespace rlslab

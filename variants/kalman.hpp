@@ -1,0 +1,64 @@
+// The Kalman filter of parameters that stand still or walk at random: recursive least squares seen as estimation of a state.
+#pragma once
+
+#include <rlslab/concept.hpp>
+#include <rlslab/linalg/start.hpp>
+
+namespace rlslab {
+
+/// State theta_{k+1} = theta_k + w_k, measurement y_k = psi'theta_k + xi_k, var xi = sigma^2, cov w = sigma^2 Q; forgetting inflates
+/// the covariance instead. Propagates P, in units of sigma^2, in full storage:
+///
+///   (1) P = P / lambda + Q         (2) f = P psi                    (3) s = 1 + psi'f
+///   (4) K = f / s                  (5) P = P - K f'                 (6) theta += K e
+///
+/// Without a walk (Q = 0, as in the catalogue) K, P and theta are those of `conventional`: bit for bit where lambda = 1, and
+/// exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
+/// Storage 2 d^2; per update 3 d^2 + O(d) multiplications. Antisymmetric errors grow as in `conventional`.
+/// Sources: Kalman 1960; Sayed & Kailath, IEEE SP Magazine 11(3), 1994.
+template <Field T, int N = Dynamic>
+class Kalman {
+    DividedBy<T> by_lambda_;
+    Column<T, N> theta_, f_, K_;
+    Square<T, N> P_, Q_;
+    bool walks_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "kalman";
+
+    explicit Kalman(Problem<T> const& problem)
+        : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),
+          K_(problem.size), P_(start_covariance<T, N>(problem)), Q_(problem.size), walks_(false) {}
+
+    /// With a walk. Throws std::invalid_argument for a Q of another size.
+    Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
+        expects(Q.rows() == problem.size && Q.cols() == problem.size, "a Q of size x size");
+        for (Index j = 0; j < problem.size; ++j)
+            for (Index i = 0; i < problem.size; ++i) Q_(i, j) = Q(i, j);
+        walks_ = true;
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        T const e = innovation(y, psi, theta_);
+        for (Index j = 0; j < f_.size(); ++j)                                                            // (1)
+            for (Index i = 0; i < f_.size(); ++i) {
+                P_(i, j) = by_lambda_(P_(i, j));
+                if (walks_) P_(i, j) += Q_(i, j);    // + 0 would change the sign of -0
+            }
+        multiply(P_, psi.data(), f_);                                                                    // (2)
+        T const s = T(1) + dot(psi, f_);                                                                 // (3)
+        divide(f_, s, K_);                                                                               // (4)
+        subtract_rank_one(P_, K_, f_, DividedBy<T>(T(1)));                                               // (5)
+        add_scaled(theta_, e, K_);                                                                       // (6)
+        return report(e, T(1), s);
+    }
+
+    auto theta() const { return theta_.view(); }
+    auto gain() const { return K_.view(); }
+    Matrix<T, N> covariance() const { return P_.view(); }
+    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+};
+static_assert(ReportsCovariance<Kalman<double>>);
+
+}  // namespace rlslab
