@@ -99,7 +99,7 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
     for (Plot const& plot : study.plots) {
         bool const log_x = plot.log.find('x') != std::string::npos, log_y = plot.log.find('y') != std::string::npos;
         Figure figure{fmt::format("{}-{}", study.name, out.size() + 1), plot.title, plot.x_label.empty() ? plot.x : plot.x_label,
-                      plot.y_label.empty() ? plot.y : plot.y_label, log_x, log_y, plot.cells, {}};
+                      plot.y_label.empty() ? plot.y : plot.y_label, log_x, log_y, plot.cells, {}, plot.series};
         Table rows = table;
         for (auto const& [column, values] : plot.where) rows = rows.where(column, values);
         // The same mark for the same series in every panel.

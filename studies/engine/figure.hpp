@@ -31,8 +31,9 @@ struct Panel {
 struct Figure {
     std::string name;                      ///< gain_error-1: also of its files
     std::string title, x, y;
-    bool log_x, log_y, cells;
+    bool log_x, log_y, cells;             ///< cells: y is the shade, `series` what stands along y
     std::vector<Panel> panels;
+    std::string series = {};
     bool square = false;                   ///< a unit is as long along x as along y
     bool own_y = false;                    ///< each panel has its own range of y
 };

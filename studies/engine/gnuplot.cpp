@@ -34,31 +34,44 @@ void add_data(std::string& out, std::string const& name, Curve const& curve) {
 }
 
 std::string axis(char const* which, bool logarithmic, std::string const& label) {
-    return fmt::format("set {0}label \"{1}\"\n{2}", which, plain(label),
-                       logarithmic ? fmt::format("set logscale {0}\nset format {0} \"10^{{%L}}\"\n", which) : "");
+    return fmt::format("set {0}label \"{1}\"{3}\n{2}", which, plain(label),
+                       logarithmic ? fmt::format("set logscale {0}\nset format {0} \"10^{{%L}}\"\n", which) : "",
+                       *which == 'x' ? " offset 0,0.5" : "");    // clear of the key
 }
 
+/// A rectangle for each cell; they meet halfway between their places.
 std::string cells_script(Figure const& figure) {
     std::string out, draw;
     int number = 0;
     for (Panel const& panel : figure.panels) {
         Curve const& cells = panel.curves.front();
         std::vector<std::string> rows;
-        for (std::string const& row : cells.row)
-            if (std::ranges::find(rows, row) == rows.end()) rows.push_back(row);
+        std::vector<double> places;
+        for (size_t i = 0; i < cells.x.size(); ++i) {
+            if (std::ranges::find(rows, cells.row[i]) == rows.end()) rows.push_back(cells.row[i]);
+            if (std::ranges::find(places, cells.x[i]) == places.end()) places.push_back(cells.x[i]);
+        }
+        std::ranges::sort(places);
+        auto const between = [&](size_t i, size_t j) { return figure.log_x ? std::sqrt(places[i] * places[j]) : (places[i] + places[j]) / 2; };
+        auto const beyond = [&](double edge, double place) { return figure.log_x ? place * place / edge : 2 * place - edge; };
         std::string const name = fmt::format("p{}", ++number);
         out += fmt::format("${} << END\n", name);
-        for (size_t i = 0; i < cells.x.size(); ++i)
-            if (std::isfinite(cells.y[i]))
-                out += fmt::format("{} {} {}\n", cells.x[i], std::ranges::find(rows, cells.row[i]) - rows.begin(), cells.y[i]);
+        for (size_t i = 0; i < cells.x.size(); ++i) {
+            size_t const at = size_t(std::ranges::find(places, cells.x[i]) - places.begin()), last = places.size() - 1;
+            long const row = std::ranges::find(rows, cells.row[i]) - rows.begin();
+            if (!std::isfinite(cells.y[i]) || last == 0) continue;
+            double const low = at > 0 ? between(at - 1, at) : beyond(between(0, 1), places[0]);
+            double const high = at < last ? between(at, at + 1) : beyond(between(last - 1, last), places[last]);
+            out += fmt::format("{} {} {} {} {} {} {}\n", cells.x[i], row, low, high, double(row) - 0.5, double(row) + 0.5, cells.y[i]);
+        }
         out += "END\n";
         std::string tics;
         for (size_t r = 0; r < rows.size(); ++r) tics += fmt::format("{}\"{}\" {}", r ? ", " : "", plain(rows[r]), r);
         draw += fmt::format("set title \"{}\"\nset ytics ({})\nset yrange [-0.6:{}.6]\n"
-                            "plot ${} using 1:2:3 with points pt 5 ps 1.1 lc palette notitle\n",
+                            "plot ${} using 1:2:3:4:5:6:7 with boxxyerror fillcolor palette fillstyle solid noborder notitle\n",
                             plain(panel.name), tics, rows.size() - 1, name);
     }
-    return out + "set cblabel \"" + plain(figure.y) + "\"\n" + axis("x", figure.log_x, figure.x) +
+    return out + axis("x", figure.log_x, figure.x) + "set ylabel \"" + plain(figure.series) + "\"\nset autoscale xfix\nset cbrange [0:1]\n" +
            "set palette defined (0 '#f7f7f7', 0.5 '#92c5de', 1 '#053061')\n" + draw;
 }
 
@@ -85,9 +98,9 @@ std::string gnuplot_script(Figure const& figure) {
             for (Curve const& curve : panel.guides) add(curve, "lines lw 1");
             if (!plots.empty()) draw += fmt::format("set title \"{}\"\n{}\n", plain(panel.name), plots);
         }
-        body = data + axis("x", figure.log_x, figure.x) + axis("y", figure.log_y, figure.y) + "set key outside right top samplen 2\n" + draw;
+        body = data + axis("x", figure.log_x, figure.x) + axis("y", figure.log_y, figure.y) + "set autoscale xfix\nset key below samplen 1.5 spacing 0.9 font \",9\"\n" + draw;
     }
-    double const width = panels > 1 ? 12.0 : 7.0, height = 3.9 * double(rows) + 0.4;
+    double const width = panels > 1 ? 12.0 : 7.0, height = 4.6 * double(rows) + 0.4;
     std::string out = fmt::format("# {}: gnuplot {}.gp draws {}.svg and {}.pdf\n", figure.title, figure.name, figure.name, figure.name);
     for (auto const& [terminal, unit, ending] : {std::tuple{"svg enhanced font \"Helvetica,12\"", 90.0, "svg"},
                                                  std::tuple{"pdfcairo enhanced font \"Helvetica,10\"", 1.0, "pdf"}}) {

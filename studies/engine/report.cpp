@@ -53,7 +53,7 @@ Json json(Figure const& figure) {
         panels.push_back(std::move(one));
     }
     return {{"name", figure.name}, {"title", figure.title}, {"x", figure.x}, {"y", figure.y}, {"logX", figure.log_x},
-            {"logY", figure.log_y}, {"cells", figure.cells}, {"square", figure.square}, {"ownY", figure.own_y}, {"panels", panels}};
+            {"logY", figure.log_y}, {"cells", figure.cells}, {"series", figure.series}, {"square", figure.square}, {"ownY", figure.own_y}, {"panels", panels}};
 }
 
 std::string table_text(Table const& table) {

@@ -43,12 +43,30 @@ function traces(panel, figure, hidden) {
   return out;
 }
 
+// Cells meet halfway between their places; the tooltips are at the places.
+function edges(places, log) {
+  const at = log ? places.map(Math.log10) : places, back = v => log ? 10 ** v : v, out = new Map();
+  places.forEach((place, i) => {
+    const before = i > 0 ? (at[i] - at[i - 1]) / 2 : (at[1] - at[0]) / 2 || 0.5, after = i + 1 < at.length ? (at[i + 1] - at[i]) / 2 : before;
+    out.set(place, [back(at[i] - before), back(at[i] + after)]);
+  });
+  return out;
+}
+const shades = [[247, 247, 247], [146, 197, 222], [5, 48, 97]];
+function shade(value) {
+  if (!Number.isFinite(value)) return '#fff';
+  const v = 2 * Math.max(0, Math.min(1, value)), i = Math.min(1, Math.floor(v));
+  return `rgb(${shades[i].map((c, k) => Math.round(c + (shades[i + 1][k] - c) * (v - i))).join(',')})`;
+}
 function cellTraces(panel, figure) {
   const c = panel.curves[0];
-  return [{ x: c.x, y: c.row, mode: 'markers', showlegend: false,
-    marker: { symbol: 'square', size: isNarrow() ? 9 : 11, color: c.y, cmin: 0, cmax: 1, colorscale: [[0, '#f3f3f3'], [0.5, '#92c5de'], [1, '#053061']],
-      line: { width: .5, color: '#ccc' } },
-    text: c.x.map((x, i) => `<b>${c.row[i]}</b><br>${figure.x}: ${digits(x)}<br>${figure.y}: ${digits(c.y[i])}`), hoverinfo: 'text' }];
+  return [{ x: c.x, y: c.row, mode: 'markers', showlegend: false, marker: { symbol: 'square', size: 9, opacity: 0 },
+    text: c.x.map((x, i) => `<b>${figure.series} ${c.row[i]}</b><br>${figure.x}: ${digits(x)}<br>${figure.y}: ${digits(c.y[i])}`), hoverinfo: 'text' }];
+}
+function cellShapes(panel, figure) {
+  const c = panel.curves[0], columns = edges([...new Set(c.x)].sort((a, b) => a - b), figure.logX), rows = [...new Set(c.row)];
+  return c.x.map((x, i) => ({ type: 'rect', layer: 'below', x0: columns.get(x)[0], x1: columns.get(x)[1], y0: rows.indexOf(c.row[i]) - 0.5, y1: rows.indexOf(c.row[i]) + 0.5,
+    fillcolor: shade(c.y[i]), line: { width: 0.5, color: '#fff' } }));
 }
 
 function range(figure, which) {
@@ -88,9 +106,9 @@ function draw(box) {
   const redraw = () => {
     for (const [plot, panel] of plots)
       Plotly.react(plot, figure.cells ? cellTraces(panel, figure) : traces(panel, figure, hidden),
-        { height: figure.panels.length === 1 ? 470 : 360, margin: { l: 66, r: 12, t: 14, b: 52 }, font: { family: 'system-ui, sans-serif', size: 12, color: '#1a1a1a' },
+        { shapes: figure.cells ? cellShapes(panel, figure) : [], height: figure.panels.length === 1 ? 470 : 360, margin: { l: 66, r: 12, t: 14, b: 52 }, font: { family: 'system-ui, sans-serif', size: 12, color: '#1a1a1a' },
           hovermode: 'closest', paper_bgcolor: '#fff', plot_bgcolor: '#fff', xaxis: axis(figure.x, figure.logX, spanX),
-          yaxis: figure.cells ? { type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : { ...axis(figure.y, figure.logY, spanY), ...(figure.square ? { scaleanchor: 'x' } : {}) } },
+          yaxis: figure.cells ? { title: { text: figure.series, font: { size: 13 } }, type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : { ...axis(figure.y, figure.logY, spanY), ...(figure.square ? { scaleanchor: 'x' } : {}) } },
         { responsive: true, displayModeBar: false });
   };
   if (!figure.cells) {
@@ -112,6 +130,12 @@ function draw(box) {
     }
     box.append(legend);
     for (const [name, b] of buttons) b.setAttribute('aria-pressed', 'true');
+  }
+  if (figure.cells) {
+    const scale = document.createElement('div');
+    scale.className = 'legend';
+    scale.innerHTML = `<span>0</span><span class="scale"></span><span>1&ensp;${figure.y}</span>`;
+    box.append(scale);
   }
   box.append(panels);
   redraw();
