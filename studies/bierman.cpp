@@ -62,7 +62,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
     .measures = {"epsilon", "error", "error_u", "error_u_eps", "variance", "sign", "outcome", "square"},
     .measure = measure,
     .plots = {{.title = "Error of P after the two rows, ε = 2^-k", .x = "epsilon", .y = "error", .panel = "arithmetic", .x_label = "ε",
-               .y_label = "relative error of P", .where = {{"eps", {"2^-k"}}}, .guides = {{"4ε", [](double e) { return 4 * e; }}}},
+               .y_label = "relative error of P", .where = {{"eps", {"2^-k"}}}, .guides = {{"4ε", [](double e) { return 4 * e; }}}, .floor = 1e-20},
               {.title = "The same with ε = 1.07 2^-k", .x = "epsilon", .y = "error", .panel = "arithmetic", .x_label = "ε",
                .y_label = "relative error of P", .where = {{"eps", {"1.07 2^-k"}}}},
               {.title = "First variance of P", .x = "epsilon", .y = "variance", .panel = "arithmetic",

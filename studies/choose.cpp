@@ -89,9 +89,8 @@ Study const choose{
     .name = "choose",
     .question = "Which variant can be trusted with how many bits?",
     .source = "the orders kappa, kappa^2 and beyond: Golub & Wilkinson 1966, Bjorck (recalled), literature 3.6; the map is measured here",
-    .formula = R"(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c && \text{P or its "
-        "inverse stored plainly} \\)"
-               R"( p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})",
+    .formula = R"(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
+               p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})",
     .reading = "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
         "never seen indefinite; "
                "below its line it is not to be trusted. kappa is the condition of the regressors. The factor forms pay one bit for "
@@ -113,7 +112,7 @@ Study const choose{
                .x_label = "condition number kappa", .y_label = "bits of significand"},
               {.title = "Share of the digits kept, lambda = 0.99", .x = "log2_kappa", .y = "kept", .series = "bits", .panel = "variant",
                   .log = "",
-               .x_label = "log2 kappa", .y_label = "bits of significand",
+               .x_label = "log2 kappa", .y_label = "share of the digits kept",
                .where = {{"lambda", {"0.99"}}, {"variant", {"conventional", "symmetric", "joseph", "ud"}},
                          {"bits", {"5", "9", "13", "17", "21", "25", "29", "33", "37", "41", "45", "49", "53"}}}, .cells = true},
               {.title = "Bits needed to keep half of the digits", .x = "kappa", .y = "half", .panel = "lambda", .log = "x",

@@ -67,7 +67,7 @@ Study const hilbert{
                .y_label = "relative error of theta", .where = {{"matrix", {"hilbert"}}}, .guides = {{"kappa u",
                    [](double kappa) { return kappa * 0x1p-53; }}}},
               {.title = "Laeuchli's matrix: the worst component of theta", .x = "parameter", .y = "theta_error", .x_label = "delta",
-               .y_label = "relative error of theta", .where = {{"matrix", {"laeuchli"}}}}},
+               .y_label = "relative error of theta", .where = {{"matrix", {"laeuchli"}}}, .floor = 1e-20}},
     .claims = {
         {"Hilbert, n = 2 ... 10, factor forms: theta to 3 kappa u",
          [](Table const& t) { return within(of(t, "hilbert").where("variant", factors), {"variant"}, greatest("per_kappa_u"), 0, 3); }},

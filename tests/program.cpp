@@ -91,7 +91,7 @@ TEST_F(Program, RefusesBadFilesInOneLine) {
 TEST_F(Program, RefusesStudiesThatAreNotThere) {
     refused("study", "study: expected the names of studies (rlslab list), or --all");
     refused("study gain_error --all", "study: expected the names of studies (rlslab list), or --all");
-    refused("study gain_eror", "study: expected one of gain_error");
+    refused("study gain_eror", "study: expected one of choose, gain_identities, ");
     refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
     refused("study gain_error --seed -1", "--seed: expected a whole number");
     refused("study gain_error --threads 0", "--threads: expected a whole number");

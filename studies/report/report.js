@@ -83,7 +83,7 @@ function range(figure, which) {
 function axis(title, log, span) {
   const wide = log && span && span[1] - span[0] > 3;
   return { title: { text: title, font: { size: 13 } }, type: log ? 'log' : undefined, exponentformat: 'power', showline: true, mirror: true, linecolor: '#888', ticks: 'outside',
-    gridcolor: '#e8e8e8', zeroline: false, range: span, automargin: true, nticks: 8, ...(wide ? { dtick: Math.ceil((span[1] - span[0]) / 8) } : {}) };
+    gridcolor: '#e8e8e8', zeroline: false, range: span, automargin: true, nticks: 8, ...(wide ? { dtick: Math.ceil((span[1] - span[0]) / 8) } : log && span && span[1] - span[0] < 1.6 ? { dtick: 'D2', tickangle: 0 } : {}) };
 }
 
 function draw(box) {
@@ -108,7 +108,7 @@ function draw(box) {
       Plotly.react(plot, figure.cells ? cellTraces(panel, figure) : traces(panel, figure, hidden),
         { shapes: figure.cells ? cellShapes(panel, figure) : [], height: figure.panels.length === 1 ? 470 : 360, margin: { l: 66, r: 12, t: 14, b: 52 }, font: { family: 'system-ui, sans-serif', size: 12, color: '#1a1a1a' },
           hovermode: 'closest', paper_bgcolor: '#fff', plot_bgcolor: '#fff', xaxis: axis(figure.x, figure.logX, spanX),
-          yaxis: figure.cells ? { title: { text: figure.series, font: { size: 13 } }, type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888', autorange: 'reversed' } : { ...axis(figure.y, figure.logY, spanY), ...(figure.square ? { scaleanchor: 'x' } : {}) } },
+          yaxis: figure.cells ? { title: { text: figure.series, font: { size: 13 } }, type: 'category', automargin: true, showline: true, mirror: true, linecolor: '#888' } : { ...axis(figure.y, figure.logY, spanY), ...(figure.square ? { scaleanchor: 'x' } : {}) } },
         { responsive: true, displayModeBar: false });
   };
   if (!figure.cells) {
