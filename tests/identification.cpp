@@ -257,5 +257,23 @@ TEST(Identify, TheHeatExchangersStandstillIsNamed) {
     EXPECT_THAT(m.warnings.front(), HasSubstr("input u stands still over the first 100 of"));
 }
 
+/// The model that the recursion ends with predicts the held-out third as a batch QR does at the same order.
+TEST(Identify, RealRecordsAreFittedAsABatchFitsThem) {
+    for (auto name : {"hair_dryer", "heat_exchanger", "gas_furnace"}) {
+        std::string const file = std::string(RLSLAB_SOURCE_DIR "/../shared/data/") + name + ".csv";
+        if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
+        Identified const m = identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
+        Columns const columns = read_columns(file, {"u", "y"});
+        Signal u = columns["u"], y = columns["y"];
+        for (double& x : u) x -= m.means[0];
+        for (double& x : y) x -= m.means[1];
+        Records const all = arx_records(u, y, arx_of_order(4));
+        Index const fitted = all.rows() - m.held_out;
+        Fit const batch = fit(Records{.psi = all.psi.leftCols(fitted), .y = all.y.head(fitted), .names = {}});
+        Vector<double> const predicted = all.psi.rightCols(m.held_out).transpose() * batch.theta;
+        EXPECT_GE(m.held_out_one_step, fit_percent(all.y.tail(m.held_out), predicted) - 1e-8) << name;
+    }
+}
+
 }  // namespace
 }  // namespace rlslab

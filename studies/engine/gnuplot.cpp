@@ -102,7 +102,7 @@ std::string gnuplot_script(Figure const& figure) {
     }
     double const width = panels > 1 ? 12.0 : 7.0, height = 4.6 * double(rows) + 0.4;
     std::string out = fmt::format("# {}: gnuplot {}.gp draws {}.svg and {}.pdf\n", figure.title, figure.name, figure.name, figure.name);
-    for (auto const& [terminal, unit, ending] : {std::tuple{"svg enhanced font \"Helvetica,12\"", 90.0, "svg"},
+    for (auto const& [terminal, unit, ending] : {std::tuple{"svg enhanced background '#ffffff' font \"Helvetica,12\"", 90.0, "svg"},
                                                  std::tuple{"pdfcairo enhanced font \"Helvetica,10\"", 1.0, "pdf"}}) {
         out += fmt::format("reset\nset terminal {} size {},{}\nset output \"{}.{}\"\nset grid lc rgb \"#e3e3e3\" lt 1\n", terminal,
                            width * unit, height * unit, figure.name, ending);

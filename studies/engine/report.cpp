@@ -56,9 +56,11 @@ Json json(Figure const& figure) {
             {"logY", figure.log_y}, {"cells", figure.cells}, {"series", figure.series}, {"square", figure.square}, {"ownY", figure.own_y}, {"panels", panels}};
 }
 
+/// As much of a table as anybody reads in a page; all of it is in the CSV file.
 std::string table_text(Table const& table) {
+    constexpr size_t most = 1000;
     std::string out = fmt::format("{}\n", fmt::join(table.columns(), ","));
-    for (auto const& row : table.rows()) out += csv_line(row) + '\n';
+    for (size_t i = 0; i < std::min(most, table.rows().size()); ++i) out += csv_line(table.rows()[i]) + '\n';
     return out;
 }
 
@@ -97,8 +99,8 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     }
     out += "</ul>\n";
     for (Figure const& figure : drawn) out += figure_html(figure);
-    out += fmt::format("<details class=\"table\" data-table=\"{0}\"><summary>The table: {1} rows, also in <a href=\"{0}.csv\">{0}.csv</a></summary>"
-                       "<div class=\"scroll\"></div></details>\n", study.name, outcome.table.rows().size());
+    out += fmt::format("<details class=\"table\" data-table=\"{0}\"><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>"
+                       "<div class=\"scroll\" data-rows=\"{1}\"></div></details>\n", study.name, outcome.table.rows().size());
     out += "<details><summary>Provenance, and how to run it again</summary><pre>";
     for (std::string const& line : outcome.provenance) out += escaped(line) + '\n';
     return out + "</pre></details></section>\n";

@@ -142,7 +142,7 @@ Command identify_command(CLI::App& app) {
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")->type_name("NAME");
     c->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
         ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->type_name("LAMBDA");
-    c->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default 2^14")
+    c->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default 2^40; covariance forms want less")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->type_name("C2");
     c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
         ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))->type_name("PART");

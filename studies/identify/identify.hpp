@@ -18,7 +18,8 @@ struct IdentifyOptions {
     int delay = 0;
     bool intercept = false, detrend = true;    ///< detrend: means of the fitted part are taken off inputs and output first
     std::string variant = "ud";
-    double forgetting = 1, p0 = 16384;
+    double forgetting = 1;
+    double p0 = 0x1p40;                        ///< no bias to speak of, and ud does not mind its size (study prior_size)
     double validate = 1.0 / 3;                 ///< the last part of the record, not fitted
     double confidence = 0.95;
 };

@@ -167,8 +167,7 @@ for (const details of document.querySelectorAll('details.table'))
     const table = document.createElement('table');
     const add = (cells, tag) => { const row = table.insertRow(); for (const text of cells) { const c = document.createElement(tag); c.textContent = text; row.append(c); } };
     add(lines[0], 'th');
-    const most = 2000;
-    lines.slice(1, most + 1).forEach(cells => add(cells, 'td'));
+    lines.slice(1).forEach(cells => add(cells, 'td'));
     place.append(table);
-    if (lines.length - 1 > most) place.append(`the first ${most} rows; all are in the CSV file`);
+    if (lines.length - 1 < +place.dataset.rows) place.append(`the first ${lines.length - 1} rows`);
   });
