@@ -2,6 +2,7 @@
 #include "identify.hpp"
 #include "report.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -80,12 +81,17 @@ std::vector<Figure> drawn(Identified const& m) {
     for (size_t j = 0; j < m.cross_correlation.size(); ++j) panel("with past " + m.options.inputs[j], m.cross_correlation[j], 0);
     out.push_back(std::move(correlations));
 
+    // From where the record, not the prior, decides: before, a band can be a million times as wide as at the end.
+    size_t settled = 0;
+    for (size_t i = 0; i < m.trajectory.size(); ++i)
+        if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any()) settled = i + 1;
+    if (settled >= m.trajectory.size()) settled = 0;
     Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant), "row", "value", false, false,
                       false, {{"", {}, {}}}};
     for (size_t j = 0; j < m.parameters.size(); ++j) {
         Curve c{.name = m.parameters[j].name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};
-        for (TrajectoryPoint const& point : m.trajectory) {
-            if (point.row < 2 * Index(m.parameters.size())) continue;    // the prior is still there
+        for (size_t i = settled; i < m.trajectory.size(); ++i) {
+            TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
             c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
         }
@@ -180,7 +186,8 @@ std::string as_json(Identified const& m) {
 
 std::string as_page(Identified const& m) {
     std::vector<Figure> const figures = drawn(m);
-    std::string body = fmt::format("<header><h1>{}: order {}</h1><p class=\"question\">{}</p>", escaped(printable(m.file, 200)), m.order, escaped(m.why));
+    std::string body = fmt::format("<header><h1>{}: order {}</h1><p class=\"question\">{}</p>", escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), m.order,
+                                   escaped(m.why));
     if (!m.warnings.empty()) {
         body += "<ul class=\"claims\">";
         for (std::string const& warning : m.warnings) body += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
