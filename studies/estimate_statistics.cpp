@@ -100,7 +100,6 @@ double kurtosis_z(Table const& t) {
     double const square = mean(t, "mean_square");
     return (mean(t, "mean_fourth") / (square * square) - 3) / std::sqrt(24 / records_of(t));
 }
-double kurtosis(Table const& t) { return mean(t, "mean_fourth") / (mean(t, "mean_square") * mean(t, "mean_square")); }
 
 Table longest(Table const& t, std::string const& system) {
     return t.where("system", system).where("rows", greatest("rows")(t));

@@ -30,10 +30,12 @@ int run_study(StudyArguments a) {
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
-    std::error_code nothing_there;
-    if (a.fresh) std::filesystem::remove_all(a.options.out / ".trials", nothing_there);
+    std::error_code error;
+    if (a.fresh)
+        for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
+    std::filesystem::create_directories(a.options.out / "figures", error);
+    if (error) throw InputError(fmt::format("{}: cannot create: {}", printable((a.options.out / "figures").string(), 200), error.message()));
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
-    std::filesystem::create_directories(a.options.out / "figures");
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
             replace_file(a.options.out / "figures" / (figure.name + ".gp"), gnuplot_script(figure));
@@ -71,7 +73,7 @@ Command study_command(CLI::App& app) {
         ->check(whole(1, 4096))->type_name("N");
     studying->add_option("--out", st->out, "folder for tables, figures and the report; default out")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("DIR");
-    studying->add_flag("--fresh", st->fresh, "run finished trials again");
+    studying->add_flag("--fresh", st->fresh, "run finished trials of these studies again");
     return {studying, [st] { return run_study(*st); }};
 }
 

@@ -6,6 +6,7 @@
 #include <rlslab/variants/order_recursive.hpp>
 #include <rlslab/variants/order_recursive_qr.hpp>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -220,13 +221,46 @@ TEST(Identify, FindsTheOrderAndTheParameters) {
     EXPECT_GT(m.digits, 13);
     EXPECT_THAT(as_page(m), HasSubstr("data-figure=\"poles\""));
 }
+TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
+    files::Folder const folder;
+    DifferenceEquation const model{.a = {-1.5, 0.7}, .b = {{1, 0.5, 0}}, .delay = 0, .c = 0};
+    Signal const u = prbs(10, 1000), y = simulate(model, {u}, Signal(1000, 0.0));
+    std::string text = "u,y\n";
+    for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
+    for (bool detrend : {true, false}) {
+        Identified const m = identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
+        EXPECT_EQ(m.order, 2);
+        EXPECT_NEAR(m.parameters[0].value, -1.5, 1e-12);
+        EXPECT_NEAR(m.parameters[1].value, 0.7, 1e-12);
+        EXPECT_NEAR(m.parameters[3].value, 0.5, 1e-12);
+        EXPECT_TRUE(m.warnings.empty()) << m.warnings.front();
+    }
+    std::string const still = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
+    EXPECT_THAT(files::message_of([&] { identify(still, {.inputs = {"u"}, .output = "y", .order = 1}); }), HasSubstr("column \"y\" does not change"));
+}
+/// With forgetting the estimate scatters as its own standard deviation says.
+TEST(Identify, StandardDeviationsHoldWithForgetting) {
+    files::Folder const folder;
+    DifferenceEquation const model{.a = {-0.5}, .b = {{0, 1}}, .delay = 0, .c = 0};
+    int inside = 0;
+    constexpr int records = 200;
+    for (int k = 0; k < records; ++k) {
+        Signal const u = white_noise(400, Seed{std::uint64_t(k)});
+        Signal xi = white_noise(400, Seed{std::uint64_t(5000 + k)});
+        for (double& x : xi) x *= 0.5;
+        Identified const m = identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
+                                      {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
+        inside += m.parameters[2].low <= 1 && 1 <= m.parameters[2].high;
+    }
+    EXPECT_NEAR(inside / double(records), 0.95, 0.06);    // four standard deviations of 200 draws
+}
 TEST(Identify, TakesSeveralInputs) {
     files::Folder const folder;
     DifferenceEquation const model{.a = {-0.8}, .b = {{1, 0.5}, {-2, 0.25}}, .delay = 0, .c = 0};
     Signal const u = prbs(9, 1500), v = white_noise(1500, Seed{5});
     std::string const file = folder.file(csv({u, v, simulate(model, {u, v}, Signal(1500, 0.0))}, "u,v,y"));
     Identified const m = identify(file, {.inputs = {"u", "v"}, .output = "y", .order = 1});
-    ASSERT_EQ(m.parameters.size(), 5u);
+    ASSERT_EQ(m.parameters.size(), 6u);    // and the constant
     EXPECT_EQ(m.parameters[3].name, "b0[v]");
     EXPECT_NEAR(m.parameters[3].value, -2, 1e-4);    // six decimals in the file
     EXPECT_NEAR(m.model.b[1][1], 0.25, 1e-4);

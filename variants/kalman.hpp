@@ -31,9 +31,10 @@ public:
         : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),
           K_(problem.size), P_(start_covariance<T, N>(problem)), Q_(problem.size), walks_(false) {}
 
-    /// With a walk. Throws std::invalid_argument for a Q of another size.
+    /// With a walk. Throws std::invalid_argument for a Q of another size, or not symmetric; that it is no covariance
+    /// otherwise is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
-        expects(Q.rows() == problem.size && Q.cols() == problem.size, "a Q of size x size");
+        expects(Q.rows() == problem.size && Q.cols() == problem.size && Q == Q.transpose(), "a symmetric Q of size x size");
         for (Index j = 0; j < problem.size; ++j)
             for (Index i = 0; i < problem.size; ++i) Q_(i, j) = Q(i, j);
         walks_ = true;

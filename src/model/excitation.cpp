@@ -19,7 +19,7 @@ Records windows(Signal const& x, Index n) {
     return out;
 }
 
-/// What a file with so many decimals, or a converter with so many bits, can tell apart: the largest power of ten of which all the
+/// What a file with so many decimals, or a converter with so many bits, can tell apart: the largest power of ten, up to 1, of which all the
 /// numbers are multiples, or else the smallest distance between two of them where nearly all are multiples of that. A signal
 /// of a few levels (PRBS, steps) was made with these levels, not rounded to them. At least 2^-42 of the largest: what a
 /// program computes in binary64 carries a thousand of its roundings, and nothing measured comes near that.

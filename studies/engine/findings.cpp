@@ -35,6 +35,9 @@ Number fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(
         return fitted(kept_x, kept_y);
     };
 }
+bool has_nan(std::vector<double> const& v) {
+    return std::ranges::any_of(v, [](double x) { return x != x; });
+}
 double as_it_is(double x) { return x; }
 double log_10(double x) { return std::log10(x); }
 double log_e(double x) { return std::log(x); }
@@ -55,10 +58,10 @@ double median(std::vector<double> values) {
 
 Number median(std::string column) { return over(column, &median); }
 Number least(std::string column) {
-    return over(column, [](std::vector<double> v) { return v.empty() ? std::nan("") : *std::ranges::min_element(v); });
+    return over(column, [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); });
 }
 Number greatest(std::string column) {
-    return over(column, [](std::vector<double> v) { return v.empty() ? std::nan("") : *std::ranges::max_element(v); });
+    return over(column, [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); });
 }
 Number root_mean_square(std::string column) {
     return over(column, [](std::vector<double> v) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <sstream>
+#include <unistd.h>
 
 namespace rlslab {
 namespace {
@@ -36,14 +37,23 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
 
 void replace_file(std::filesystem::path const& path, std::string const& text) {
     std::filesystem::path beside = path;
-    beside += ".new";
+    beside += fmt::format(".{}.new", ::getpid());    // two runs in one folder do not write into each other's
     std::ofstream file(beside, std::ios::binary);
     file << text << std::flush;
-    if (!file) cannot_write(beside);
+    std::error_code ignored;
+    if (!file) {
+        int const reason = errno;
+        std::filesystem::remove(beside, ignored);
+        errno = reason;
+        cannot_write(path);
+    }
     file.close();
     std::error_code error;
     std::filesystem::rename(beside, path, error);
-    if (error) throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), error.message()));
+    if (error) {
+        std::filesystem::remove(beside, ignored);
+        throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), error.message()));
+    }
 }
 
 Journal::Journal(std::filesystem::path path, std::string const& key) : path_(std::move(path)) {

@@ -44,7 +44,7 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
     if (name == "white" && p.empty()) return white_noise(samples, seed);
     if (name == "prbs" && p.size() <= 2) return prbs(int(whole_number(0, 2, 20)), samples, p.size() > 1 ? whole_number(1, 1, longest) : 1);
     if (name == "coloured" && !p.empty()) return coloured_noise(samples, p, seed);
-    if (name == "multisine" && p.size() == 1) return multisine(samples, int(whole_number(0, 1, (longest - 1) / 2)));
+    if (name == "multisine" && p.size() == 1) return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
     if (name == "steps" && p.size() == 2) return random_steps(samples, whole_number(0, 1, longest), whole_number(1, p[0], longest), seed);
     throw InputError(fmt::format("--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST, found \"{}\"",
                                  printable(text)));
@@ -87,8 +87,14 @@ int run_simulate(SimulateArguments const& s) {
     Seed const of_noise{seed.next()};
     Signal xi = s.noise_colour.empty() ? white_noise(s.samples, of_noise) : coloured_noise(s.samples, numbers_of("--noise-colour", s.noise_colour), of_noise);
     for (double& x : xi) x *= s.noise;
+    auto const check = [](char const* option, Signal const& x, char const* what) {
+        if (!std::ranges::all_of(x, [](double v) { return std::abs(v) <= largest_value; }))
+            throw InputError(fmt::format("{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what));
+    };
+    check("--input", u, "input");
+    check("--noise-colour", xi, "noise");
     Signal const y = simulate(model, {u}, xi);
-    if (!std::ranges::all_of(y, [](double x) { return std::abs(x) <= largest_value; })) throw InputError("--a: the output grows beyond 2^500: expected a stable model");
+    check("--a, --b", y, "output");
     std::string text = "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     print(text);
@@ -123,7 +129,7 @@ int run_excitation(ExcitationArguments const& a) {
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n", e.exact_order, e.order);
     nlohmann::ordered_json const out = {{"file", a.file}, {"input", a.input}, {"samples", u.size()}, {"exciting_of_order", e.order},
                                         {"exact_order", e.exact_order}, {"resolution", e.resolution}, {"still", e.still}, {"orders", orders}};
-    print(a.json ? out.dump(2) + '\n' : text);
+    print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
     return 0;
 }
 

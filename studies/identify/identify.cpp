@@ -5,6 +5,7 @@
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 namespace rlslab {
@@ -21,14 +22,14 @@ Data read(std::string const& file, IdentifyOptions const& options) {
     names.push_back(options.output);
     for (size_t i = 0; i < names.size(); ++i)
         if (std::ranges::count(names, names[i]) > 1)
-            throw InputError(fmt::format("{}: column \"{}\" is asked for twice", file, printable(names[i])));
+            throw InputError(fmt::format("{}: column \"{}\" is asked for twice", printable(file, 200), printable(names[i])));
     Columns const columns = read_columns(file, names);
     Data out;
     for (std::string const& name : names) {
         Signal const& values = columns[name];
         auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
         if (missing != values.end())
-            throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", file,
+            throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", printable(file, 200),
                                          columns.lines[size_t(missing - values.begin())], printable(name)));
         (name == options.output ? out.y : out.inputs.emplace_back()) = values;
     }
@@ -86,24 +87,58 @@ void estimate(Identified& out, Records const& records) {
         out.trajectory.push_back(std::move(point));
     }
     theta = out.trajectory.back().theta;
-    double J = 0, weight = 0;    // of the rows as the estimate weighs them
+    // With weights w_k = lambda^(N-k): cov theta = sigma^2 P M P, M = sum w_k^2 psi psi', and E J = sigma^2 (sum w_k - tr P M).
+    Index const d = records.size();
+    Matrix<double> const P = exact.back().covariance().cast<double>();
+    Matrix<double> M = Matrix<double>::Zero(d, d);
+    double J = 0, weight = 0;
     for (Index row = 0; row < records.rows(); ++row) {
         double predicted = 0;
         for (Index j = 0; j < records.size(); ++j) predicted += records.psi(j, row) * theta[j];
         J = options.forgetting * J + (records.y[row] - predicted) * (records.y[row] - predicted);
         weight = options.forgetting * weight + 1;
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i < d; ++i) M(i, j) = options.forgetting * options.forgetting * M(i, j) + records.psi(i, row) * records.psi(j, row);
     }
-    out.sigma2 = weight > double(records.size()) ? J / (weight - double(records.size())) : std::numeric_limits<double>::quiet_NaN();
-    for (TrajectoryPoint& point : out.trajectory) point.sd *= std::sqrt(out.sigma2);
+    Matrix<double> const PM = P.lazyProduct(M), PMP = PM.lazyProduct(P);
+    double used = 0;
+    for (Index j = 0; j < d; ++j) used += PM(j, j);
+    if (!(weight - used > 1))
+        throw InputError(fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters", options.forgetting, weight, d));
+    out.sigma2 = J / (weight - used);
+    for (TrajectoryPoint& point : out.trajectory)
+        for (Index j = 0; j < d; ++j) point.sd[j] *= std::sqrt(out.sigma2 * PMP(j, j) / P(j, j));
+    out.quantile = quantile(boost::math::students_t(weight - used), 0.5 + options.confidence / 2);
+    // What is wrong for another reason than noise, against what noise does.
+    Problem<double> free = problem;
+    free.prior.reset();
+    Vector<Reference> const best = exact.back().theta(), without = certified(free, records, {records.rows()}).front().theta();
+    bool rounded = false, biased = false;
+    double scale = 0;
+    for (Reference const& x : without) scale = std::max(scale, std::abs(static_cast<double>(x)));
+    for (Index j = 0; j < d; ++j) {
+        double const tenth = 0.1 * out.trajectory.back().sd[j] + 1e-9 * scale;
+        rounded = rounded || !(std::abs(static_cast<double>(best[j]) - theta[j]) <= tenth);
+        biased = biased || !(std::abs(static_cast<double>(Reference(best[j] - without[j]))) <= tenth);
+    }
+    if (rounded)
+        out.warnings.push_back(fmt::format("{} has lost digits to rounding, more than the noise hides: another --variant (ud), or a smaller --p0", options.variant));
+    if (biased) out.warnings.push_back("the prior moves the estimate by more than the noise does: a larger --p0");
     out.digits = std::min(exact.back().theta_digits(filter->theta()), 15.95);
     out.digits_worst = std::min(exact.back().theta_digits_worst(filter->theta()), 15.95);
 }
 
 }  // namespace
 
-Identified identify(std::string const& file, IdentifyOptions const& options) {
+Identified identify(std::string const& path, IdentifyOptions const& asked) {
+    IdentifyOptions options = asked;
+    // Means of a window are not the equation's means: what taking them off leaves is a constant.
+    options.intercept = options.intercept || options.detrend;
+    std::string const file = printable(path, 200);
     entry_of(options.variant);
-    Data data = read(file, options);
+    Data data = read(path, options);
+    if (std::ranges::all_of(data.y, [&](double v) { return v == data.y[0]; }))
+        throw InputError(fmt::format("{}: column \"{}\" does not change: there is nothing to model", file, printable(options.output)));
     Index const samples = Index(data.y.size());
     int const most = options.order ? options.order : options.max_order;
     Index const inputs = Index(data.inputs.size()), widest = Index(most) * (1 + inputs) + inputs + options.intercept;
@@ -144,9 +179,9 @@ Identified identify(std::string const& file, IdentifyOptions const& options) {
                                      fmt::join(out.warnings, "; ")));
 
     OrderColumns const columns = order_columns(data.inputs, data.y, int(std::min<Index>(most, supported)), options.delay, options.intercept);
-    Index const lead = std::min<Index>(most, supported) + options.delay;
-    double const part = double(held_out) / double(samples - lead);
-    out.choice = choose_order(columns, int(std::min<Index>(most, supported)), part);
+    out.choice = choose_order(columns, int(std::min<Index>(most, supported)), held_out);
+    if (out.choice.fits.size() < 2)
+        throw InputError(fmt::format("{}: the output, the inputs and their past are linearly dependent already at order 1", file));
     out.order = options.order ? options.order : out.choice.order;
     out.why = options.order ? "given" : out.choice.why;
 
@@ -164,8 +199,7 @@ Identified identify(std::string const& file, IdentifyOptions const& options) {
     out.condition = condition(fitted, options.forgetting);
     estimate(out, fitted);
 
-    Fit const batch = fit(fitted, FitBy::qr, options.confidence);
-    double const t = batch.sd[0] > 0 ? (batch.high[0] - batch.theta[0]) / batch.sd[0] : 0;    // Student's quantile
+    double const t = out.quantile;
     TrajectoryPoint const& last = out.trajectory.back();
     for (Index i = 0; i < fitted.size(); ++i)
         out.parameters.push_back({fitted.names[size_t(i)], last.theta[i], last.sd[i], last.theta[i] - t * last.sd[i], last.theta[i] + t * last.sd[i]});
@@ -204,7 +238,10 @@ Identified identify(std::string const& file, IdentifyOptions const& options) {
     }
     Vector<double> const residuals = fitted.y - predicted.head(out.fitted);
     Index const lags = std::min<Index>(out.fitted - 1, std::max<Index>(25, 2 * out.order));
-    out.whiteness = whiteness(residuals, std::min<Index>(lags, std::max<Index>(20, 2 * out.order)), out.order);
+    double J = 0;
+    for (double const x : residuals) J += x * x;
+    bool const exactly = J <= rounding_alone(out.fitted, fitted.y.cwiseAbs().maxCoeff());
+    out.whiteness = exactly ? 1 : whiteness(residuals, whiteness_lags(out.fitted, out.order), out.order);
     Signal const eps(residuals.data(), residuals.data() + residuals.size());
     out.auto_correlation = scaled_correlation(eps, eps, lags);
     for (Signal const& u : data.inputs) out.cross_correlation.push_back(scaled_correlation(eps, Signal(u.begin() + first, u.begin() + first + out.fitted), lags));

@@ -16,7 +16,9 @@ struct IdentifyOptions {
     std::string output;
     int order = 0, max_order = 10;             ///< order 0: chosen among 1 ... max_order
     int delay = 0;
-    bool intercept = false, detrend = true;    ///< detrend: means of the fitted part are taken off inputs and output first
+    bool intercept = false, detrend = true;
+    ///< detrend: means of the fitted part are taken off first, and what is
+                                               ///< left of a constant is estimated
     std::string variant = "ud";
     double forgetting = 1;
     double p0 = 0x1p40;                        ///< no bias to speak of, and ud does not mind its size (study prior_size)
@@ -47,7 +49,7 @@ struct Identified {
     DifferenceEquation model;
     std::vector<std::complex<double>> poles;
     std::vector<std::vector<std::complex<double>>> zeros;
-    double sigma2;
+    double sigma2, quantile;                   ///< quantile: Student's, of the interval
     double fit_one_step, held_out_one_step, held_out_simulated;    ///< percent
     double whiteness;                          ///< tail probability of the residuals' Q
     Signal auto_correlation;                   ///< r_0 = 1, r_1 ... of the residuals

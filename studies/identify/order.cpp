@@ -37,7 +37,8 @@ double whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
         return out;
     };
     double const variance = sum(0);
-    if (!(variance > 0)) return 1;    // nothing is left: nothing is correlated
+    if (!std::isfinite(variance)) return std::numeric_limits<double>::quiet_NaN();
+    if (variance == 0) return 1;    // nothing is left: nothing is correlated
     double Q = 0;
     for (Index lag = 1; lag <= lags; ++lag) {
         double const r = sum(lag) / variance;
@@ -47,18 +48,23 @@ double whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
     return cdf(complement(boost::math::chi_squared(freedom), Q));
 }
 
-OrderChoice choose_order(OrderColumns const& all, int most, double held_out) {
-    Index const rows = all.y.size(), fitted = rows - Index(std::floor(held_out * double(rows)));
+Index whiteness_lags(Index rows, int order) { return std::min<Index>(rows - 1, std::max<Index>(25, 2 * order)); }
+
+double rounding_alone(Index rows, double y) { return double(rows) * (0x1p-44 * y) * (0x1p-44 * y); }
+
+OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
+    Index const rows = all.y.size(), fitted = rows - held_out;
     expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
     double const N = double(fitted);
     // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
-    double const y = all.y.head(fitted).cwiseAbs().maxCoeff(), nothing = N * (0x1p-46 * y) * (0x1p-46 * y);
+    double const nothing = rounding_alone(fitted, all.y.head(fitted).cwiseAbs().maxCoeff());
     OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
     OrderChoice out{fitted, {}, 0, 0, 0, 0, 0, ""};
-    auto const lags = std::min<Index>(fitted - 1, std::max<Index>(20, 2 * most));
     for (int order = 0; order <= most; ++order) {
         Index const d = all.columns(order);
-        while (recursion.size() < d) recursion.append(all.X.col(recursion.size()).head(fitted));
+        bool sound = true;
+        while (recursion.size() < d && sound) sound = recursion.append(all.X.col(recursion.size()).head(fitted)).relative > 0x1p-90;
+        if (!sound) break;
         Vector<double> const theta = recursion.theta();
         auto const predicted = [&](Index from, Index count) {
             Vector<double> p(count);
@@ -80,7 +86,7 @@ OrderChoice choose_order(OrderColumns const& all, int most, double held_out) {
         Vector<double> residuals = all.y.head(fitted);
         Vector<double> const p = predicted(0, fitted);
         for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
-        fit.whiteness = whiteness(residuals, lags, order);
+        fit.whiteness = recursion.J() <= nothing ? 1 : whiteness(residuals, whiteness_lags(fitted, order), order);
         if (fitted < rows) fit.held_out = fit_percent(all.y.tail(rows - fitted), predicted(fitted, rows - fitted));
         out.fits.push_back(fit);
     }

@@ -40,12 +40,18 @@ struct OrderColumns {
 };
 OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, int delay, bool intercept);
 
-/// Orders 0 ... most by appended columns of a QR factorisation; the last held_out part of the rows is not fitted.
+/// Orders 0 ... most by appended columns of a QR factorisation, up to the first whose columns depend on one another; the last
+/// held_out rows are not fitted.
 /// Source: Söderström & Stoica, System Identification, 1989, 11.5; Ljung & Box, Biometrika 65, 1978.
-OrderChoice choose_order(OrderColumns const& columns, int most, double held_out);
+OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
+
+/// How many lags are looked at for an order.
+Index whiteness_lags(Index rows, int order);
+/// J of residuals that are rounding alone, of so many rows with outputs up to y.
+double rounding_alone(Index rows, double y);
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), chi-squared with lags - fitted degrees of
-/// freedom where fitted < lags, else 1; its tail probability. Throws std::invalid_argument unless 1 <= lags < N.
+/// freedom where fitted < lags, else 1; its tail probability. NaN for residuals that are not finite. Throws std::invalid_argument unless 1 <= lags < N.
 double whiteness(Vector<double> const& residuals, Index lags, Index fitted);
 
 }  // namespace rlslab

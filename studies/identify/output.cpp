@@ -147,7 +147,7 @@ std::string as_table(Identified const& m) {
         out += fmt::format("input {}: exciting of order {} at least\n", printable(m.options.inputs[i]), m.excitation[i].order);
     out += fmt::format("\norder {} ({}); AIC says {}, BIC {}, FPE {}, F-test {}\n", m.order, m.why, m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test);
     out += fmt::format("\n  {:<10} {:>14} {:>12}   {:.0f} % interval\n", "parameter", "estimate", "sd", 100 * m.options.confidence);
-    for (Parameter const& p : m.parameters) out += fmt::format("  {:<10} {:>14.6g} {:>12.2g}   {:.5g} ... {:.5g}\n", p.name, p.value, p.sd, p.low, p.high);
+    for (Parameter const& p : m.parameters) out += fmt::format("  {:<10} {:>14.6g} {:>12.2g}   {:.5g} ... {:.5g}\n", printable(p.name), p.value, p.sd, p.low, p.high);
     out += fmt::format("\npoles: {}\n", list_of(m.poles));
     for (size_t j = 0; j < m.zeros.size(); ++j) out += fmt::format("zeros of {}: {}\n", printable(m.options.inputs[j]), list_of(m.zeros[j]));
     out += fmt::format("\nfit: {} one step ahead; held out: {} one step ahead, {} simulated\n", percent(m.fit_one_step), percent(m.held_out_one_step),
@@ -181,7 +181,7 @@ std::string as_json(Identified const& m) {
         {"fit", {{"one_step", number(m.fit_one_step)}, {"held_out_one_step", number(m.held_out_one_step)}, {"held_out_simulated", number(m.held_out_simulated)}}},
         {"whiteness", m.whiteness}, {"residual_correlation", numbers(m.auto_correlation)}, {"bound", m.bound},
         {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}}, {"condition", number(m.condition)}};
-    return out.dump(2) + '\n';
+    return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 std::string as_page(Identified const& m) {
