@@ -95,7 +95,7 @@ TEST_F(Program, RefusesStudiesThatAreNotThere) {
     refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
     refused("study gain_error --seed -1", "--seed: expected a whole number");
     refused("study gain_error --threads 0", "--threads: expected a whole number");
-    refused("study gain_error --out /dev/null/here", "/dev/null/here: cannot create");
+    refused("study gain_error --out /dev/null/here", "/dev/null/here/figures: cannot create");
     EXPECT_FALSE(fs::exists(folder / "out"));
 }
 TEST_F(Program, RefusesBadOptionsInOneLine) {
