@@ -42,7 +42,9 @@ TEST(Bits, EveryOperationIsRoundedOnce) {
             EXPECT_EQ(double(Bits(x) + Bits(y)), rounded(a + b, p)) << p << ' ' << x << ' ' << y;
             EXPECT_EQ(double(Bits(x) - Bits(y)), rounded(a - b, p)) << p << ' ' << x << ' ' << y;
             EXPECT_EQ(double(Bits(x) * Bits(y)), rounded(a * b, p)) << p << ' ' << x << ' ' << y;
-            if (y != 0) EXPECT_EQ(double(Bits(x) / Bits(y)), rounded(a / b, p)) << p << ' ' << x << ' ' << y;
+            if (y != 0) {
+                EXPECT_EQ(double(Bits(x) / Bits(y)), rounded(a / b, p)) << p << ' ' << x << ' ' << y;
+            }
         }
 }
 
