@@ -21,11 +21,11 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class QrBlock {
     T root_lambda_;
-    Column<T, N> z_, psi_;
+    Column<T, N> z_, psi_, x_, tau_;
     Square<T, N> L_;                                  // R'
     Index rows_ = 0;                                  // taken so far
     bool prior_;                                      // started with one
-    Rows<T> A_, row_;    // a block and one row, each with y as its last column
+    Rows<T> A_;                                       // a block, with y as its last column
 
 public:
     using scalar = T;
@@ -34,8 +34,8 @@ public:
     static constexpr Index block = 64;
 
     explicit QrBlock(Problem<T> const& problem)
-        : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), L_(problem.size),
-          prior_(problem.prior.has_value()), row_(1, problem.size + 1) {
+        : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), x_(problem.size), tau_(problem.size),
+          L_(problem.size), prior_(problem.prior.has_value()) {
         start_information_root(problem, L_, z_);
     }
 
@@ -68,12 +68,11 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        for (Index i = 0; i < z_.size(); ++i) row_(0, i) = psi_[i];
-        row_(0, z_.size()) = y;
+        x_ = psi_;
         ++rows_;
         Truth<T> const determined = nonsingular(L_);
-        T const root_gamma = fold(root_lambda_, L_, z_, row_);
-        return report_rotated(T(row_(0, z_.size())), root_gamma, determined);
+        T const root_gamma = fold(root_lambda_, L_, z_, x_, y, tau_);
+        return report_rotated(y, root_gamma, determined);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <rlslab/linalg/dot.hpp>
-#include <rlslab/linalg/rotations.hpp>
+#include <rlslab/linalg/reflector.hpp>
 #include <rlslab/linalg/storage.hpp>
 
 #include <algorithm>
@@ -117,7 +117,7 @@ struct SubtractRankOne {
 };
 template <class T>
 struct SubtractMirrored {
-    static constexpr int registers = 8;
+    static constexpr int registers = 4;
     Index d, ld;
     T* A;
     T const *w, *f;
@@ -193,6 +193,13 @@ struct RotateIn {
     Index d, ld;
     T *L, *x, *z, *eta, *c, *s;
     T root_lambda;
+};
+template <class T>
+struct ReflectIn {
+    static constexpr bool writes = true, corners = true;
+    Index d, ld;
+    T *L, *x, *z, *eta, *tau, *ratio;
+    T weight;
 };
 template <class K>
 concept ByPanels = requires { K::corners; };
@@ -280,10 +287,8 @@ template <class T, int N, class Kernel>
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::run<portable::Simd<T, register_bytes>>(kernel);
     } else {
-        if constexpr (requires { kernel.rows; kernel.columns; }) {
-        } else if constexpr (OnColumns<Kernel>) {
-            if (kernel.rows == 1) return portable::run<portable::Any<Kernel, T>>(kernel);
-        } else if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+        if constexpr (!OnColumns<Kernel>)
+            if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
 #if defined(__x86_64__) && !defined(__AVX2__)

@@ -72,6 +72,14 @@ void solve_lower_transposed(Square<T, N> const& L, X& x) {
     }
 }
 
+/// Solves L diag(D) L'x = x in place; what is not positive has no solution: NaN.
+template <Field T, int N>
+void solve_ldl(Square<T, N> const& L, Column<T, N> const& D, Truth<T> const& positive, Column<T, N>& x) {
+    solve_lower(L, x);
+    for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], T(1))), undefined<T>());
+    solve_lower_transposed(L, x);
+}
+
 /// out = L'x, L lower triangular.
 template <Field T, int N>
 void multiply_lower_transposed(Square<T, N> const& L, Column<T, N> const& x, Column<T, N>& out) {

@@ -77,13 +77,6 @@ struct Simd {
         }
     }
     [[gnu::always_inline]] void take(Simd const& a) { *this = a; }
-    /// The rows from `first` on.
-    [[gnu::always_inline]] void take_from(Index first, Simd const& a) {
-        for (int m = 0; m < registers; ++m) {
-            Mask const kept = mask(first, m);
-            v[m] = kept ? v[m] : a.v[m];
-        }
-    }
     [[gnu::always_inline]] void scale(T a) {
         for (V& r : v) r = r * a;
     }
@@ -128,6 +121,13 @@ struct Simd {
     }
     [[gnu::always_inline]] void subtract_product(Simd const& a, T b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
+    }
+    /// Rows before `first` less a b, those from there on less c d.
+    template <int first>
+    [[gnu::always_inline]] void subtract_either(Simd const& a, T b, Simd const& c, T d) {
+        [&]<int... m>(std::integer_sequence<int, m...>) {
+            (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
+        }(std::make_integer_sequence<int, registers>());
     }
     /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
     [[gnu::always_inline]] void start_sum_all(Simd const& a, Simd const& b) {
@@ -191,6 +191,18 @@ private:
                 v[m] = V{a[0], a[1], a[2], a[3]};
             else
                 v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
+        }
+    }
+    template <int first>
+    [[gnu::always_inline]] static void subtract_either_in(V& x, V const& a, T b, V const& c, T d) {
+        if constexpr (first >= W) {
+            x = x - a * b;
+        } else if constexpr (first <= 0) {
+            x = x - c * d;
+        } else {
+            [&]<int... i>(std::integer_sequence<int, i...>) {
+                x = x - __builtin_shufflevector(a * b, c * d, (i < first ? i : W + i)...);
+            }(std::make_integer_sequence<int, W>());
         }
     }
     /// Ones in the lanes of register m that hold rows < count.

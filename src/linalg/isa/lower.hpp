@@ -41,6 +41,18 @@ template <class B, class T>
     x.subtract_product(old, s.s[i]);
 }
 
+// t = tau (weight L_ji + v_i x_j),  L_ji = weight L_ji - t,  x_j -= t v_i
+template <class B, class T>
+[[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
+    t.scale(s.weight);
+    B along = x;
+    along.scale(s.x[i]);
+    along.add(t);
+    along.scale(s.tau[i]);
+    t.subtract(along);
+    x.subtract_product(along, s.x[i]);
+}
+
 /// Row i of the m x m corner L on the diagonal against what follows it there, in scalars.
 template <class T>
 [[gnu::always_inline]] inline void settle(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
@@ -62,6 +74,24 @@ template <class T>
     T const t = s.root_lambda * s.z[i0 + i], eta = *s.eta;
     s.z[i0 + i] = turn.c * t + turn.s * eta;
     *s.eta = turn.c * eta - turn.s * t;
+}
+template <class T>
+[[gnu::always_inline]] inline void settle(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
+    T* const row = s.L + (i0 + i) * s.ld + i0;
+    T const a = s.weight * row[i], here = x[i];
+    Reflector<T> const turn(a, norm(a, T(here * here), &here, 1));
+    row[i] = turn.r;
+    *s.ratio *= turn.shrunk(a);
+    T const v = x[i] = here / turn.pivot;
+    s.tau[i0 + i] = turn.tau;
+    auto const reflect = [&](T& above, T& below) {
+        above *= s.weight;
+        T const t = turn.tau * (above + v * below);
+        above -= t;
+        below -= t * v;
+    };
+    for (Index j = i + 1; j < m; ++j) reflect(row[j], x[j]);
+    reflect(s.z[i0 + i], *s.eta);
 }
 /// The rows of a whole corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>

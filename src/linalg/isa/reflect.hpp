@@ -91,28 +91,8 @@ template <class P, int C, class T = typename P::scalar>
         for (int c = 0; c < C; ++c) a[c][k] += t[c] * h.v[k];
 }
 
-/// The same where a column is one number: along the row instead.
-template <class P, class T>
-[[gnu::always_inline]] inline void reflect_row(Reflection<T> const& h) {
-    auto const step = [&](auto const& a_before, auto const& above_before, auto store) {
-        auto const t = h.tau * (above_before + h.v[0] * a_before);
-        store(a_before - t * h.v[0], above_before - t);
-    };
-    Index j = 0;
-    for (; j + P::width < h.columns; j += P::width)
-        step(P::load(h.A + j), P::load(h.above + j), [&](auto const& a, auto const& above) {
-            P::store(h.A + j, a);
-            P::store(h.above + j, above);
-        });
-    for (; j < h.columns; ++j) {
-        T& above = j + 1 < h.columns ? h.above[j] : *h.last;
-        step(T(h.A[j]), T(above), [&](T const& a, T const& b) { h.A[j] = a, above = b; });
-    }
-}
-
 template <class P, class T>
 [[gnu::always_inline]] inline void run(Reflection<T> const& h) {
-    if (h.rows == 1) return reflect_row<P>(h);
     Index j = 0;
     for (; j + P::columns <= h.columns; j += P::columns) reflect_columns<P, P::columns>(h, j);
     if constexpr (P::columns > 4)

@@ -96,47 +96,48 @@ template <class B, int K, Sweep S>
 }
 
 // A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j: what runs along the rows of a block is f up to the diagonal and w from
-// there on, and in the block on the diagonal both.
-template <int m, int p, class B, int K, class T>
-[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], B const& w, Index i0, Index j) {
+// there on, and in column c of the block p that the diagonal is in, both.
+template <int m, int p, int c, class B, int K, class T>
+[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
     Index const i = i0 + m * B::rows;
-    T* const here = s.A + j * s.ld + i;
     B t;
-    t.load(here, rows_of<B>(i, s.d));
-    if constexpr (m < p) {
-        t.subtract_product(running[m], s.f[j]);
-    } else if constexpr (m > p) {
-        t.subtract_product(running[m], s.w[j]);
-    } else {
-        B product = w, mirror = running[m];
-        product.scale(s.f[j]);
-        mirror.scale(s.w[j]);
-        product.take_from(j + 1 - i, mirror);
-        t.subtract(product);
-    }
+    t.load(here + m * B::rows, rows_of<B>(i, s.d));
+    if constexpr (m < p)
+        t.subtract_product(running[m], f);
+    else if constexpr (m > p)
+        t.subtract_product(running[m], w);
+    else
+        t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
     t.add_product(t, s.excess);
-    t.store(here);
-    if constexpr (m + 1 < K) mirrored<m + 1, p>(s, running, w, i0, j);
+    t.store(here + m * B::rows);
+    if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
+}
+template <int p, int c, class B, int K, class T>
+[[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here) {
+    Index const j = i0 + p * B::rows + c;
+    if (j >= s.d) return;
+    mirrored<0, p, c>(s, running, i0, here, s.f[j], s.w[j]);
+    if constexpr (c + 1 < B::rows) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
 }
 /// The columns whose diagonal is in block p, and so on to those beyond the last block.
 template <int p, class B, int K, class T>
-[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
-    Index const j0 = i0 + p * B::rows, j1 = p < K && j0 + B::rows < s.d ? j0 + B::rows : s.d;
+[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0, T* here) {
+    Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
-        B const w = block_of<B>(s.w, j0, s.d);
-        for (Index j = j0; j < j1; ++j) mirrored<0, p>(s, running, w, i0, j);
-        running[p] = w;
-        from_diagonal<p + 1>(s, running, i0);
+        on_diagonal<p, 0>(s, running, i0, here);
+        running[p] = block_of<B>(s.w, j0, s.d);
+        from_diagonal<p + 1>(s, running, i0, here + B::rows * s.ld);
     } else {
-        for (Index j = j0; j < j1; ++j) mirrored<0, p>(s, running, running[0], i0, j);
+        for (Index j = j0; j < s.d; ++j, here += s.ld) mirrored<0, p, 0>(s, running, i0, here, s.f[j], s.w[j]);
     }
 }
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
     B running[K];
     for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
-    for (Index j = 0; j < i0; ++j) mirrored<0, -1>(s, running, running[0], i0, j);
-    from_diagonal<0>(s, running, i0);
+    T* here = s.A + i0;
+    for (Index j = 0; j < i0; ++j, here += s.ld) mirrored<0, -1, 0>(s, running, i0, here, s.f[j], s.w[j]);
+    from_diagonal<0>(s, running, i0, here);
 }
 
 // P = (P - (K g' + g K')) / lambda: two running columns.
