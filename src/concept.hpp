@@ -52,6 +52,13 @@ concept TakesGainError = ReportsCovariance<F> && requires(F f, Regressor<typenam
     { f.update(psi, y, Undisturbed{}) } -> std::same_as<Step<typename F::scalar>>;
 };
 
+/// Takes one row without reporting on it, for those whose report costs more than the row: take(psi, y) leaves what
+/// update(psi, y) leaves, bit for bit (where rounding is not at random); breakdown shows at the next update and in theta().
+template <class F>
+concept TakesUnreported = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+    { f.take(psi, y) } -> std::same_as<void>;
+};
+
 /// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row.
 template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> &&

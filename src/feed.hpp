@@ -8,7 +8,8 @@
 namespace rlslab {
 
 /// The columns of psi and the numbers of y, the oldest first, each rounded to F's scalar: in blocks where F TakesBlocks,
-/// else one by one. Returns the last row's step; of blocks there is none.
+/// else one by one, without a report but the last one's where it TakesUnreported. Returns the last row's step; of blocks
+/// there is none.
 template <RecursiveLeastSquares F, class Psi, class Y>
 Step<typename F::scalar> feed(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
     using T = typename F::scalar;
@@ -22,6 +23,11 @@ Step<typename F::scalar> feed(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::Ma
         Vector<T> row(psi.rows());
         for (Index k = 0; k < y.size(); ++k) {
             row = psi.col(k).template cast<T>();
+            if constexpr (TakesUnreported<F>)
+                if (k + 1 < y.size()) {
+                    f.take(row, T(y[k]));
+                    continue;
+                }
             step = f.update(row, T(y[k]));
         }
     }

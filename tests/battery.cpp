@@ -23,6 +23,7 @@ TEST_P(Battery, AZeroRegressorTeachesNothing) { EXPECT_TRUE(a_zero_regressor_tea
 TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) {
     EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam()));
 }
+TEST_P(Battery, RowsWithoutReportLeaveTheSameBits) { EXPECT_TRUE(rows_without_report_leave_the_same_bits(GetParam())); }
 TEST_P(Battery, ACloneContinuesBitForBit) { EXPECT_TRUE(a_clone_continues_bit_for_bit(GetParam())); }
 TEST_P(Battery, SameSeedSameBitsWhoeverLooks) { EXPECT_TRUE(same_seed_same_bits_whoever_looks(GetParam())); }
 TEST_P(Battery, HealthyDataAreReportedSound) { EXPECT_TRUE(healthy_data_are_reported_sound(GetParam())); }
@@ -108,7 +109,9 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()), tit
 // --- saboteurs --------------------------------------------------------------------------------------------------------
 
 /// What can go wrong in a filter, one thing at a time; otherwise it is the scalar-sized textbook form on P = p I.
-enum class Fault { learns_from_nothing, offset, shared_state, hidden_noise, cries_wolf, deaf, wrong_residual, wrong_gain, biased };
+enum class Fault {
+    learns_from_nothing, offset, takes_otherwise, shared_state, hidden_noise, cries_wolf, deaf, wrong_residual, wrong_gain, biased
+};
 
 template <Fault fault>
 class Saboteur {
@@ -144,6 +147,11 @@ public:
         if (fault == Fault::wrong_residual) step.residual = e;
         return step;
     }
+    void take(Regressor<double> psi, double y)
+        requires(fault == Fault::takes_otherwise)
+    {
+        update(psi, y + 0x1p-40);
+    }
     auto theta() const { return theta_.view(); }
     Vector<double> gain() const { return fault == Fault::wrong_gain ? f_.view() : K_.view(); }
     Stored<double> stored() const {
@@ -161,6 +169,7 @@ Entry sabotaged() {
 TEST(BatterySaboteur, EveryLawCanFail) {
     EXPECT_FALSE(a_zero_regressor_teaches_nothing(sabotaged<Fault::learns_from_nothing>()));
     EXPECT_FALSE(scaling_the_output_by_two_scales_theta_exactly(sabotaged<Fault::offset>()));
+    EXPECT_FALSE(rows_without_report_leave_the_same_bits(sabotaged<Fault::takes_otherwise>()));
     EXPECT_FALSE(a_clone_continues_bit_for_bit(sabotaged<Fault::shared_state>()));
     EXPECT_FALSE(same_seed_same_bits_whoever_looks(sabotaged<Fault::hidden_noise>()));
     EXPECT_FALSE(healthy_data_are_reported_sound(sabotaged<Fault::cries_wolf>()));
@@ -175,6 +184,7 @@ TEST(BatterySaboteur, AndTheHonestTwinPasses) {
     Entry const honest = sabotaged<none>();
     EXPECT_TRUE(a_zero_regressor_teaches_nothing(honest));
     EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(honest));
+    EXPECT_TRUE(rows_without_report_leave_the_same_bits(honest));
     EXPECT_TRUE(a_clone_continues_bit_for_bit(honest));
     EXPECT_TRUE(same_seed_same_bits_whoever_looks(honest));
     EXPECT_TRUE(healthy_data_are_reported_sound(honest));

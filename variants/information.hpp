@@ -6,34 +6,35 @@
 
 namespace rlslab {
 
-/// Propagates X = P^-1 and b = X theta, and solves the normal equations at every step:
+/// Propagates X = P^-1 and b = X theta, and solves the normal equations where a row is reported:
 ///
 ///   (1) gamma = lambda / (lambda + psi'X^-1 psi)          from the factors of the step before
 ///   (2) X = lambda X + psi psi',   b = lambda b + psi y   (3) X = L D L',   theta = X^-1 b,   K = X^-1 psi when asked
 ///
 /// Squares the condition number: the other cautionary form. A pivot D_j <= 0 is breakdown (indefinite): theta is then
-/// NaN until a later X factors again, and the row after it indefinite too, having no theta to innovate on. Starts without a prior: theta is NaN and health undetermined until X factors.
-/// Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d) multiplications, no square root. Source: Gauss; Bierman 1977.
+/// NaN until a later X factors again, and the row after it indefinite too, having no theta to innovate on. Starts without
+/// a prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
+/// multiplications, per row that is taken without report 2 d^2 + O(d); no square root. Source: Gauss; Bierman 1977.
 template <Field T, int N = Dynamic>
 class Information {
     T lambda_;
     Column<T, N> theta_, b_, psi_, D_, f_;
     Square<T, N> X_, L_;
-    Truth<T> positive_, started_;    // X factors now; has factored before
-    Index rows_;    // so far; a prior counts as d
-
+    Truth<T> positive_, started_;    // X factors; has been seen to factor
+    Index rows_;                     // so far; a prior counts as d
+    bool solved_ = true;             // L, D and theta are those of X and b
     void solve() {
-        Truth<T> const factors = factor_ldl(X_, L_, D_);                                                     // (3)
         // Rounding can make a singular X factor; fewer rows than parameters prove that it is.
-        positive_ = factors && Truth<T>(rows_ >= theta_.size());
+        positive_ = factor_ldl(X_, L_, D_) && Truth<T>(rows_ >= theta_.size());                              // (3)
         started_ = started_ || positive_;
         theta_ = b_;
-        solve_factored(theta_);
+        solve_ldl(L_, D_, positive_, theta_);
+        solved_ = true;
     }
-    void solve_factored(Column<T, N>& x) const {
-        solve_lower(L_, x);
-        for (Index i = 0; i < x.size(); ++i) x[i] = select(positive_, T(x[i] / select(positive_, D_[i], T(1))), undefined<T>());
-        solve_lower_transposed(L_, x);
+    Information solved() const {
+        Information now = *this;
+        if (!solved_) now.solve();
+        return now;
     }
 
 public:
@@ -43,45 +44,47 @@ public:
 
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
-          psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size), positive_(false),
-          started_(problem.prior.has_value()), rows_(problem.prior ? problem.size : 0) {
+          psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size),
+          positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? problem.size : 0) {
         start_information(problem, L_, D_);
-        positive_ = started_;
         outer(L_, D_, X_);
         multiply(X_, theta_.data(), b_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
+        if (!solved_) solve();
         T const e = innovation(y, psi, theta_);
-        keep_regressor(psi, psi_);
-        f_ = psi_;
+        keep_regressor(psi, f_);
         solve_lower(L_, f_);                                                                             // (1)
         T s = lambda_;
         for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
         Truth<T> const known = positive_, started = started_;
-        T seen = y;    // spoilt by data that are not finite
-        for (Index j = 0; j < f_.size(); ++j) {
-            for (Index i = 0; i < f_.size(); ++i) X_(i, j) = lambda_ * X_(i, j) + psi_[i] * psi_[j];     // (2)
-            b_[j] = lambda_ * b_[j] + psi_[j] * y;
-            if (!all(known)) seen += X_(j, j);
-        }
-        ++rows_;
+        take(psi, y);
         solve();
-        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(seen));
+        // What is not finite shows on the diagonal.
+        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(all(known) ? y : T(y + X_.view().trace())));
         Truth<T> const broken = (started && !known) || (started_ && !positive_);
         step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
         return step;
     }
-
-    auto theta() const { return theta_.view(); }
+    void take(Regressor<T> psi, T y) {
+        keep_regressor(psi, psi_);
+        for (Index j = 0; j < psi_.size(); ++j) {
+            for (Index i = 0; i < psi_.size(); ++i) X_(i, j) = lambda_ * X_(i, j) + psi_[i] * psi_[j];   // (2)
+            b_[j] = lambda_ * b_[j] + psi_[j] * y;
+        }
+        ++rows_;
+        solved_ = false;
+    }
+    Vector<T, N> theta() const { return solved_ ? theta_.view() : solved().theta_.view(); }
     Vector<T, N> gain() const {
-        Column<T, N> K = psi_;
-        solve_factored(K);
-        return K.view();
+        Information now = solved();
+        solve_ldl(now.L_, now.D_, now.positive_, now.psi_);
+        return now.psi_.view();
     }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::plain, X_.view()}; }
 };
-static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>>);
+static_assert(ReportsInformation<Information<double>> && TakesUnreported<Information<double>>);
 
 }  // namespace rlslab
