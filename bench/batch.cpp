@@ -1,7 +1,8 @@
-// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; reference/ROWSxSIZE: the certified solution.
+// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts on
+// several cores; reference/ROWSxSIZE: the certified solution.
 #include "rows.hpp"
 
-#include <rlslab/feed.hpp>
+#include <rlslab/batch.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {
@@ -14,6 +15,15 @@ void add_blocks() {
                        F filter({.size = records->size(), .forgetting = 1, .prior = std::nullopt});
                        feed(filter, records->psi, records->y);
                        return Vector<double>(filter.theta());
+                   });
+}
+
+void add_threads(unsigned threads) {
+    add_batch_rows(threads == 1 ? "fold_all/1_thread" : "fold_all/" + std::to_string(threads) + "_threads",
+                   [](Records const& records) { return &records; },
+                   [threads](Records const* records) {
+                       Problem<double> const problem{.size = records->size(), .forgetting = 1, .prior = std::nullopt};
+                       return Vector<double>(fold_all<QrBlock<double>>(problem, RowsInMemory(*records), threads).theta());
                    });
 }
 
@@ -33,6 +43,7 @@ void reference(benchmark::State& state, Index rows, Index size) {
     for_each(Variants<double>{}, []<class F>() {
         if constexpr (TakesBlocks<F> && StartsWithoutPrior<F>) add_blocks<F>();
     });
+    for (unsigned threads : {1u, 2u}) add_threads(threads);
     for (Index size : {10, 20})
         add_row("reference/" + shape(100000, size), [=](benchmark::State& state) { reference(state, 100000, size); });
     return true;

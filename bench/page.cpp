@@ -189,6 +189,8 @@ std::string others(Rows const& rows) {
          {Section{"Batches: all rows at hand, double, one thread",
                   "Time per row, the solution included; × is against the normal equations, which square the condition number.",
                   "normal_equations", {"batch", "peer"}, true},
+          Section{"The same in parts, merged: qr_block on several cores", "Time per row; × is against one thread.", "1_thread",
+                  {"fold_all"}, false},
           Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
           Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
           Section{"The machine's limit",
@@ -218,7 +220,7 @@ std::string page(Run const& run) {
     out +=
         "</p>\n<p class='soft'>The plots show the update alone. In the tables what theta() takes on top is said where it has "
         "to be solved for, and counts in ×, the time over dlib's (less than 1 is faster), and in which variant is shaded as "
-        "the fastest.</p>\n";
+        "the fastest. information takes its rows without a report, whose innovation would have to solve for theta.</p>\n";
     return out + filters(run.rows) + others(run.rows) + "</html>\n";
 }
 

@@ -13,7 +13,7 @@
 namespace rlslab::bench {
 
 /// The sizes of the filters' rows, and the shapes of the batches'.
-inline std::vector<Index> const sizes{2, 4, 8, 16, 32, 64, 128, 256};
+inline std::vector<Index> const sizes{2, 4, 8, 16, 24, 32, 64, 128, 256};
 inline constexpr Index batch_rows = 200000;
 inline std::vector<Index> const batch_sizes{10, 20, 40};
 inline std::string shape(Index rows, Index size) { return std::to_string(rows) + "x" + std::to_string(size); }
