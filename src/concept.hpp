@@ -53,7 +53,7 @@ concept TakesGainError = ReportsCovariance<F> && requires(F f, Regressor<typenam
 };
 
 /// Takes one row without reporting on it, for those whose report costs more than the row: take(psi, y) leaves what
-/// update(psi, y) leaves, bit for bit (where rounding is not at random); breakdown shows at the next update and in theta().
+/// update(psi, y) leaves, bit for bit (where rounding is not at random). Breakdown that lasts shows at the next update and in theta().
 template <class F>
 concept TakesUnreported = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
     { f.take(psi, y) } -> std::same_as<void>;

@@ -109,6 +109,36 @@ TEST(Health, CarlsonKeepsItsFactorUnderALargePrior) {
     EXPECT_LE(e.covariance, 1e4);
 }
 
+/// A row without a report: theta and the gain are those of a row with one, though nothing has been solved yet.
+TEST(Health, InformationAnswersAfterARowWithoutReport) {
+    Records const rows = laws::noise_records(3, 20, Seed{5});
+    Information<double> taken({.size = 3, .prior = std::nullopt}), reported = taken;
+    for (Index k = 0; k < rows.rows(); ++k) {
+        taken.take(rows.row(k), rows.y[k]);
+        reported.update(rows.row(k), rows.y[k]);
+        EXPECT_TRUE(laws::identical(taken.theta(), reported.theta())) << k;
+        EXPECT_TRUE(laws::identical(taken.gain(), reported.gain())) << k;
+    }
+}
+/// Sums that would overflow decide nothing about data that are finite.
+TEST(Health, LargeFiniteDataAreUndeterminedNotNonfinite) {
+    using Half = Chopped<binary16>;
+    Information<Half> filter({.size = 3, .prior = std::nullopt});
+    std::vector<Half> const psi(3, Half(150));
+    EXPECT_EQ(name_of(filter.update(psi, Half(1)).health), "undetermined");
+}
+/// A row of zeros leaves theta alone whatever y is; that y was not finite is said.
+TEST(Health, AZeroRowWithANanSpoilsNothing) {
+    QrBlock<double> filter({.size = 2});
+    filter.update(Vector<double>{{1, 0.5}}, 1);
+    filter.update(Vector<double>{{0.25, 1}}, 2);
+    Vector<double> const theta = filter.theta();
+    for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        EXPECT_EQ(name_of(filter.update(Vector<double>{{0, 0}}, bad).health), "nonfinite");
+        EXPECT_EQ(filter.theta(), theta);
+    }
+}
+
 /// Squares that went subnormal are not summed: the reflection's norm keeps its digits.
 TEST(Health, ANormOfTinyNumbersKeepsItsDigits) {
     using Half = Chopped<binary16>;

@@ -4,6 +4,7 @@
 #include <rlslab/erased.hpp>
 #include <rlslab/reference/certified.hpp>
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -77,20 +78,25 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
     return identical(g->theta(), twice);
 }
 
-/// Rows taken without a report leave what they leave with one. In blocks, or with rounding at random, nothing is promised.
+/// Rows taken without a report leave what they leave with one, and the next report is the same. In blocks, or with rounding
+/// at random, nothing is promised. Three nearly dependent columns without a prior: a short word breaks down on the way.
 inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
     if (entry.block > 1 || entry.arithmetic->stochastic) return true;
-    Records const records = rounded(noise_records(4, 30, Seed{7}), entry.arithmetic->round);
-    auto const f = entry.make(problem(4, 0.96875), Seed{1}), reported = entry.make(problem(4, 0.96875), Seed{1});
-    f->absorb(records, 0, 20);
-    bool same = true;
+    Problem<double> p = problem(3, 0.96875);
+    if (entry.starts_without_prior) p.prior.reset();
+    Records records = noise_records(3, 30, Seed{7});
+    for (Index k = 0; k < records.rows(); ++k)
+        for (Index i = 0; i < 3; ++i) records.psi(i, k) = 1 + std::pow(records.psi(0, k), double(i)) / 64;
+    records = rounded(records, entry.arithmetic->round);
+    auto const reported = entry.make(p, Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
-        Step<double> const step = reported->update(records.row(k), records.y[k]);
-        if (k < 20) continue;
-        same = same && identical(Reference(f->update(records.row(k), records.y[k]).innovation), Reference(step.innovation));
+        auto const f = entry.make(p, Seed{1});
+        Step<double> const a = f->absorb(records, 0, k + 1), b = reported->update(records.row(k), records.y[k]);    // all but the last unreported
+        if (a.health != b.health || !identical(Reference(a.innovation), Reference(b.innovation)) || !identical(f->stored(), reported->stored()) ||
+            !identical(f->theta(), reported->theta()) || !identical(f->gain(), reported->gain()))
+            return false;
     }
-    return same && identical(f->stored(), reported->stored()) && identical(f->theta(), reported->theta()) &&
-           identical(f->gain(), reported->gain());
+    return true;
 }
 
 /// A copy goes on as the original does, and the original as if it had not been copied.

@@ -10,12 +10,13 @@
 namespace rlslab {
 namespace {
 
-/// R' and z after a few blocks of so many rows, zeros and numbers of very different size among them.
+/// R', theta and the reports of single rows after a few blocks of so many rows, zeros and numbers of very different size among them.
 template <class T>
 std::vector<double> folded(Index size, Index rows, double unit) {
     Seed seed{std::uint64_t(64 * size + rows)};
     auto const number = [&seed, unit] { return double(float(seed.next() % 7 == 0 ? 0 : seed.bell() * unit)); };
     QrBlock<T> filter(Problem<T>{.size = size, .forgetting = T(0.96875), .prior = std::nullopt});
+    std::vector<double> out;
     for (int block = 0; block < 3; ++block) {
         Rows<T> psi(size, rows);
         Vector<T> y(rows);
@@ -24,12 +25,14 @@ std::vector<double> folded(Index size, Index rows, double unit) {
             y[k] = T(number());
         }
         filter.absorb(psi, y);
-        filter.update({psi.col(0).data(), size}, y[0]);
+        Step<T> const step = filter.update({psi.col(0).data(), size}, y[0]);
+        out.insert(out.end(), {static_cast<double>(step.residual), static_cast<double>(step.gamma)});
     }
-    std::vector<double> out;
     Matrix<T> const L = filter.stored().F;
     for (Index j = 0; j < size; ++j)
         for (Index i = j; i < size; ++i) out.push_back(static_cast<double>(L(i, j)));
+    for (T const& x : Vector<T>(filter.theta())) out.push_back(static_cast<double>(x));
+    for (double& x : out) x = std::isnan(x) ? -1 : x;    // equal to itself
     return out;
 }
 template <class T>

@@ -14,7 +14,7 @@ namespace rlslab {
 /// Squares the condition number: the other cautionary form. A pivot D_j <= 0 is breakdown (indefinite): theta is then
 /// NaN until a later X factors again, and the row after it indefinite too, having no theta to innovate on. Starts without
 /// a prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
-/// multiplications, per row that is taken without report 2 d^2 + O(d); no square root. Source: Gauss; Bierman 1977.
+/// multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss; Bierman 1977.
 template <Field T, int N = Dynamic>
 class Information {
     T lambda_;
@@ -23,19 +23,16 @@ class Information {
     Truth<T> positive_, started_;    // X factors; has been seen to factor
     Index rows_;                     // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
-    void solve() {
+    Information& solve() {
         // Rounding can make a singular X factor; fewer rows than parameters prove that it is.
         positive_ = factor_ldl(X_, L_, D_) && Truth<T>(rows_ >= theta_.size());                              // (3)
         started_ = started_ || positive_;
         theta_ = b_;
         solve_ldl(L_, D_, positive_, theta_);
         solved_ = true;
+        return *this;
     }
-    Information solved() const {
-        Information now = *this;
-        if (!solved_) now.solve();
-        return now;
-    }
+    Information solved() const { return Information(*this).solve(); }
 
 public:
     using scalar = T;
@@ -60,9 +57,10 @@ public:
         for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
         Truth<T> const known = positive_, started = started_;
         take(psi, y);
-        solve();
-        // What is not finite shows on the diagonal.
-        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(all(known) ? y : T(y + X_.view().trace())));
+        if (!solved_) solve();
+        T seen = y;    // spoilt by data that are not finite
+        for (Index j = 0; j < f_.size(); ++j) seen = select(is_finite(X_(j, j)), seen, X_(j, j));
+        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(seen));
         Truth<T> const broken = (started && !known) || (started_ && !positive_);
         step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
         return step;
@@ -75,16 +73,18 @@ public:
         }
         ++rows_;
         solved_ = false;
+        if (!all(started_)) solve();    // breakdown is told from a start by X having factored once
     }
     Vector<T, N> theta() const { return solved_ ? theta_.view() : solved().theta_.view(); }
     Vector<T, N> gain() const {
-        Information now = solved();
-        solve_ldl(now.L_, now.D_, now.positive_, now.psi_);
-        return now.psi_.view();
+        if (!solved_) return solved().gain();
+        Column<T, N> K = psi_;
+        solve_ldl(L_, D_, positive_, K);
+        return K.view();
     }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::plain, X_.view()}; }
 };
-static_assert(ReportsInformation<Information<double>> && TakesUnreported<Information<double>>);
+static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && TakesUnreported<Information<double>>);
 
 }  // namespace rlslab

@@ -68,7 +68,7 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        x_ = psi_;
+        keep_regressor(psi, x_);
         ++rows_;
         Truth<T> const determined = nonsingular(L_);
         T const root_gamma = fold(root_lambda_, L_, z_, x_, y, tau_);

@@ -24,7 +24,7 @@ T power(T x, Index n) {
 ///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
 ///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
 ///
-/// A's last column becomes eta. Returns the product of |R_ii / r|. A zero block changes nothing.
+/// A's last column becomes eta. Returns the product of |R_ii / r|. A zero column asks for no reflection.
 /// Source: Golub, Numer. Math. 7, 1965; Golub & Van Loan, Matrix Computations, 5.1.
 template <Real T, int N>
 T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {

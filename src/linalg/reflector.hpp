@@ -6,7 +6,7 @@
 namespace rlslab {
 
 /// |(a, x)| where the plain sum of squares leaves the range in which its terms are normal numbers: the largest is divided
-/// out first. In lanes it is `plain` that stays where `in_range` holds.
+/// out first. Lanes that are `in_range` keep the root of the `plain` sum.
 template <Real T>
 [[gnu::noinline]] T norm_scaled(T const& a, T const* x, Index n, Truth<T> const& in_range, T const& plain) {
     T largest = T(0);

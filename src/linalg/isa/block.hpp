@@ -22,6 +22,7 @@ struct Single {
     [[gnu::always_inline]] void subtract(Single const& a) { x -= a.x; }
     [[gnu::always_inline]] void add(Single const& a) { x += a.x; }
     [[gnu::always_inline]] void take_root() { x = square_root(x); }
+    [[gnu::always_inline]] void clear(Truth<T> const& where) { x = select(where, T(0), x); }
     [[gnu::always_inline]] void take(Single const& a) { x = a.x; }
     [[gnu::always_inline]] void add_product(Single const& a, T const& b) { x += a.x * b; }
     [[gnu::always_inline]] void subtract_product(Single const& a, T const& b) { x -= a.x * b; }

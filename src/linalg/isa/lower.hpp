@@ -41,14 +41,18 @@ template <class B, class T>
     x.subtract_product(old, s.s[i]);
 }
 
-// t = tau (weight L_ji + v_i x_j),  L_ji = weight L_ji - t,  x_j -= t v_i
+// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i x_j), or 0 where tau_i asks for no reflection:
+// 0 times what is not finite would be NaN
 template <class B, class T>
 [[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
     t.scale(s.weight);
+    Truth<T> const nothing = s.tau[i] == T(0);
+    if (all(nothing)) return;
     B along = x;
     along.scale(s.x[i]);
     along.add(t);
     along.scale(s.tau[i]);
+    if constexpr (!std::same_as<Truth<T>, bool>) along.clear(nothing);
     t.subtract(along);
     x.subtract_product(along, s.x[i]);
 }
@@ -84,9 +88,12 @@ template <class T>
     *s.ratio *= turn.shrunk(a);
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
+    Truth<T> const nothing = turn.tau == T(0);
     auto const reflect = [&](T& above, T& below) {
         above *= s.weight;
-        T const t = turn.tau * (above + v * below);
+        if (all(nothing)) return;
+        T t = turn.tau * (above + v * below);
+        if constexpr (!std::same_as<Truth<T>, bool>) t = select(nothing, T(0), t);
         above -= t;
         below -= t * v;
     };

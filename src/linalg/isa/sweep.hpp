@@ -115,29 +115,28 @@ template <int m, int p, int c, class B, int K, class T>
 template <int p, int c, class B, int K, class T>
 [[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here) {
     Index const j = i0 + p * B::rows + c;
-    if (j >= s.d) return;
     mirrored<0, p, c>(s, running, i0, here, s.f[j], s.w[j]);
-    if constexpr (c + 1 < B::rows) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
+    if constexpr (c + 1 < B::rows)
+        if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
 }
 /// The columns whose diagonal is in block p, and so on to those beyond the last block.
 template <int p, class B, int K, class T>
-[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0, T* here) {
+[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
-        on_diagonal<p, 0>(s, running, i0, here);
+        on_diagonal<p, 0>(s, running, i0, s.A + j0 * s.ld + i0);
         running[p] = block_of<B>(s.w, j0, s.d);
-        from_diagonal<p + 1>(s, running, i0, here + B::rows * s.ld);
+        from_diagonal<p + 1>(s, running, i0);
     } else {
-        for (Index j = j0; j < s.d; ++j, here += s.ld) mirrored<0, p, 0>(s, running, i0, here, s.f[j], s.w[j]);
+        for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
     }
 }
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
     B running[K];
     for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
-    T* here = s.A + i0;
-    for (Index j = 0; j < i0; ++j, here += s.ld) mirrored<0, -1, 0>(s, running, i0, here, s.f[j], s.w[j]);
-    from_diagonal<0>(s, running, i0, here);
+    for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
+    from_diagonal<0>(s, running, i0);
 }
 
 // P = (P - (K g' + g K')) / lambda: two running columns.
