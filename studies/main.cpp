@@ -72,6 +72,9 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
     std::vector<Command> const commands{compare_command(app), study_command(app), identify_command(app), simulate_command(app),
                                         excitation_command(app), list_command(app)};
+    std::string names;
+    for (size_t i = 0; i < commands.size(); ++i)
+        names += (i == 0 ? "" : i + 1 < commands.size() ? ", " : " or ") + commands[i].app->get_name();
     try {
         app.parse(argc, argv);
     } catch (CLI::Success const& success) {
@@ -80,16 +83,21 @@ int run(int argc, char** argv) {
         print(text.str());
         return 0;
     } catch (CLI::ExtrasError const&) {
-        std::string const word = app.remaining(true).empty() ? "" : printable(app.remaining(true).front());
-        throw InputError((word.starts_with("-") ? fmt::format("no option \"{}\"", word)
-                                                : fmt::format("\"{}\" is one word too many", word)) +
-                         " (rlslab --help, rlslab compare --help)");
+        bool const own = !app.remaining(false).empty();    // the program's, not its command's
+        std::string const word = printable(own ? app.remaining(false).front() : app.remaining(true).front());
+        auto const asked = own ? commands.end() : std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
+        if (own && !word.starts_with("-"))
+            throw InputError(fmt::format("no command \"{}\": expected {} (rlslab --help tells more)", word, names));
+        throw InputError((word.starts_with("-") ? fmt::format("no option \"{}\"", word) : fmt::format("\"{}\" is one word too many", word)) +
+                         (asked == commands.end() ? " (rlslab --help)" : fmt::format(" (rlslab {} --help)", asked->app->get_name())));
     } catch (CLI::ParseError const& error) {
-        throw InputError(printable(error.what(), 200));
+        std::string const text = error.what();
+        if (size_t const at = text.find(": At Most 1 required"); at != text.npos) throw InputError(printable(text.substr(0, at), 200) + ": expected once, found again");
+        throw InputError(printable(text, 200));
     }
     for (Command const& command : commands)
         if (command.app->parsed()) return command.run();
-    throw InputError("expected a subcommand: compare, study, identify, simulate, excitation or list (rlslab --help tells more)");
+    throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", names));
 }
 
 }  // namespace

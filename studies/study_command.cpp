@@ -31,10 +31,11 @@ int run_study(StudyArguments a) {
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
     std::error_code error;
-    if (a.fresh)
-        for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
     std::filesystem::create_directories(a.options.out / "figures", error);
     if (error) throw InputError(fmt::format("{}: cannot create: {}", printable((a.options.out / "figures").string(), 200), error.message()));
+    FolderLock const lock(a.options.out);
+    if (a.fresh)
+        for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))

@@ -1,5 +1,6 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
 #include "files.hpp"
+#include "journal.hpp"
 
 #include <rlslab/erased.hpp>
 
@@ -98,6 +99,12 @@ TEST_F(Program, RefusesStudiesThatAreNotThere) {
     refused("study gain_error --out /dev/null/here", "/dev/null/here/figures: cannot create");
     EXPECT_FALSE(fs::exists(folder / "out"));
 }
+TEST_F(Program, RefusesAFolderThatAnotherRunIsWriting) {
+    fs::create_directory(folder / "busy");
+    rlslab::FolderLock const other(folder / "busy");
+    refused("study gain_error --out busy", "busy: another run is writing there");
+    EXPECT_FALSE(fs::exists(folder / "busy" / "gain_error.csv"));
+}
 TEST_F(Program, RefusesBadOptionsInOneLine) {
     std::string const data = "compare ok.csv --input u --output y";
     refused(data + " --order 0", "--order: expected a whole number from 1 to 1000, found \"0\"");
@@ -116,11 +123,15 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
     refused(data + " --order 1 --json --csv", "--json: does not go with --csv");
     refused(data + " --order 1 --na 2", "--order: does not go with --na and --nb");
     refused(data + " --order 1 --regressors u", "--regressors: does not go with");
-    refused(data + " --order 1 --bogus", "no option \"--bogus\"");
+    refused(data + " --order 1 --bogus", "no option \"--bogus\" (rlslab compare --help)");
+    refused(data + " --order 1 --output u", "--output: expected once, found again");
+    refused("frob", "no command \"frob\": expected compare, study, ");
+    refused("frob list", "no command \"frob\": expected compare, study, ");
+    refused("list frob", "\"frob\" is one word too many (rlslab list --help)");
     refused("compare ok.csv --input u --order 1", "--output");
     refused("compare", "FILE");
     refused("bogus", "\"bogus\"");
-    refused("", "expected a subcommand");
+    refused("", "expected a command: compare, study, ");
 }
 TEST_F(Program, SurvivesPipesThatClose) {
     std::string const options = " --input u --output y --order 1 --arithmetic double";

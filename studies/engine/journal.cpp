@@ -4,8 +4,10 @@
 #include <rlslab/model/input_error.hpp>
 
 #include <cstring>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sstream>
+#include <sys/file.h>
 #include <unistd.h>
 
 namespace rlslab {
@@ -34,6 +36,15 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
 }
 
 }  // namespace
+
+FolderLock::FolderLock(std::filesystem::path const& folder)
+    : file_(::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    if (file_ < 0) cannot_write(folder / ".lock");
+    if (::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    ::close(file_);
+    throw InputError(fmt::format("{}: another run is writing there", printable(folder.string(), 200)));
+}
+FolderLock::~FolderLock() { ::close(file_); }
 
 void replace_file(std::filesystem::path const& path, std::string const& text) {
     std::filesystem::path beside = path;

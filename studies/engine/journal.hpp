@@ -32,6 +32,19 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
+/// One run at a time in a folder: held until destroyed, or until the process ends in whatever way. Where the file system has
+/// no locks, none is held.
+class FolderLock {
+    int file_;
+
+public:
+    /// Throws InputError when another run holds it, or the folder's file .lock cannot be written.
+    explicit FolderLock(std::filesystem::path const& folder);
+    ~FolderLock();
+    FolderLock(FolderLock const&) = delete;
+    FolderLock& operator=(FolderLock const&) = delete;
+};
+
 /// Writes the text to a file beside it and renames that: a reader sees all of it or what was there before. Throws InputError.
 void replace_file(std::filesystem::path const& path, std::string const& text);
 
