@@ -83,7 +83,7 @@ bool diagonally_dominant(Matrix<double> const& R) {
     return true;
 }
 
-Excitation excitation(Signal const& u, Index most) {
+Excitation excitation(Signal const& u, Index most, std::function<void(double)> const& progress) {
     expects(!u.empty() && most >= 1, "a record, and an order of at least 1");
     Excitation out;
     out.resolution = resolution_of(u);
@@ -106,7 +106,9 @@ Excitation excitation(Signal const& u, Index most) {
         unbroken = unbroken && at.definite && at.resolved;
         if (unbroken) out.order = n;
         if (!at.definite) break;
+        if (progress && n < most) progress(std::pow(double(n) / double(most), 3));
     }
+    if (progress) progress(1);
     return out;
 }
 

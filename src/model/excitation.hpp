@@ -3,6 +3,8 @@
 
 #include <rlslab/model/signals.hpp>
 
+#include <functional>
+
 namespace rlslab {
 
 /// R_xy(tau) = (1/N) sum over k = tau ... N-1 of x_k y_{k-tau}, tau = 0 ... most; sums in order. Throws std::invalid_argument
@@ -36,7 +38,8 @@ struct Excitation {
 /// u is exciting of order n when R_u (n x n) is positive definite; a model of order m with input terms u_k ... u_{k-m} needs
 /// n = m + 1. A record's numbers are rounded to some resolution q: by itself that adds about q^2/12 to every eigenvalue, so a
 /// least eigenvalue below 4 q^2/12 says nothing about the input. Throws std::invalid_argument for an empty record.
+/// Time grows as most^4 and most^3 rows: `progress`, where given, is called with the part that is done.
 /// Source: Söderström & Stoica, System Identification, 1989, 5.4.
-Excitation excitation(Signal const& u, Index most);
+Excitation excitation(Signal const& u, Index most, std::function<void(double)> const& progress = {});
 
 }  // namespace rlslab

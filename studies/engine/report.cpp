@@ -5,6 +5,7 @@
 
 #include <rlslab/revision.hpp>
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -37,7 +38,8 @@ std::string in_script(std::string text) {
 Json json(Curve const& curve) {
     Json out = {{"name", curve.name}, {"colour", curve.look.colour}, {"dashed", curve.look.dashed}, {"mark", curve.look.mark},
                 {"x", curve.x}, {"y", curve.y}};
-    if (curve.low != curve.y || curve.high != curve.y) out["low"] = curve.low, out["high"] = curve.high;
+    auto const other = [&](std::vector<double> const& bound) { return !std::ranges::equal(bound, curve.y, [](double a, double b) { return a == b || (a != a && b != b); }); };
+    if (other(curve.low) || other(curve.high)) out["low"] = curve.low, out["high"] = curve.high;
     if (!curve.row.empty()) out["row"] = curve.row;
     if (!curve.marks) out["marks"] = false;
     if (!curve.line) out["line"] = false;

@@ -58,7 +58,7 @@ struct IdentifyArguments {
 
 int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
-    Identified const model = identify(a.file, a.options);
+    Identified const model = identify(a.file, a.options, progress_after_a_second("looking at the excitation"));
     if (!a.out.empty()) {
         std::error_code error;
         std::filesystem::create_directories(a.out, error);
@@ -112,7 +112,7 @@ int run_excitation(ExcitationArguments const& a) {
     Signal const& u = columns[a.input];
     if (std::ranges::any_of(u, [](double x) { return x != x; }))
         throw InputError(fmt::format("{}: column \"{}\": expected a number in every row, found a missing value", a.file, printable(a.input)));
-    Excitation const e = excitation(u, a.most);
+    Excitation const e = excitation(u, a.most, progress_after_a_second("looking at the excitation"));
     std::string text = fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",
                                    printable(a.file, 200), printable(a.input), u.size(), e.resolution);
     nlohmann::ordered_json orders = nlohmann::ordered_json::array();

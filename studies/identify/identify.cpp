@@ -130,7 +130,7 @@ void estimate(Identified& out, Records const& records) {
 
 }  // namespace
 
-Identified identify(std::string const& path, IdentifyOptions const& asked) {
+Identified identify(std::string const& path, IdentifyOptions const& asked, Progress const& progress) {
     IdentifyOptions options = asked;
     // Means of a window are not the equation's means: what taking them off leaves is a constant.
     options.intercept = options.intercept || options.detrend;
@@ -159,7 +159,9 @@ Identified identify(std::string const& path, IdentifyOptions const& asked) {
     Index supported = most;
     for (size_t i = 0; i < data.inputs.size(); ++i) {
         Signal const u(data.inputs[i].begin(), data.inputs[i].begin() + fitted_samples);
-        Excitation const e = excitation(u, most + 1);
+        Excitation const e = excitation(u, most + 1, [&](double part) {
+            if (progress) progress((double(i) + part) / double(data.inputs.size()));
+        });
         if (e.order < most + 1) {
             supported = std::min(supported, std::max<Index>(0, e.order - 1));
             out.warnings.push_back(fmt::format("input {} is exciting of order {} only: it supports a model of order {}", printable(options.inputs[i]),

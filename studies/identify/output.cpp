@@ -57,16 +57,77 @@ Curve level(std::string name, double from, double to, double y) {
     return out;
 }
 
+std::string data_line(Identified const& m) {
+    return fmt::format("{} samples, {} rows fitted, {} held out; {} in double, lambda {}", m.samples, m.fitted, m.held_out, m.options.variant, m.options.forgetting);
+}
+std::vector<std::string> input_lines(Identified const& m) {
+    std::vector<std::string> out;
+    for (size_t i = 0; i < m.excitation.size(); ++i)
+        out.push_back(fmt::format("input {}: exciting of order {} at least", printable(m.options.inputs[i]), m.excitation[i].order));
+    return out;
+}
+std::string order_line(Identified const& m) {
+    return fmt::format("order {} ({}); AIC says {}, BIC {}, FPE {}, F-test {}", m.order, m.why, m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test);
+}
+std::vector<std::string> result_lines(Identified const& m) {
+    std::vector<std::string> out{"poles: " + list_of(m.poles)};
+    for (size_t j = 0; j < m.zeros.size(); ++j) out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
+    out.push_back(fmt::format("fit: {} one step ahead; held out: {} one step ahead, {} simulated", percent(m.fit_one_step), percent(m.held_out_one_step),
+                              percent(m.held_out_simulated)));
+    out.push_back(fmt::format("residuals: sigma^2 = {:.4g}; {} (Ljung-Box, p = {:.3g})", m.sigma2, m.whiteness < 0.01 ? "not white" : "pass for white", m.whiteness));
+    out.push_back(fmt::format("arithmetic: {} kept {:.1f} of 15.9 digits of theta ({:.1f} of its worst component) against the certified minimiser; kappa = {:.3g}",
+                              m.options.variant, m.digits, m.digits_worst, m.condition));
+    return out;
+}
+
+/// Upright at x, as high as the panel's curves.
+Curve boundary(Panel const& panel, double x) {
+    double low = INFINITY, high = -INFINITY;
+    for (Curve const& c : panel.curves)
+        for (size_t k = 0; k < c.y.size(); ++k)
+            if (std::isfinite(c.low[k]) && std::isfinite(c.high[k])) low = std::min(low, c.low[k]), high = std::max(high, c.high[k]);
+    if (!(low <= high)) low = high = 0;
+    Curve out = line("held out from here", 6, {x, x}, {low, high});
+    out.look = {"#555555", true, ""};
+    return out;
+}
+
 std::vector<Figure> drawn(Identified const& m) {
     std::vector<Figure> out;
     size_t const N = m.measured.size();
-    double const first = double(m.samples - Index(N));
-    Signal const time = counting(N, first);
-    Figure output{"output", fmt::format("Measured and modelled output; held out from sample {} on", m.samples - m.held_out), "sample", m.options.output,
-                  false, false, false, {{"one step ahead", {line("measured", 6, time, m.measured), line("predicted", 1, time, m.one_step)}, {}},
-                                        {"simulated from the first outputs", {line("measured", 6, time, m.measured), line("simulated", 0, time, m.simulated)}, {}}}};
-    output.own_y = true;
+    Index const lead_in = m.samples - Index(N), begins = m.samples - m.held_out - lead_in;    // of the held-out part
+    // As many samples as can be told apart in a plot: the last of the fitted part, and the first that are held out.
+    constexpr Index before = 100, shown = 400;
+    Index const last = std::min(Index(N), m.held_out > 0 ? std::max<Index>(0, begins - before) + shown : Index(N)), from = std::max<Index>(0, last - shown);
+    auto const window = [&](Signal const& x) { return Signal(x.begin() + from, x.begin() + last); };
+    Signal const time = counting(size_t(last - from), double(lead_in + from));
+    Figure output{"output", fmt::format("Measured and modelled output, samples {} to {}", lead_in + from, lead_in + last - 1), "sample", m.options.output, false, false,
+                  false, {{"one step ahead", {line("measured", 6, time, window(m.measured)), line("predicted", 1, time, window(m.one_step))}, {}},
+                          {"simulated from the first outputs", {line("measured", 6, time, window(m.measured)), line("simulated", 0, time, window(m.simulated))}, {}}}};
+    output.own_y = true;    // a simulation may run away
+    if (m.held_out > 0) {
+        output.title += fmt::format("; held out from {} on", lead_in + begins);
+        for (Panel& panel : output.panels) panel.guides.push_back(boundary(panel, double(lead_in + begins)));
+    }
     out.push_back(std::move(output));
+
+    // Bins of a long record: their mean, and the band from the least to the largest.
+    size_t const bin = (N + 999) / 1000;
+    Curve errors = line(bin > 1 ? fmt::format("mean of {} samples, band from the least to the largest", bin) : "measured less predicted", 1, {}, {});
+    for (size_t k = 0, next = 0; k < N; k = next) {
+        size_t const end = k < size_t(begins) ? size_t(begins) : N, count = std::min(bin, end - k);    // no bin on both sides
+        next = k + count;
+        double sum = 0, low = INFINITY, high = -INFINITY;
+        for (size_t i = k; i < k + count; ++i) {
+            double const e = m.measured[i] - m.one_step[i];
+            sum += e, low = std::min(low, e), high = std::max(high, e);
+        }
+        errors.x.push_back(double(lead_in) + double(k) + double(count - 1) / 2);
+        errors.y.push_back(sum / double(count)), errors.low.push_back(low), errors.high.push_back(high);
+    }
+    Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
+    if (m.held_out > 0) record.panels[0].guides.push_back(boundary(record.panels[0], double(lead_in + begins)));
+    out.push_back(std::move(record));
 
     Figure correlations{"residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound), "lag", "correlation",
                         false, false, false, {}};
@@ -118,15 +179,16 @@ std::vector<Figure> drawn(Identified const& m) {
     for (size_t j = 0; j < m.zeros.size(); ++j) points("zeros of " + m.options.inputs[j], "circle-open", j == 0 ? 0 : j + 1, m.zeros[j]);
     out.push_back(std::move(plane));
 
-    Figure orders{"orders", "What each order explains, and what the criteria say of it", "order", "value", false, false, false, {}};
+    Figure orders{"orders", "What each order explains, and what the criteria say of it", "order", "", false, false, false, {}};
     orders.own_y = true;
+    size_t place = 0;
     auto const criterion = [&](std::string name, std::vector<std::pair<std::string, double OrderFit::*>> const& which) {
         Panel p{std::move(name), {}, {}};
         for (size_t i = 0; i < which.size(); ++i) {
             Signal x, y;
             for (OrderFit const& f : m.choice.fits)
                 if (f.order > 0 && std::isfinite(f.*which[i].second)) x.push_back(f.order), y.push_back(f.*which[i].second);
-            p.curves.push_back(curve(which[i].first, i, x, y));
+            p.curves.push_back(curve(which[i].first, place++, x, y));
         }
         orders.panels.push_back(std::move(p));
     };
@@ -140,22 +202,13 @@ std::vector<Figure> drawn(Identified const& m) {
 }  // namespace
 
 std::string as_table(Identified const& m) {
-    std::string out = fmt::format("{}: {} samples, {} rows fitted, {} held out; {} in double, lambda {}\n", printable(m.file, 200), m.samples, m.fitted,
-                                  m.held_out, m.options.variant, m.options.forgetting);
+    std::string out = printable(m.file, 200) + ": " + data_line(m) + '\n';
     for (std::string const& warning : m.warnings) out += "warning: " + warning + '\n';
-    for (size_t i = 0; i < m.excitation.size(); ++i)
-        out += fmt::format("input {}: exciting of order {} at least\n", printable(m.options.inputs[i]), m.excitation[i].order);
-    out += fmt::format("\norder {} ({}); AIC says {}, BIC {}, FPE {}, F-test {}\n", m.order, m.why, m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test);
+    for (std::string const& words : input_lines(m)) out += words + '\n';
+    out += '\n' + order_line(m) + '\n';
     out += fmt::format("\n  {:<10} {:>14} {:>12}   {:.0f} % interval\n", "parameter", "estimate", "sd", 100 * m.options.confidence);
     for (Parameter const& p : m.parameters) out += fmt::format("  {:<10} {:>14.6g} {:>12.2g}   {:.5g} ... {:.5g}\n", printable(p.name), p.value, p.sd, p.low, p.high);
-    out += fmt::format("\npoles: {}\n", list_of(m.poles));
-    for (size_t j = 0; j < m.zeros.size(); ++j) out += fmt::format("zeros of {}: {}\n", printable(m.options.inputs[j]), list_of(m.zeros[j]));
-    out += fmt::format("\nfit: {} one step ahead; held out: {} one step ahead, {} simulated\n", percent(m.fit_one_step), percent(m.held_out_one_step),
-                       percent(m.held_out_simulated));
-    out += fmt::format("residuals: sigma^2 = {:.4g}; {} (Ljung-Box, p = {:.3g})\n", m.sigma2, m.whiteness < 0.01 ? "not white" : "pass for white", m.whiteness);
-    out += fmt::format("arithmetic: {} kept {:.1f} of 15.9 digits of theta ({:.1f} of its worst component) against the certified minimiser; kappa = {:.3g}\n",
-                       m.options.variant, m.digits, m.digits_worst, m.condition);
-    return out;
+    return out + fmt::format("\n{}\n", fmt::join(result_lines(m), "\n"));
 }
 
 std::string as_json(Identified const& m) {
@@ -193,7 +246,17 @@ std::string as_page(Identified const& m) {
         for (std::string const& warning : m.warnings) body += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
         body += "</ul>";
     }
-    body += "</header><pre>" + escaped(as_table(m)) + "</pre>";
+    body += "</header>";
+    std::vector<std::string> head{data_line(m)};
+    for (std::string const& line : input_lines(m)) head.push_back(line);
+    head.push_back(order_line(m));
+    for (std::string const& words : head) body += fmt::format("<p>{}</p>", escaped(words));
+    body += fmt::format("<div class=\"scroll\"><table><thead><tr><th>parameter</th><th>estimate</th><th>sd</th><th>{:.0f} % interval</th></tr></thead><tbody>",
+                        100 * m.options.confidence);
+    for (Parameter const& p : m.parameters)
+        body += fmt::format("<tr><td>{}</td><td>{:.6g}</td><td>{:.2g}</td><td>{:.5g} ... {:.5g}</td></tr>", escaped(printable(p.name)), p.value, p.sd, p.low, p.high);
+    body += "</tbody></table></div>";
+    for (std::string const& words : result_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);
     return page(m.file + ": identified", body, figures, {});
 }

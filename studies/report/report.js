@@ -34,7 +34,7 @@ function traces(panel, figure, hidden) {
     out.push({ x: c.x, y: c.y, name: c.name, mode: c.marks === false ? 'lines' : c.line === false ? 'markers' : 'lines+markers', visible: shown, showlegend: false,
       line: { color: c.colour, width: 1.6, dash: c.dashed ? 'dash' : 'solid' },
       marker: { color: c.colour, symbol: c.mark, size: 7, line: { width: 1.4, color: c.colour } },
-      text: c.x.map((x, i) => `<b>${c.name}</b><br>${figure.x}: ${digits(x)}<br>${figure.y}: ${digits(c.y[i])}` +
+      text: c.x.map((x, i) => `<b>${c.name}</b><br>${figure.x}: ${digits(x)}<br>${figure.y || c.name}: ${digits(c.y[i])}` +
         (c.low ? `<br>from ${digits(c.low[i])} to ${digits(c.high[i])}` : '')), hoverinfo: 'text' });
   }
   for (const g of panel.guides)
