@@ -42,14 +42,14 @@ template <Real T>
 struct Reflector {
     T r, tau, pivot;
 
-    Reflector(T const& a, T const& size) {
+    [[gnu::always_inline]] Reflector(T const& a, T const& size) {
         Truth<T> const nothing = size == T(0);
         r = select(nothing, a, select(a < T(0), size, T(-size)));
         tau = select(nothing, T(0), T((r - a) / r));
         pivot = select(nothing, T(1), T(a - r));
     }
     /// |a / r|, the cosine.
-    T shrunk(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
+    [[gnu::always_inline]] T shrunk(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
 };
 
 }  // namespace rlslab

@@ -79,6 +79,15 @@ template <class T>
     s.z[i0 + i] = turn.c * t + turn.s * eta;
     *s.eta = turn.c * eta - turn.s * t;
 }
+/// The step above in one number; where there is no reflection, in lanes alone.
+template <class T>
+[[gnu::always_inline]] inline void reflect(T const& tau, T const& v, T const& weight, T& above, T& below) {
+    above *= weight;
+    T t = tau * (above + v * below);
+    if constexpr (!std::same_as<Truth<T>, bool>) t = select(tau == T(0), T(0), t);
+    above -= t;
+    below -= t * v;
+}
 template <class T>
 [[gnu::always_inline]] inline void settle(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
@@ -88,17 +97,13 @@ template <class T>
     *s.ratio *= turn.shrunk(a);
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
-    Truth<T> const nothing = turn.tau == T(0);
-    auto const reflect = [&](T& above, T& below) {
-        above *= s.weight;
-        if (all(nothing)) return;
-        T t = turn.tau * (above + v * below);
-        if constexpr (!std::same_as<Truth<T>, bool>) t = select(nothing, T(0), t);
-        above -= t;
-        below -= t * v;
-    };
-    for (Index j = i + 1; j < m; ++j) reflect(row[j], x[j]);
-    reflect(s.z[i0 + i], *s.eta);
+    if (all(turn.tau == T(0))) {
+        for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
+        s.z[i0 + i] *= s.weight;
+        return;
+    }
+    for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
+    reflect(turn.tau, v, s.weight, s.z[i0 + i], *s.eta);
 }
 /// The rows of a whole corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>
