@@ -1,6 +1,7 @@
 // Takes the names apart; one unit of time for every order of magnitude.
 #include "measured.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
@@ -50,7 +51,10 @@ Run read_run(std::string const& path) {
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
                         context.value("date", "").substr(0, 10)), {}};
-    for (json const& row : all.at("benchmarks")) {
+    // Interleaved repetitions end in any order; the page has that of the program.
+    std::vector<json> rows = all.at("benchmarks");
+    std::ranges::stable_sort(rows, {}, [](json const& row) { return row.value("family_index", 0); });
+    for (json const& row : rows) {
         bool const repeated = row.value("repetitions", 1) > 1;
         if (row.value("error_occurred", false) || (repeated && row.value("aggregate_name", "") != "median")) continue;
         run.rows.push_back(measured(row));
