@@ -30,10 +30,9 @@ int run_study(StudyArguments a) {
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
-    std::error_code error;
-    std::filesystem::create_directories(a.options.out / "figures", error);
-    if (error) throw InputError(fmt::format("{}: cannot create: {}", printable((a.options.out / "figures").string(), 200), error.message()));
+    create_folder(a.options.out / "figures");
     FolderLock const lock(a.options.out);
+    std::error_code error;
     if (a.fresh)
         for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));

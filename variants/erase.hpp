@@ -1,4 +1,5 @@
-// Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue.
+// Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue. No variant itself: longer
+// than one, because the adapter, its clock and the entry are read together.
 #pragma once
 
 #include <rlslab/datum.hpp>

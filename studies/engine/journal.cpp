@@ -37,6 +37,12 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
 
 }  // namespace
 
+void create_folder(std::filesystem::path const& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw InputError(fmt::format("{}: cannot create: {}", printable(folder.string(), 200), error.message()));
+}
+
 FolderLock::FolderLock(std::filesystem::path const& folder)
     : file_(::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     if (file_ < 0) cannot_write(folder / ".lock");

@@ -32,6 +32,9 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
+/// The folder, and those it is in, unless they are there. Throws InputError.
+void create_folder(std::filesystem::path const& folder);
+
 /// One run at a time in a folder: held until destroyed, or until the process ends in whatever way. Where the file system has
 /// no locks, none is held.
 class FolderLock {

@@ -128,9 +128,8 @@ Outcome finish(Running const& run, RunOptions const& options) {
 }  // namespace
 
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress) {
-    std::error_code error;
-    std::filesystem::create_directories(options.out / ".trials", error);
-    if (error) throw InputError(fmt::format("{}: cannot create: {}", printable(options.out.string(), 200), error.message()));
+    create_folder(options.out);
+    create_folder(options.out / ".trials");
 
     std::vector<Running> running(chosen.size());
     std::vector<std::pair<Running*, size_t>> pending;

@@ -60,9 +60,7 @@ int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     Identified const model = identify(a.file, a.options, progress_after_a_second("looking at the excitation"));
     if (!a.out.empty()) {
-        std::error_code error;
-        std::filesystem::create_directories(a.out, error);
-        if (error) throw InputError(fmt::format("{}: cannot create: {}", printable(a.out, 200), error.message()));
+        create_folder(a.out);
         replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
         replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
     }

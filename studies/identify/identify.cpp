@@ -239,11 +239,11 @@ Identified identify(std::string const& path, IdentifyOptions const& asked, Progr
                                              Eigen::Map<Vector<double> const>(there.data() + first, held_out));
     }
     Vector<double> const residuals = fitted.y - predicted.head(out.fitted);
-    Index const lags = std::min<Index>(out.fitted - 1, std::max<Index>(25, 2 * out.order));
+    Index const lags = whiteness_lags(out.fitted, out.order);
     double J = 0;
     for (double const x : residuals) J += x * x;
     bool const exactly = J <= rounding_alone(out.fitted, fitted.y.cwiseAbs().maxCoeff());
-    out.whiteness = exactly ? 1 : whiteness(residuals, whiteness_lags(out.fitted, out.order), out.order);
+    out.whiteness = exactly ? 1 : whiteness(residuals, lags, out.order);
     Signal const eps(residuals.data(), residuals.data() + residuals.size());
     out.auto_correlation = scaled_correlation(eps, eps, lags);
     for (Signal const& u : data.inputs) out.cross_correlation.push_back(scaled_correlation(eps, Signal(u.begin() + first, u.begin() + first + out.fitted), lags));

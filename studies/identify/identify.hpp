@@ -17,9 +17,8 @@ struct IdentifyOptions {
     std::string output;
     int order = 0, max_order = 10;             ///< order 0: chosen among 1 ... max_order
     int delay = 0;
-    bool intercept = false, detrend = true;
-    ///< detrend: means of the fitted part are taken off first, and what is
-                                               ///< left of a constant is estimated
+    bool intercept = false;
+    bool detrend = true;                       ///< means of the fitted part are taken off first; what is left of a constant is estimated
     std::string variant = "ud";
     double forgetting = 1;
     double p0 = 0x1p40;                        ///< no bias to speak of, and ud does not mind its size (study prior_size)

@@ -17,7 +17,7 @@ template <class K, class T, int bytes>
 using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, Simd<T, bytes>>;
 
 template <class B, class K>
-[[gnu::noinline, gnu::aligned(64)]] void call(K const& kernel) {    // aligned: as fast in one program as in another
+[[gnu::noinline, gnu::aligned(64)]] void call(K const& kernel) {    // on a cache line, whatever is linked beside it
     K const copy = kernel;    // whose address nobody has: its fields stay in registers
     run<B>(copy);
 }
