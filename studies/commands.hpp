@@ -33,4 +33,8 @@ Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
 Command list_command(CLI::App& app);
 
+/// What the words of a command line (the program's name left out) ask for: parsed and checked, not yet run. Called, it answers
+/// and gives the exit code. Throws InputError for words that ask for nothing.
+std::function<int()> parse(std::vector<std::string> words);
+
 }  // namespace rlslab

@@ -1,0 +1,64 @@
+// rlslab list: what there is to choose from.
+#include "commands.hpp"
+#include "study.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rlslab {
+namespace {
+
+void run_list(bool json) {
+    nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
+                                  {"arithmetics", nlohmann::ordered_json::array()},
+                                  {"studies", nlohmann::ordered_json::array()}};
+    std::string text = "variants                  propagates    no prior  rows at once  in\n";
+    std::vector<Entry const*> variants;
+    for (Entry const& e : catalogue())
+        if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
+            variants.push_back(&e);
+    for (Entry const* v : variants) {
+        std::vector<std::string_view> in;
+        for (Entry const& e : catalogue())
+            if (e.variant == v->variant) in.push_back(e.arithmetic->name);
+        text += fmt::format("  {:<23} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
+                            v->starts_without_prior ? "yes" : "no", v->block,
+                            in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
+        out["variants"].push_back({{"name", v->variant},
+                                   {"propagates", v->propagates},
+                                   {"starts_without_prior", v->starts_without_prior},
+                                   {"rows_at_once", v->block},
+                                   {"arithmetics", in}});
+    }
+    text += "\narithmetics               bits  digits  exponents                      rounding\n";
+    for (Arithmetic const& s : arithmetics()) {
+        char const* const rounding = s.stochastic ? "stochastic" : "nearest";
+        text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<29}  {}\n", s.name, s.digits, s.decimal_digits(),
+                            fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
+        out["arithmetics"].push_back({{"name", s.name},
+                                      {"digits", s.digits},
+                                      {"min_exp", s.min_exp},
+                                      {"max_exp", s.max_exp},
+                                      {"rounding", rounding}});
+    }
+    text += "\nstudies\n";
+    for (Study const* study : studies()) {
+        text += fmt::format("  {:<23} {}\n", study->name, study->question);
+        out["studies"].push_back({{"name", study->name}, {"question", study->question}});
+    }
+    print(json ? out.dump(2) + '\n' : text);
+}
+
+}  // namespace
+
+Command list_command(CLI::App& app) {
+    auto const json = std::make_shared<bool>(false);
+    CLI::App* const listing = app.add_subcommand("list", "Variants, arithmetics, studies.");
+    listing->add_flag("--json", *json, "JSON");
+    return {listing, [json] {
+                run_list(*json);
+                return 0;
+            }};
+}
+
+}  // namespace rlslab
