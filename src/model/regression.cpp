@@ -60,19 +60,38 @@ Arx arx_of_order(int order) {
 Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
                        bool intercept) {
     if (regressors.empty()) fail(data.file, "expected the name of a regressor at least");
-    std::vector<std::string> names;
-    if (intercept) names.push_back("1");
-    std::vector<double const*> columns;
+    std::vector<Lagged> now;
     for (auto const& name : regressors) {
         if (name == output) fail(data.file, fmt::format("column \"{}\" is both regressor and output", printable(name)));
         if (std::ranges::count(regressors, name) > 1)
             fail(data.file, fmt::format("column \"{}\" is twice among the regressors", printable(name)));
-        names.push_back(data.header ? name : "column " + name);      // a column "1" is not the intercept
-        columns.push_back(data[name].data());
+        now.push_back({name, 0, true});
     }
-    return collected(data.file, data[output], std::move(names), 0, [&](Index k, std::span<double> psi) {
+    return lagged_records(data, now, output, intercept);
+}
+
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept) {
+    expects(!regressors.empty(), "at least one regressor");
+    struct Source {
+        double const* column;
+        Index lag;
+        double sign;
+    };
+    std::vector<std::string> names;
+    if (intercept) names.push_back("1");
+    std::vector<Source> sources;
+    Index first = 0;
+    for (Lagged const& r : regressors) {
+        expects(0 <= r.lag && (r.column != output || r.lag > 0), "regressors of the present and the past, outputs of the past");
+        bool const past_output = r.column == output;
+        std::string const name = r.plain ? r.column : text_of(r);
+        names.push_back((past_output ? "-" : "") + (data.header ? name : "column " + name));      // a column "1" is not the intercept
+        sources.push_back({data[r.column].data(), r.lag, past_output ? -1.0 : 1.0});
+        first = std::max(first, Index(r.lag));
+    }
+    return collected(data.file, data[output], std::move(names), first, [&](Index k, std::span<double> psi) {
         psi[0] = 1;
-        std::ranges::transform(columns, psi.begin() + intercept, [k](double const* column) { return column[k]; });
+        std::ranges::transform(sources, psi.begin() + intercept, [k](Source const& s) { return s.sign * s.column[k - s.lag]; });
     });
 }
 

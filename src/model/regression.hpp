@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/model/csv.hpp>
+#include <rlslab/model/lags.hpp>
 #include <rlslab/model/records.hpp>
 
 #include <algorithm>
@@ -31,6 +32,11 @@ Arx arx_of_order(int order);
 /// fewer than d usable rows; std::invalid_argument for a column that was not read.
 Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
                        bool intercept = false);
+
+/// The same on present and past values: y[k] = sum of (u[k-lag], or -y[k-lag] for the output as in Arx) times theta, on every row from
+/// the longest lag on. Names: "-y[k-1]", "u[k-3]"; of a plain regressor its column's. Throws InputError for fewer than d usable rows;
+/// std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept = false);
 
 /// Every row of the model's equation on u and y (equally long; NaN: missing) whose values are all there.
 /// psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and fewer than d usable rows;
