@@ -104,5 +104,7 @@ double condition(Records const& data, double forgetting);
 /// ||theta - theta_from||_2 / ||theta_from||_2 of two exact solutions: what the prior costs, whatever the variant, or the
 /// rounding of the data. 0 for two zeros, infinity for a change of zero, NaN unless both are certified.
 double relative_change(Exact const& theta, Exact const& from);
+/// The same in the norm |x|^2 = sum (s_i x_i)^2, s_i > 0: with s_i the size of regressor i it does not depend on units.
+double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s);
 
 }  // namespace rlslab

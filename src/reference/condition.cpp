@@ -92,14 +92,23 @@ double condition(Records const& data, double forgetting) {
 }
 
 double relative_change(Exact const& theta, Exact const& from) {
-    expects(theta.size() == from.size(), "two solutions of one size");
+    return relative_change(theta, from, Vector<double>::Ones(theta.size()));
+}
+
+double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+    expects(theta.size() == from.size() && s.size() == from.size(), "two solutions of one size");
     if (!theta.enclosure() || !from.enclosure()) return std::numeric_limits<double>::quiet_NaN();
     auto const &a = *theta.enclosure(), &b = *from.enclosure();
     long const bits = std::max(a.bits, b.bits);
-    BallMatrix difference(a.theta.rows(), 1);
+    BallMatrix difference(a.theta.rows(), 1), scaled = b.theta;
     arb_mat_sub(difference, a.theta, b.theta, bits);
+    for (Index i = 0; i < s.size(); ++i) {
+        Ball const unit(s[i]);
+        arb_mul(difference(i, 0), difference(i, 0), unit, bits);
+        arb_mul(scaled(i, 0), scaled(i, 0), unit, bits);
+    }
     Ball change = norm(difference, bits);
-    Ball const size = norm(b.theta, bits);
+    Ball const size = norm(scaled, bits);
     if (arb_is_zero(change)) return 0;
     if (arb_is_zero(size)) return std::numeric_limits<double>::infinity();
     arb_div(change, change, size, bits);
