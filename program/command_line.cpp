@@ -1,6 +1,8 @@
 // The program's command line: its commands, and what a person is told whose words are none.
 #include "commands.hpp"
 
+#include <rlslab/model/suggestion.hpp>
+
 #include <fmt/format.h>
 #include <sstream>
 
@@ -14,21 +16,31 @@ struct CommandLine {
 
     CommandLine() { app.set_version_flag("--version", "rlslab " RLSLAB_VERSION); }
 
-    std::string names() const {
-        std::string out;
-        for (size_t i = 0; i < commands.size(); ++i)
-            out += (i == 0 ? "" : i + 1 < commands.size() ? ", " : " or ") + commands[i].app->get_name();
+    std::vector<std::string> names() const {
+        std::vector<std::string> out;
+        for (Command const& command : commands) out.push_back(command.app->get_name());
         return out;
     }
-    [[noreturn]] void refuse_extra_word() const {
-        bool const own = !app.remaining(false).empty();    // the program's, not its command's
-        std::string const word = printable(own ? app.remaining(false).front() : app.remaining(true).front());
-        auto const asked = own ? commands.end() : std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
-        if (own && !word.starts_with("-"))
-            throw InputError(fmt::format("no command \"{}\": expected {} (rlslab --help tells more)", word, names()));
-        throw InputError((word.starts_with("-") ? fmt::format("no option \"{}\"", word) : fmt::format("\"{}\" is one word too many", word)) +
-                         (asked == commands.end() ? " (rlslab --help)" : fmt::format(" (rlslab {} --help)", asked->app->get_name())));
+    /// A word that nobody takes comes before all else: an option that is missing is often one that is misspelt.
+    void refuse_extra_word() const {
+        std::vector<std::string> const own = app.remaining(false), all = app.remaining(true);    // of the program; of its command besides
+        if (all.empty()) return;
+        auto const asked = std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
+        CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
+        std::string const word = own.empty() ? all.front() : own.front();
+        if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
+        if (&misled == &app) expect_one_of(views(names()), word, "", "command");
+        throw InputError(fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
     }
+    /// Names without their dashes are compared: these would make short ones alike.
+    [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
+        std::vector<std::string> known;
+        for (CLI::Option const* option : misled.get_options()) known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+        std::string_view const meant = nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
+        std::string const help = misled.get_parent() ? fmt::format("rlslab {} --help", misled.get_name()) : "rlslab --help";
+        throw InputError(fmt::format("no option \"{}\" ({})", printable(word), meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+    }
+    static std::vector<std::string_view> views(std::vector<std::string> const& names) { return {names.begin(), names.end()}; }
 };
 
 }  // namespace
@@ -46,16 +58,15 @@ std::function<int()> parse(std::vector<std::string> words) {
             print(text);
             return 0;
         };
-    } catch (CLI::ExtrasError const&) {
-        line->refuse_extra_word();
     } catch (CLI::ParseError const& error) {
+        line->refuse_extra_word();
         std::string const text = error.what();
         if (size_t const at = text.find(": At Most 1 required"); at != text.npos) throw InputError(printable(text.substr(0, at), 200) + ": expected once, found again");
         throw InputError(printable(text, 200));
     }
     for (Command const& command : line->commands)
         if (command.app->parsed()) return [line, run = command.run] { return run(); };
-    throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", line->names()));
+    throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));
 }
 
 }  // namespace rlslab

@@ -2,7 +2,7 @@
 // step's theta and P scored against the reference for the very bits the arithmetic was given.
 #include "compare.hpp"
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/model/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/probes.hpp>
 
@@ -200,18 +200,12 @@ std::string constant_regressors(Records const& records) {
 
 /// The entries asked for, in the catalogue's order.
 std::vector<Entry const*> chosen(CompareOptions const& options) {
-    auto const check = [](char const* option, std::vector<std::string> const& asked, auto const& known) {
-        for (std::string const& name : asked)
-            if (std::find(known.begin(), known.end(), name) == known.end())
-                throw InputError(fmt::format("{}: expected one of {}, found \"{}\"", option, fmt::join(known, ", "),
-                                             printable(name)));
-    };
     std::vector<std::string_view> variants, scalars;
     for (Entry const& entry : catalogue())
         if (std::find(variants.begin(), variants.end(), entry.variant) == variants.end()) variants.push_back(entry.variant);
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
-    check("--variants", options.variants, variants);
-    check("--arithmetic", options.arithmetics, scalars);
+    for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
+    for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
     auto const wanted = [](std::vector<std::string> const& asked, std::string_view name) {
         return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
     };

@@ -3,6 +3,8 @@
 #include "journal.hpp"
 #include "report.hpp"
 
+#include <rlslab/model/suggestion.hpp>
+
 #include <cstdlib>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -22,9 +24,7 @@ int run_study(StudyArguments a) {
     std::vector<Study const*> chosen;
     std::vector<std::string_view> known;
     for (Study const* study : studies()) known.push_back(study->name);
-    for (std::string const& name : a.names)
-        if (std::ranges::find(known, name) == known.end())
-            throw InputError(fmt::format("study: expected one of {}, found \"{}\"", fmt::join(known, ", "), printable(name)));
+    for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
     if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
     for (Study const* study : studies())
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);

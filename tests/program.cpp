@@ -1,6 +1,6 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
-#include "files.hpp"
 #include "journal.hpp"
+#include "program.hpp"
 
 #include <rlslab/erased.hpp>
 
@@ -17,59 +17,9 @@
 
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
-
-std::string const program = RLSLAB_PROGRAM, root = RLSLAB_SOURCE_DIR;
-
-std::string read(fs::path const& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-struct Outcome {
-    int code;
-    std::string out, err;
-};
-
-/// A folder of its own for each test, where the shell runs; `rlslab` in a command is the program.
-class Program : public testing::Test {
-protected:
-    rlslab::files::Folder const temporary;
-    fs::path const folder = temporary.path;
-    void SetUp() override {
-        write("ok.csv", "u,y\n" + rows(40, [](int k) { return std::to_string(k * 5 % 13); }));
-    }
-    void write(std::string const& file, std::string const& text) const { std::ofstream(folder / file) << text; }
-    template <class U>
-    static std::string rows(int n, U u) {
-        std::string text;
-        for (int k = 0; k < n; ++k) text += u(k) + "," + std::to_string(k * 7 % 11) + "\n";
-        return text;
-    }
-    Outcome shell(std::string const& command) const {
-        std::string const line = "cd '" + folder.string() + "' && rlslab() { '" + program + "' \"$@\"; } && { " + command +
-                                 "; } >out.txt 2>err.txt </dev/null";
-        int const status = std::system(("bash -c '" + quoted(line) + "'").c_str());
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder / "out.txt"), read(folder / "err.txt")};
-    }
-    static std::string quoted(std::string const& text) {
-        std::string out;
-        for (char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        return out;
-    }
-    /// One line on stderr that holds `expected`, nothing on stdout, exit code 2.
-    void refused(std::string const& command, std::string const& expected) const {
-        Outcome const run = shell("rlslab " + command);
-        EXPECT_EQ(run.code, 2) << command;
-        EXPECT_EQ(run.out, "") << command;
-        EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-        EXPECT_THAT(run.err, HasSubstr(expected)) << command;
-        EXPECT_TRUE(run.err.starts_with("rlslab: ")) << run.err;
-    }
-};
 
 TEST_F(Program, RefusesBadFilesInOneLine) {
     std::string const options = " --input u --output y --order 1";
@@ -92,7 +42,8 @@ TEST_F(Program, RefusesBadFilesInOneLine) {
 TEST_F(Program, RefusesStudiesThatAreNotThere) {
     refused("study", "study: expected the names of studies (rlslab list), or --all");
     refused("study gain_error --all", "study: expected the names of studies (rlslab list), or --all");
-    refused("study gain_eror", "study: expected one of choose, gain_identities, ");
+    refused("study gain_eror", "study: no study \"gain_eror\" (did you mean \"gain_error\"?)");
+    refused("study something", "study: no study \"something\"; expected one of choose, gain_identities, ");
     refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
     refused("study gain_error --seed -1", "--seed: expected a whole number");
     refused("study gain_error --threads 0", "--threads: expected a whole number");
@@ -117,16 +68,16 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
         refused(data + " --order 1 --p0 " + bad, "--p0: expected a positive, finite number, found \"" + bad + "\"");
     refused(data + " --order 1 --delay -1", "--delay: expected a whole number");
     refused(data + " --order 1 --threads 0", "--threads: expected a whole number");
-    refused(data + " --order 1 --variants ud,foo", "--variants: expected one of conventional, ");
-    refused(data + " --order 1 --arithmetic foo", "--arithmetic: expected one of bfloat16, ");
+    refused(data + " --order 1 --variants ud,foo", "--variants: no variant \"foo\"; expected one of conventional, ");
+    refused(data + " --order 1 --arithmetic foo", "--arithmetic: no arithmetic \"foo\"; expected one of bfloat16, ");
     refused(data + " --order 1 --variants qr_sparse --arithmetic float", "--variants, --arithmetic: expected");
     refused(data + " --order 1 --json --csv", "--json: does not go with --csv");
     refused(data + " --order 1 --na 2", "--order: does not go with --na and --nb");
     refused(data + " --order 1 --regressors u", "--regressors: does not go with");
     refused(data + " --order 1 --bogus", "no option \"--bogus\" (rlslab compare --help)");
     refused(data + " --order 1 --output u", "--output: expected once, found again");
-    refused("frob", "no command \"frob\": expected compare, study, ");
-    refused("frob list", "no command \"frob\": expected compare, study, ");
+    refused("frob", "no command \"frob\"; expected one of compare, study, ");
+    refused("frob list", "no command \"frob\"; expected one of compare, study, ");
     refused("list frob", "\"frob\" is one word too many (rlslab list --help)");
     refused("compare ok.csv --input u --order 1", "--output");
     refused("compare", "FILE");

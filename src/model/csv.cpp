@@ -1,5 +1,6 @@
 // CSV in three layers: lines out of bytes, cells out of lines, numbers out of cells.
 #include <rlslab/model/csv.hpp>
+#include <rlslab/model/suggestion.hpp>
 
 #include <fmt/format.h>
 
@@ -10,11 +11,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <string_view>
 #include <system_error>
-#include <utility>
 
 namespace rlslab {
 namespace {
@@ -227,34 +226,6 @@ std::string complaint(Kind kind, std::string_view cell) {
 
 // ---- names ----------------------------------------------------------------------------------------------------------
 
-/// Levenshtein's distance, letters of either case being the same.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t(0));
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            std::size_t const replaced = diagonal + (lower(a[i]) != lower(b[j]));
-            diagonal = std::exchange(row[j + 1], std::min({row[j] + 1, row[j + 1] + 1, replaced}));
-        }
-    }
-    return row.back();
-}
-
-std::string suggestion(std::string_view asked, std::vector<std::string> const& names) {
-    constexpr std::size_t longest = 64;              // beyond, a name is not mistyped but no name
-    std::size_t least = 1 + std::min(asked.size(), longest) / 3;
-    std::string_view nearest;
-    for (std::string_view const name : names) {
-        if (name.empty() || std::max(name.size(), asked.size()) > longest) continue;
-        std::size_t const distance = edit_distance(asked, name);
-        if (distance >= name.size() || distance >= least) continue;
-        least = distance;
-        nearest = name;
-    }
-    return nearest.empty() ? "" : fmt::format(" (did you mean {}?)", quoted(nearest));
-}
-
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
@@ -318,7 +289,7 @@ std::size_t CsvFile::State::column_of(std::string const& asked) const {
     auto const found = std::ranges::find(names, asked);
     if (found == names.end())
         throw InputError(fmt::format("{}: no column {}{}; {} {}", lines.name(), quoted(asked),
-                                     header ? suggestion(asked, names) : "",
+                                     header ? did_you_mean(asked, {names.begin(), names.end()}) : "",
                                      header ? "the columns are" : "without a header they are", listed(names)));
     auto const again = std::find(found + 1, names.end(), asked);
     if (again != names.end())

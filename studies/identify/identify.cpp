@@ -1,7 +1,7 @@
 // The steps in order: read, excitation, order, the variant's recursion, what is left unexplained.
 #include "identify.hpp"
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/model/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
@@ -53,12 +53,10 @@ Signal scaled_correlation(Signal const& eps, Signal const& x, Index lags) {
 
 Entry const& entry_of(std::string const& variant) {
     std::vector<std::string_view> known;
-    for (Entry const& e : catalogue()) {
-        if (e.arithmetic->name != "double") continue;
-        if (e.variant == variant) return e;
-        known.push_back(e.variant);
-    }
-    throw InputError(fmt::format("--variant: expected one of {}, found \"{}\"", fmt::join(known, ", "), printable(variant)));
+    for (Entry const& e : catalogue())
+        if (e.arithmetic->name == "double") known.push_back(e.variant);
+    expect_one_of(known, variant, "--variant", "variant");
+    return *std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.arithmetic->name == "double" && e.variant == variant; });
 }
 
 /// Feeds the variant, looking at theta and P now and then.
