@@ -74,14 +74,18 @@ TEST(DefaultPrior, HasTheLeastCThatMovesThetaByAThousandth) {
     EXPECT_EQ(default_prior(nearly_dependent(0), 1).c, 32);
 }
 
-/// A record whose first half decides one parameter and is then forgotten: with forgetting the same prior weighs more.
+/// What the ill-determined direction of theta is worth cancels over the record, but not once its beginning is forgotten.
 TEST(DefaultPrior, HoldsForTheForgettingFactorToo) {
-    Records r = nearly_dependent(1, 60);
-    for (Index k = 10; k < 60; ++k) r.psi(1, k) = r.psi(0, k);    // then only the sum shows
-    for (Index k = 0; k < 60; ++k) r.y[k] = r.psi(0, k) + 3 * r.psi(1, k);
-    double const lambda = 0.75, c = default_prior(r, lambda).c;
+    Records r{.psi = Eigen::MatrixXd(2, 64), .y = Vector<double>(64), .names = {}};
+    for (Index k = 0; k < 64; ++k) {
+        double const strong = k % 2 ? 1 : -1, weak = std::ldexp(k / 2 % 2 ? 1 : -1, -8);
+        r.psi.col(k) << strong + weak, strong - weak;
+        r.y[k] = strong + (k < 32 ? 64 : -64) * weak;
+    }
+    double const lambda = 0.9375, c = default_prior(r, lambda).c;
     EXPECT_GT(c, default_prior(r, 1).c);
     EXPECT_LE(bias_squared(r, regressor_scales(r), c, lambda), allowed);
+    EXPECT_GT(bias_squared(r, regressor_scales(r), c / 2, lambda), allowed);
     EXPECT_LE(bias_squared(r, regressor_scales(r), c, 1), allowed);
 }
 
