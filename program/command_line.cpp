@@ -14,7 +14,25 @@ struct CommandLine {
     std::vector<Command> const commands{compare_command(app),  study_command(app),      identify_command(app),
                                         simulate_command(app), excitation_command(app), list_command(app)};
 
-    CommandLine() { app.set_version_flag("--version", "rlslab " RLSLAB_VERSION); }
+    Manners manners;
+
+    CommandLine() {
+        app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
+        app.require_subcommand(0, 1);    // a file may be called "list"
+        take_manners(app);
+        for (Command const& command : commands) take_manners(*command.app);
+    }
+    /// Anywhere on the line: before the command and behind it.
+    void take_manners(CLI::App& taker) {
+        taker.add_flag("--quiet", manners.quiet, "no progress, no remarks: answers and errors alone");
+        taker.add_option_function<std::string>("--color", [this](std::string const& when) {
+            using enum Manners::Colour;
+            manners.colour = when == "always" ? always : when == "never" ? never : automatic;
+        }, "colour the answer; default auto: on a terminal, unless NO_COLOR is set")
+            ->check([](std::string const& when) {
+                return when == "auto" || when == "always" || when == "never" ? "" : fmt::format("expected auto, always or never, found \"{}\"", printable(when));
+            })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("auto|always|never");
+    }
 
     std::vector<std::string> names() const {
         std::vector<std::string> out;
@@ -65,7 +83,10 @@ std::function<int()> parse(std::vector<std::string> words) {
         throw InputError(printable(text, 200));
     }
     for (Command const& command : line->commands)
-        if (command.app->parsed()) return [line, run = command.run] { return run(); };
+        if (command.app->parsed()) return [line, run = command.run] {
+            behave(line->manners);
+            return run();
+        };
     throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -35,26 +36,50 @@ void print(std::string const& text) {
         throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
 }
 
-Progress progress_after_a_second(std::string doing) {
-    auto const start = std::chrono::steady_clock::now();
-    bool const terminal = isatty(STDERR_FILENO);
-    return [start, terminal, doing, shown = -1](double part) mutable {
-        int const percent = int(100 * part), step = terminal ? 1 : 25;
-        double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        if (seconds < 1 || percent / step == shown / step) return;
-        shown = percent;
+namespace {
+
+Manners manners;
+
+/// A line that is written over itself, and wiped off in the end.
+class ProgressLine {
+    std::string const doing_;
+    std::chrono::steady_clock::time_point const start_ = std::chrono::steady_clock::now();
+    size_t width_ = 0;
+    int shown_ = -1;
+
+public:
+    explicit ProgressLine(std::string doing) : doing_(std::move(doing)) {}
+    ~ProgressLine() {
+        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
+    }
+    ProgressLine(ProgressLine const&) = delete;
+    ProgressLine& operator=(ProgressLine const&) = delete;
+    void show(double part) {
+        int const percent = int(100 * part);
+        double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        if (seconds < 1 || percent == shown_) return;
+        shown_ = percent;
         double const left = part > 0 ? seconds * (1 - part) / part : 0;
-        std::string const line = fmt::format("{} {:3} %{:<14}", doing, percent,
-                                             left < 5 ? "" : left < 90 ? fmt::format(", {:.0f} s left", left)
-                                                                       : fmt::format(", {:.0f} min left", left / 60));
-        std::string const blank(line.size(), ' ');
-        if (!terminal)
-            std::fprintf(stderr, "%s\n", line.c_str());
-        else if (percent == 100)
-            std::fprintf(stderr, "\r%s\r", blank.c_str());
-        else
-            std::fprintf(stderr, "\r%s", line.c_str());
-    };
+        std::string line = fmt::format("{} {:3} %", doing_, percent);
+        if (left >= 5) line += left < 90 ? fmt::format(", {:.0f} s left", left) : fmt::format(", {:.0f} min left", left / 60);
+        width_ = std::max(width_, line.size());
+        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
+    }
+};
+
+}  // namespace
+
+void behave(Manners const& asked) { manners = asked; }
+
+Progress progress_after_a_second(std::string doing) {
+    if (manners.quiet || !isatty(STDERR_FILENO)) return [](double) {};
+    return [line = std::make_shared<ProgressLine>(std::move(doing))](double part) { line->show(part); };
+}
+
+bool colour() {
+    if (manners.colour != Manners::Colour::automatic) return manners.colour == Manners::Colour::always;
+    auto const environment = [](char const* name) { return std::string_view(std::getenv(name) ? std::getenv(name) : ""); };
+    return isatty(STDOUT_FILENO) && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }
 
 }  // namespace rlslab

@@ -15,11 +15,27 @@ CLI::Validator whole(long least, long most);
 /// A finite number that `holds`, else one line that says what was expected.
 CLI::Validator real(char const* expected, bool (*holds)(double));
 
-/// The whole answer to standard output, or an error: a closed pipe is one too.
+/// The whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the program instead.
 void print(std::string const& text);
 
-/// "comparing  42 %, 3 min left" on a terminal's or a log's stderr, from the second second on.
+/// "comparing  42 %, 3 min left" on standard error from the second second on, where that is a terminal and --quiet was not said.
+/// The line is wiped off when the last copy of the function goes.
 Progress progress_after_a_second(std::string doing);
+
+/// Whether standard output is to be coloured: --color, then NO_COLOR, then whether it is a terminal that can.
+bool colour();
+
+/// What every command takes: how the program behaves towards who sees its output.
+struct Manners {
+    enum class Colour { automatic, always, never } colour = Colour::automatic;
+    bool quiet = false;
+};
+/// Of this process, from now on.
+void behave(Manners const& manners);
+
+/// What SIGINT, SIGTERM or SIGHUP leave: no half-written file, nothing of the progress, this advice on standard error ("" for none).
+/// The process then dies of the signal, as who started it expects.
+void when_stopped(std::string const& advice);
 
 /// A subcommand: its options, and what to do once it was asked for; gives the exit code.
 struct Command {

@@ -4,9 +4,7 @@
 
 #include <rlslab/model/regression.hpp>
 
-#include <cstdlib>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace rlslab {
 namespace {
@@ -42,8 +40,7 @@ Records records_of(CompareArguments const& a) {
 void run_compare(CompareArguments const& a) {
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
     Comparison const comparison = compare(records_of(a), a.options, progress_after_a_second("comparing"));
-    bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
-    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour));
+    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour()));
 }
 
 }  // namespace

@@ -4,8 +4,23 @@
 #include <csignal>
 #include <cstdio>
 
+namespace {
+
+/// Silently, like git, also where whoever started the program does not want to die of them and has left it that.
+void die_of_closed_pipes() {
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    sigprocmask(SIG_UNBLOCK, &pipe, nullptr);
+    std::signal(SIGPIPE, SIG_DFL);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-    std::signal(SIGPIPE, SIG_IGN);    // a closed pipe is then an error like any other, not a silent death
+    die_of_closed_pipes();
+    std::signal(SIGXFSZ, SIG_IGN);    // a file beyond the limit is then an error like any other
+    rlslab::when_stopped("");
     try {
         return rlslab::parse({argv + (argc > 0), argv + argc})();
     } catch (std::bad_alloc const&) {

@@ -5,9 +5,7 @@
 
 #include <rlslab/model/suggestion.hpp>
 
-#include <cstdlib>
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace rlslab {
 namespace {
@@ -32,6 +30,8 @@ int run_study(StudyArguments a) {
     a.options.out = a.out;
     create_folder(a.options.out / "figures");
     FolderLock const lock(a.options.out);
+    for (char const* part : {"", ".trials", "figures"}) remove_leftovers(a.options.out / part);
+    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
     std::error_code error;
     if (a.fresh)
         for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
@@ -41,11 +41,10 @@ int run_study(StudyArguments a) {
             replace_file(a.options.out / "figures" / (figure.name + ".gp"), gnuplot_script(figure));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
-    bool const colour = isatty(STDOUT_FILENO) && !std::getenv("NO_COLOR");
     std::string text;
     size_t failed = 0, claims = 0;
     for (Outcome const& outcome : outcomes) {
-        text += verdict_lines(outcome, colour) + '\n';
+        text += verdict_lines(outcome, colour()) + '\n';
         claims += outcome.findings.size();
         for (Finding const& finding : outcome.findings) failed += !finding.holds;
     }

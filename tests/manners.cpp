@@ -1,7 +1,11 @@
 // The manners of the program: what it says to who mistypes, closes its pipe, interrupts it, or asks for help.
 #include "program.hpp"
+#include "terminal.hpp"
 
 #include <rlslab/model/suggestion.hpp>
+
+#include <csignal>
+#include <set>
 
 namespace {
 
@@ -38,6 +42,128 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(meant(std::string(1000000, 'j')), "");
     EXPECT_EQ(rlslab::nearest("gain", {"gain_error", "gain_error_memory"}), "") << "begins two names";
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
+}
+
+
+// ---- pipes, disks -----------------------------------------------------------------------------------------------------------
+
+TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
+    // A reader that is gone before the first byte, also where whoever started the program had SIGPIPE ignored.
+    for (std::string const before : {"", "trap \"\" PIPE; "})
+        for (std::string const command : {"list", "list --json", "--help", "compare ok.csv --input u --output y --order 1 --arithmetic double"}) {
+            Outcome const run = shell("(" + before + "sleep 0.2; rlslab " + command + ") | true; exit ${PIPESTATUS[0]}");
+            EXPECT_EQ(run.code, 128 + SIGPIPE) << command;
+            EXPECT_EQ(run.err, "") << command;
+        }
+    EXPECT_EQ(shell("rlslab list | head -1").out, "variants                  propagates    no prior  rows at once  in\n");
+}
+TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
+    for (std::string const command : {"list", "list --json", "--help", "--version", "compare ok.csv --input u --output y --order 1 --arithmetic double",
+                                      "simulate", "excitation ok.csv --input u --max-order 3", "identify ok.csv --input u --output y --order 1"}) {
+        Outcome const full = shell("rlslab " + command + " >/dev/full");
+        EXPECT_EQ(full.code, 2) << command;
+        EXPECT_EQ(full.err, "rlslab: standard output: cannot write: No space left on device\n") << command;
+        Outcome const closed = shell("rlslab " + command + " >&-");
+        EXPECT_EQ(closed.code, 2) << command;
+        EXPECT_EQ(closed.err, "rlslab: standard output: cannot write: Bad file descriptor\n") << command;
+    }
+}
+TEST_F(Program, LeavesNothingHalfWrittenOnAFullDisk) {
+    fs::create_directory(folder / "disk");
+    if (shell("mount -t tmpfs -o size=64k none disk").code != 0) GTEST_SKIP() << "only who may mount can make a small disk";
+    for (std::string const command : {"study gain_error --out disk/out", "identify ok.csv --input u --output y --order 1 --out disk/out"}) {
+        for (int free : {0, 4096, 8192, 40960}) {
+            shell("rm -rf disk/*; head -c " + std::to_string(65536 - free) + " /dev/zero >disk/ballast");
+            Outcome const run = shell("rlslab " + command);
+            EXPECT_EQ(run.code, 2) << command << ", " << free << " bytes free: " << run.err;
+            EXPECT_EQ(run.out, "");
+            EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+            EXPECT_THAT(run.err, HasSubstr("No space left on device")) << command;
+            for (auto const& file : fs::recursive_directory_iterator(folder / "disk")) {
+                std::string const name = file.path().filename();
+                EXPECT_FALSE(name.ends_with(".new")) << name;
+                if (name.ends_with(".json") || name.ends_with(".html")) {
+                    EXPECT_THAT(read(file.path()), testing::EndsWith("\n")) << name;
+                }
+            }
+        }
+    }
+    EXPECT_EQ(shell("umount disk").code, 0);
+}
+
+TEST_F(Program, WhatAKilledRunWasWritingIsRemovedByTheNext) {
+    fs::create_directories(folder / "out/.trials");
+    // 999999999 is beyond the greatest process id of Linux; 1 is there.
+    for (char const* name : {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"}) write(std::string("out/") + name, "x");
+    ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
+    std::set<std::string> left;
+    for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
+        if (file.path().string().find(".new") != std::string::npos) left.insert(file.path().filename());
+    EXPECT_THAT(left, testing::ElementsAre("999999999.new.csv", "a.csv.1.new", "a.new"));
+}
+TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
+    Outcome const run = shell("ulimit -f 8; rlslab identify ok.csv --input u --output y --order 1 --out out");
+    EXPECT_EQ(run.code, 2);
+    EXPECT_THAT(run.err, HasSubstr(": cannot write: File too large\n"));
+    for (auto const& file : fs::recursive_directory_iterator(folder / "out")) EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
+}
+
+// ---- terminals --------------------------------------------------------------------------------------------------------------
+
+TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
+    std::string const command = "cd '" + folder.string() + "'; '" + program + "' study identities --fresh --threads 1 --out out";
+    Screen const seen = on_a_terminal(command);
+    EXPECT_EQ(seen.code, 0);
+    EXPECT_THAT(seen.text, HasSubstr("studying "));
+    EXPECT_THAT(seen.text, testing::ContainsRegex("\r {14,}\r")) << "the line of progress is wiped off when it is over";
+    EXPECT_THAT(on_a_terminal(command + " --quiet").text, Not(HasSubstr("studying ")));
+    EXPECT_THAT(on_a_terminal(command + " 2>/dev/null").text, Not(HasSubstr("studying ")));
+    Outcome const piped = shell("rlslab study identities --fresh --threads 1 --out out");
+    EXPECT_EQ(piped.err, "") << "a log wants no progress";
+    EXPECT_THAT(piped.out, HasSubstr("claims hold"));
+}
+TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
+    std::string const compare = " compare ok.csv --input u --output y --order 1 --arithmetic double --no-timings ", in = "cd '" + folder.string() + "'; ";
+    auto const coloured = [](std::string const& text) { return text.find("\033[") != std::string::npos; };
+    auto const on_terminal = [&](std::string const& line) {
+        Screen const seen = on_a_terminal(in + line);
+        EXPECT_EQ(seen.code, 0) << line << seen.text;
+        return coloured(seen.text);
+    };
+    EXPECT_TRUE(on_terminal(program + compare));
+    EXPECT_TRUE(on_terminal(program + compare + "--color=auto"));
+    EXPECT_FALSE(on_terminal(program + compare + "--color=never"));
+    EXPECT_FALSE(on_terminal(program + " --color never" + compare)) << "also before the command";
+    EXPECT_FALSE(on_terminal("NO_COLOR=1 " + program + compare));
+    EXPECT_TRUE(on_terminal("NO_COLOR= " + program + compare)) << "empty is as if it were not there";
+    EXPECT_TRUE(on_terminal("NO_COLOR=1 " + program + compare + "--color=always")) << "an option is nearer than the environment";
+    EXPECT_FALSE(on_terminal("TERM=dumb " + program + compare));
+    EXPECT_FALSE(coloured(shell("rlslab" + compare).out));
+    EXPECT_TRUE(coloured(shell("rlslab" + compare + "--color=always").out));
+    EXPECT_TRUE(coloured(shell("rlslab --color always" + compare).out));
+    for (std::string const format : {"--json", "--csv"}) EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
+    EXPECT_TRUE(coloured(shell("rlslab study gain_identities --out out --color=always").out));
+    refused("list --color=sometimes", "--color: expected auto, always or never, found \"sometimes\"");
+    for (std::string const command : {"list", "simulate --samples 3", "excitation ok.csv --input u", "--version"})
+        for (std::string const option : {"--quiet", "--color=never"}) {
+            EXPECT_EQ(shell("rlslab " + option + " " + command).code, 0) << option << " " << command;
+            EXPECT_EQ(shell("rlslab " + command + " " + option).code, 0) << command << " " << option;
+        }
+}
+
+// ---- interrupted ------------------------------------------------------------------------------------------------------------
+
+TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
+    std::string const study = "'" + program + "' study identities --threads 1 --out ", in = "cd '" + folder.string() + "'; exec ";
+    Screen const stopped = on_a_terminal(in + study + "out", [](std::string const& text) { return text.find(" %") == text.npos ? "" : "\003"; });    // Ctrl-C
+    EXPECT_EQ(stopped.code, 128 + SIGINT) << stopped.text;
+    EXPECT_THAT(stopped.text, HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
+    EXPECT_GT(fs::file_size(folder / "out/.trials/identities"), 1000u) << "some trials were finished";
+    EXPECT_FALSE(fs::exists(folder / "out/identities.csv"));
+    for (auto const& file : fs::recursive_directory_iterator(folder / "out")) EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
+    ASSERT_EQ(on_a_terminal(in + study + "out").code, 0);
+    ASSERT_EQ(on_a_terminal(in + study + "whole").code, 0);
+    EXPECT_EQ(read(folder / "out/identities.csv"), read(folder / "whole/identities.csv"));
 }
 
 }  // namespace

@@ -84,15 +84,9 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
     refused("bogus", "\"bogus\"");
     refused("", "expected a command: compare, study, ");
 }
-TEST_F(Program, SurvivesPipesThatClose) {
+TEST_F(Program, ReadsStandardInput) {
     std::string const options = " --input u --output y --order 1 --arithmetic double";
-    Outcome run = shell("rlslab compare ok.csv" + options + " | true; exit ${PIPESTATUS[0]}");
-    EXPECT_EQ(run.code, 2);
-    EXPECT_EQ(run.err, "rlslab: standard output: cannot write: Broken pipe\n");
-    run = shell("rlslab compare ok.csv" + options + " > /dev/full");
-    EXPECT_EQ(run.code, 2);
-    EXPECT_EQ(run.err, "rlslab: standard output: cannot write: No space left on device\n");
-    run = shell("printf \"u,y\\n1,2\" | rlslab compare -" + options);
+    Outcome run = shell("printf \"u,y\\n1,2\" | rlslab compare -" + options);
     EXPECT_EQ(run.code, 2);
     EXPECT_EQ(run.err, "rlslab: standard input: 3 parameters need at least 3 rows, found 1\n");
     run = shell("rlslab compare - < ok.csv" + options);

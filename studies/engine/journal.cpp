@@ -37,12 +37,6 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
 
 }  // namespace
 
-void create_folder(std::filesystem::path const& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) throw InputError(fmt::format("{}: cannot create: {}", printable(folder.string(), 200), error.message()));
-}
-
 FolderLock::FolderLock(std::filesystem::path const& folder)
     : file_(::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     if (file_ < 0) cannot_write(folder / ".lock");
@@ -51,27 +45,6 @@ FolderLock::FolderLock(std::filesystem::path const& folder)
     throw InputError(fmt::format("{}: another run is writing there", printable(folder.string(), 200)));
 }
 FolderLock::~FolderLock() { ::close(file_); }
-
-void replace_file(std::filesystem::path const& path, std::string const& text) {
-    std::filesystem::path beside = path;
-    beside += fmt::format(".{}.new", ::getpid());    // two runs in one folder do not write into each other's
-    std::ofstream file(beside, std::ios::binary);
-    file << text << std::flush;
-    std::error_code ignored;
-    if (!file) {
-        int const reason = errno;
-        std::filesystem::remove(beside, ignored);
-        errno = reason;
-        cannot_write(path);
-    }
-    file.close();
-    std::error_code error;
-    std::filesystem::rename(beside, path, error);
-    if (error) {
-        std::filesystem::remove(beside, ignored);
-        throw InputError(fmt::format("{}: cannot write: {}", printable(path.string(), 200), error.message()));
-    }
-}
 
 Journal::Journal(std::filesystem::path path, std::string const& key) : path_(std::move(path)) {
     std::string const head = fmt::format("{:016x}", hash(key));

@@ -1,6 +1,8 @@
 // What an interrupted run has finished: a file of lines, one for each trial, each whole or not there.
 #pragma once
 
+#include <rlslab/core/files.hpp>
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -32,9 +34,6 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
-/// The folder, and those it is in, unless they are there. Throws InputError.
-void create_folder(std::filesystem::path const& folder);
-
 /// One run at a time in a folder: held until destroyed, or until the process ends in whatever way. Where the file system has
 /// no locks, none is held.
 class FolderLock {
@@ -47,8 +46,5 @@ public:
     FolderLock(FolderLock const&) = delete;
     FolderLock& operator=(FolderLock const&) = delete;
 };
-
-/// Writes the text to a file beside it and renames that: a reader sees all of it or what was there before. Throws InputError.
-void replace_file(std::filesystem::path const& path, std::string const& text);
 
 }  // namespace rlslab

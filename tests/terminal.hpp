@@ -1,0 +1,42 @@
+// A command on a terminal of its own: what a person would see there, and what a person types.
+#pragma once
+
+#include <functional>
+#include <pty.h>
+#include <string>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+struct Screen {
+    int code;           ///< as a shell gives it: 128 and the signal's number for who died of one
+    std::string text;
+};
+
+/// Runs it in bash with standard input, output and error on a terminal of 80 columns. What `type` answers to the text so far is
+/// typed, once.
+inline Screen on_a_terminal(std::string const& command, std::function<std::string(std::string const&)> type = {}) {
+    winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+    int terminal = -1;
+    pid_t const child = forkpty(&terminal, nullptr, nullptr, &size);
+    if (child == 0) {
+        setenv("TERM", "xterm", 1);
+        unsetenv("NO_COLOR");
+        execlp("bash", "bash", "-c", command.c_str(), nullptr);
+        _exit(127);
+    }
+    Screen screen{-1, {}};
+    char part[4096];
+    for (ssize_t n; (n = ::read(terminal, part, sizeof part)) > 0;) {    // an error where the last of the terminal's writers is gone
+        screen.text.append(part, size_t(n));
+        std::string const keys = type ? type(screen.text) : "";
+        if (keys.empty()) continue;
+        type = {};
+        if (::write(terminal, keys.data(), keys.size()) < 0) break;
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    close(terminal);
+    screen.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return screen;
+}
