@@ -51,7 +51,7 @@ Study const accuracy_conditioning{
     .name = "accuracy_conditioning",
     .question = "How many digits of theta and P does each variant keep as the regressors become ill conditioned?",
     .source = "Golub & Wilkinson 1966, Laeuchli 1961 (recalled); the setting and the slopes are measured (literature 3.6)",
-    .formula = R"(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{ (Joseph's products)})",
+    .formula = R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{ (Joseph's products)})tex",
     .reading = "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 two: "
                "what is stored has the condition number "
                "kappa^2. Joseph's form written as products costs nearly three (study joseph_condition says why); "

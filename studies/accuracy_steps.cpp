@@ -56,7 +56,7 @@ Study const accuracy_steps{
     .source = "Ardalan 1986 (abstract read: exponential divergence may occur); the note correcting Ljung and Verhaegen (abstract "
               "read: bounded); the law is derived "
               "and measured (literature 3.8)",
-    .formula = R"(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad \|\delta\theta_N\|_{\rm rms} = c\,u\,\|\theta\|\sqrt{N/3})",
+    .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
     .reading = "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c "
                "of study steady_state: the "
                "root law holds to 10^6 rows in float and double, and nothing grows exponentially. P does not follow one law. "

@@ -45,9 +45,9 @@ Study const bierman{
     .name = "bierman",
     .question = "At which epsilon does a variance turn negative in Bierman's example?",
     .source = "Bierman 1977, ch. V (recalled); Tapley, Schutz & Born (abstract); measured (literature 3.3)",
-    .formula = R"(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
+    .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
 P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2 \end{pmatrix}, \quad
-\beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)",
+\beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
     .reading = "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
                "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form in exact "
                "arithmetic: what protects is the evaluation as products, not the formula. The listed 30 u hold for those products at "

@@ -83,7 +83,7 @@ Study const definiteness{
     .source = "Bierman 1977, Verhaegen & Van Dooren 1986 (recalled): factor forms keep P definite; that Joseph's form does too is "
         "often said and "
               "contradicted by literature 3.9 and 3.10; the survival curves are measured here",
-    .formula = R"(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i \le k)",
+    .formula = R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i \le k)tex",
     .reading = "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
         "step. The data have "
                "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. The factor forms stay "

@@ -51,8 +51,8 @@ Study const dyer_mcreynolds{
     .name = "dyer_mcreynolds",
     .question = "How many digits does each form keep of Dyer and McReynolds' problem?",
     .source = "Dyer & McReynolds 1969; Grewal & Andrews (their MATLAB script of the figure was read); measured (literature 3.4)",
-    .formula = R"(H = \begin{pmatrix} 1 & 1 & 1 \\ 1 & 1 & 1 + \delta \end{pmatrix},\ R = \delta^2 I,\ P_0 = I: \qquad
-\lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad u / \delta \text{ (factor forms)})",
+    .formula = R"tex(H = \begin{pmatrix} 1 & 1 & 1 \\ 1 & 1 & 1 + \delta \end{pmatrix},\ R = \delta^2 I,\ P_0 = I: \qquad
+\lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad u / \delta \text{ (factor forms)})tex",
     .reading = "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor forms lose "
                "one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; Joseph's products do "
                "not, since s is then all rounding error and nothing bounds A P A'. Joseph's P is also the first to be indefinite. The "

@@ -112,7 +112,7 @@ Study const estimate_statistics{
     .name = "estimate_statistics",
     .question = "Is the least squares estimate unbiased, consistent, efficient and normal, as the theory says?",
     .source = "theory 5-8; Söderström & Stoica 1989, ch. 7 (recalled); Kendall 1954 for the bias of autoregressions (recalled)",
-    .formula = R"(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})",
+    .formula = R"tex(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})tex",
     .reading = "A system of second order with past outputs among its regressors, and its finite impulse response without them, both in white noise; and "
                "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors depend on old noise, so that "
                "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, which falls as "

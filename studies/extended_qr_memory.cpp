@@ -74,8 +74,8 @@ Study const extended_qr_memory{
     .name = "extended_qr_memory",
     .question = "How long does extended QR remember an error in R, and how long one in R^-T?",
     .source = "Yang & Boehme 1992 (recalled: extended forms accumulate error); derived (literature 3.2, laws iii and v)",
-    .formula = R"(W = R^{-\top}: \quad \delta W_k = R_k^{-\top} R_0^\top\, \delta W_0, \qquad
-\delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)",
+    .formula = R"tex(W = R^{-\top}: \quad \delta W_k = R_k^{-\top} R_0^\top\, \delta W_0, \qquad
+\delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)tex",
     .reading = "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "
                "An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda = 1 both shrink as "
                "1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and relative to R it fades as 1/k. "

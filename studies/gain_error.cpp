@@ -34,7 +34,7 @@ Study const gain_error{
     .name = "gain_error",
     .question = "What does an error in the gain do to the covariance?",
     .source = "Bucy & Joseph 1968 (recalled); the identities are derived (theory 16, 17; literature 3.1) and hold exactly in rationals (study gain_identities)",
-    .formula = R"(\text{conventional: } \delta P = -\frac{1}{\lambda}\,\delta K\,\psi^\top P \qquad \text{Joseph: } \delta P = \frac{s}{\lambda}\,\delta K\,\delta K^\top)",
+    .formula = R"tex(\text{conventional: } \delta P = -\frac{1}{\lambda}\,\delta K\,\psi^\top P \qquad \text{Joseph: } \delta P = \frac{s}{\lambda}\,\delta K\,\delta K^\top)tex",
     .reading = "Every step's gain is changed by a random vector of relative size epsilon before it updates P. The forms that subtract K psi'P pass the error "
                "on in first order, Joseph's in second; the forms that propagate a factor do not use K for it and see nothing. In float and double "
                "the curves end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "

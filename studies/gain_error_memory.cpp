@@ -60,8 +60,8 @@ Study const gain_error_memory{
     .name = "gain_error_memory",
     .question = "How long does the covariance remember one error in the gain?",
     .source = "Ljung & Ljung 1985, Verhaegen 1989 (recalled); derived (literature 3.2, laws i and ii)",
-    .formula = R"(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
-\text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})",
+    .formula = R"tex(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
+\text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})tex",
     .reading = "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
                "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), "
                "and so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the "

@@ -85,9 +85,9 @@ Study const gain_identities{
     .name = "gain_identities",
     .question = "Are the laws of an error in the gain exact?",
     .source = "Bucy & Joseph 1968 (recalled); derived (theory 16, 17; literature F7-F9)",
-    .formula = R"(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
+    .formula = R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
-\text{with gain } (1 + \varepsilon) K: &\quad P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})",
+\text{with gain } (1 + \varepsilon) K: &\quad P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
     .reading = "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
                "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P positive "
                "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is singular, one "

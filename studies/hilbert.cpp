@@ -46,7 +46,7 @@ Study const hilbert{
     .name = "hilbert",
     .question = "What do the two classical ill-conditioned matrices leave of theta?",
     .source = "Laeuchli 1961 (recalled); Sjoe 1992, section 5.2 (abstract read; its table was not at hand); measured (literature 3.6)",
-    .formula = R"(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})",
+    .formula = R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
     .reading = "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 "
                "kappa u; the forms that store P still find theta of these nearly consistent rows, "
                "but of their P no digit is left: a prior of 1e20 u is as large as all they know (study large_prior). The normal "

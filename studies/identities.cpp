@@ -82,11 +82,11 @@ Study const identities{
     .name = "identities",
     .question = "Do the identities of recursive least squares hold exactly, in every variant?",
     .source = "derived (theory 12 to 20; literature F1-F6, F12); for Kalman's also Sayed & Kailath 1994 (recalled)",
-    .formula = R"(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi,
+    .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi,
 \quad y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
 I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \gamma, \quad \det = \gamma, \quad
 \det P_k^{-1} = \lambda^d \det P_{k-1}^{-1} / \gamma \\
-J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})",
+J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",
     .reading = "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
                "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
                "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "

@@ -100,9 +100,9 @@ Study const inverse_qr_drift{
     .question = "Which step of the inverse QR array makes its P drift in float when nothing is forgotten?",
     .source = "the drift: measured (literature 3.8, open question 5); its cause is derived and measured here, and was not found in "
               "any published text",
-    .formula = R"(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
+    .formula = R"tex(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
 \Rightarrow \qquad E\,\delta b_j = -\tfrac{u}{2}, \quad c_1 = \frac{1}{b_1} \text{ too large by } \tfrac{u}{2},
-    \quad \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})",
+    \quad \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})tex",
     .reading = "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little "
                "(x^2/8), so all of them are "
                "rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some 10^3 rows on. With a "

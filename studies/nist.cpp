@@ -42,8 +42,8 @@ Study const nist{
     .name = "nist",
     .question = "How many digits of the NIST regressions does each variant keep?",
     .source = "NIST StRD; McCullough 1998; Miller AS 274 (recalled); table: literature 3.5 (measured there)",
-    .formula = R"(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
-                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})",
+    .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
+                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
     .reading = "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of "
                "the rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter them. "
                "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 digits, "

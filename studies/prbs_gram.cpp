@@ -73,9 +73,9 @@ Study const prbs_gram{
     .name = "prbs_gram",
     .question = "How well does a pseudo-random binary sequence excite?",
     .source = "derived (literature, section 2; theory 4); maximum-length sequences are textbook (recalled)",
-    .formula = R"(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
+    .formula = R"tex(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
 \text{eigenvalues } M + 1\ (n - 1 \text{ times}),\ M + 1 - n, \quad
-\kappa_P = \frac{M + 1}{M + 1 - n})",
+\kappa_P = \frac{M + 1}{M + 1 - n})tex",
     .reading = "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
                "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
                "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "

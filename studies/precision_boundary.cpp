@@ -80,8 +80,8 @@ Study const precision_boundary{
     .question = "How many bits does it take to survive?",
     .source = "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (recalled); the numbers: literature 3.9 "
         "(measured for that note), measured again here with the certified reference",
-    .formula = R"(p_{\text{symmetric}} \approx \max\Bigl(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\Bigr) \qquad "
-        "p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)",
+    .formula = R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
+        p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
     .reading = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of "
         "200 looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
         "for the memory; UD and Carlson get by with fewer than the two bits beyond log2 of the memory that the note allows. The "

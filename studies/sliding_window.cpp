@@ -69,8 +69,8 @@ Study const sliding_window{
     .question = "What does an outlier that has left the window leave behind?",
     .source = "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (recalled); the slopes and the table: "
               "literature 3.11 (measured there)",
-    .formula = R"(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
-                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim u)",
+    .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
+                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim u)tex",
     .reading = "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
                "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In P the "
                "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u 10^4q. "

@@ -62,8 +62,8 @@ Study const sqrt_lambda_bias{
     .name = "sqrt_lambda_bias",
     .question = "What does the rounding of sqrt(lambda) do to the forms that use it?",
     .source = "derived and measured (literature 3.7); no published text that mentions it was found",
-    .formula = R"(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
-\frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})",
+    .formula = R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
+\frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
     .reading = "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - "
                "lambda) times: 773 u at "
                "lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike. It is a bias, which no averaging removes, "

@@ -45,7 +45,7 @@ Study const stagnation{
     .name = "stagnation",
     .question = "How small can the variance of a running mean become in a short word?",
     .source = "Ardalan 1986 (abstract read: weight updating terminates); measured (literature 3.8, Stagnation)",
-    .formula = R"(P_k = P_{k-1} - \frac{P_{k-1}^2}{1 + P_{k-1}} = P_{k-1} \quad \text{once} \quad P^2 < \tfrac12\,\mathrm{ulp}(P) \qquad \text{or} \quad \mathrm{fl}(1 + P) = 1)",
+    .formula = R"tex(P_k = P_{k-1} - \frac{P_{k-1}^2}{1 + P_{k-1}} = P_{k-1} \quad \text{once} \quad P^2 < \tfrac12\,\mathrm{ulp}(P) \qquad \text{or} \quad \mathrm{fl}(1 + P) = 1)tex",
     .reading = "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 for "
                "the form that subtracts, 2^-8 for those that take P as a "
                "quotient, and all of them pretend for ever to know the mean no better than after 100 rows. Stochastic rounding has "

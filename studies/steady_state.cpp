@@ -48,7 +48,7 @@ Study const steady_state{
     .question = "Where do the errors of theta and P settle under forgetting?",
     .source = "Ardalan 1986, Liavas & Regalia 1999 (abstracts read), Stewart 1992 (recalled); the law is derived and measured "
               "(literature 3.7)",
-    .formula = R"(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k \qquad \Rightarrow \qquad \|\delta\theta\|_{\rm rms} = \frac{c\,u\,\|\theta\|}{\sqrt{1-\lambda^2}})",
+    .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k \qquad \Rightarrow \qquad \|\delta\theta\|_{\mathrm{rms}} = \frac{c\,u\,\|\theta\|}{\sqrt{1-\lambda^2}})tex",
     .reading = "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is the rms "
                "of a rounding of "
                "numbers around 1, which are half the time below it and half above. All forms that correct theta by its own "

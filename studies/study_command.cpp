@@ -2,6 +2,7 @@
 #include "commands.hpp"
 #include "journal.hpp"
 #include "report.hpp"
+#include "report/svg.hpp"
 
 #include <rlslab/model/suggestion.hpp>
 
@@ -38,7 +39,7 @@ int run_study(StudyArguments a) {
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
-            replace_file(a.options.out / "figures" / (figure.name + ".gp"), gnuplot_script(figure));
+            replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
     std::string text;

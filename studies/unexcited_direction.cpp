@@ -53,8 +53,8 @@ Study const unexcited_direction{
     .name = "unexcited_direction",
     .question = "What becomes of P in a direction that no row excites?",
     .source = "derived (literature F15, there without the condition on P0)",
-    .formula = R"(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
-P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)",
+    .formula = R"tex(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
+P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
     .reading = "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
                "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
                "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "

@@ -52,8 +52,8 @@ Study const windup{
     .name = "windup",
     .question = "What does forgetting do while nothing excites the parameters?",
     .source = "laws derived, numbers measured for literature 3.10; measured again here with definiteness decided exactly",
-    .formula = R"(\begin{aligned} k^* &= \ln\frac{1-\lambda}{u P_0 |\psi|^2} \Big/ (-\ln\lambda) && \text{P indefinite} \\)"
-               R"( k_{\max} &= \ln(\text{largest number}) \Big/ (-\ln\lambda) && \text{P too large} \end{aligned})",
+    .formula = R"tex(\begin{aligned} k^* &= \ln\frac{1-\lambda}{u P_0 |\psi|^2} \Big/ (-\ln\lambda) && \text{P indefinite} \\
+               k_{\max} &= \ln(\text{largest number}) \Big/ (-\ln\lambda) && \text{P too large} \end{aligned})tex",
     .reading = "The regressor never changes, psi = (1, 0.7, -0.3). P falls to (1 - lambda)/|psi|^2 along psi and grows as lambda^-k "
         "across it. Once u times the large part exceeds the small one, a P stored plainly is indefinite: Joseph's form at about k* or "
         "before, the symmetric forms a little later. Factors hold numbers whose squares are so far apart, and go on. UD alone follows "

@@ -219,7 +219,7 @@ TEST(Identify, FindsTheOrderAndTheParameters) {
     EXPECT_NEAR(m.sigma2, 0.01, 0.001);
     EXPECT_GT(m.held_out_one_step, 97);
     EXPECT_GT(m.digits, 13);
-    EXPECT_THAT(as_page(m), HasSubstr("data-figure=\"poles\""));
+    EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
 }
 TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
     files::Folder const folder;

@@ -1,5 +1,5 @@
 // An identified model as a page.
-#include "report.hpp"
+#include "report/page.hpp"
 #include "text.hpp"
 
 #include <filesystem>
@@ -170,7 +170,7 @@ std::string as_page(Identified const& m) {
     body += "</tbody></table></div>";
     for (std::string const& words : result_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);
-    return page(m.file + ": identified", body, figures, {});
+    return page(m.file + ": identified", body);
 }
 
 }  // namespace rlslab

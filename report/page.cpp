@@ -1,0 +1,105 @@
+// The skeleton of a page and what stands in it.
+#include "report/page.hpp"
+
+#include "page_assets.hpp"
+#include "report/formulas.hpp"
+#include "report/plot.hpp"
+#include "report/svg.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rlslab {
+
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (size_t at = 0; at < text.size();) {
+        size_t const to = std::min(text.find("+- ", at), text.size());
+        out += escaped_xml(text.substr(at, to - at));
+        if (to < text.size()) out += "± ";
+        at = to + 3;
+    }
+    return out;
+}
+
+std::string figure_html(Figure const& figure) {
+    std::string out = fmt::format("<figure id=\"{}\"><figcaption>{}</figcaption>\n", escaped(figure.name), escaped(figure.title));
+    if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
+    size_t const panels = figure.panels.size();
+    bool at_ends = false;    // names at the curves' ends make a legend superfluous where they are shown
+    if (figure.names && panels == 1)
+        for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;
+    if (figure.cells) {
+        Range const shades = plot::shades_of(figure);
+        out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low), plot::number_text(shades.high),
+                           escaped(figure.y));
+    } else if (auto const legend = legend_of(figure); legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
+        out += fmt::format("<p class=\"legend{}\">", at_ends ? " ends" : "");
+        for (size_t i = 0; i < legend.size(); ++i) out += fmt::format("<span data-s=\"{}\">{}{}</span> ", i, key_svg(*legend[i]), escaped(legend[i]->name));
+        out += "</p>\n";
+    }
+    out += fmt::format("<div class=\"panels {}\">\n", panels <= 1 ? "one" : figure.cells && panels > 4 ? "three" : "two");
+    for (size_t i = 0; i < panels; ++i) {
+        std::string const& name = figure.panels[i].name;
+        out += "<div class=\"panel\">";
+        if (!name.empty()) out += fmt::format("<h3>{}</h3>", escaped(name));
+        if (panels == 1)
+            out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>", panel_svg(figure, i, 1040, figure.square ? 620 : 440, true),
+                               panel_svg(figure, i, 400, figure.square ? 400 : 330, !at_ends));
+        else
+            out += figure.cells && panels > 4 ? panel_svg(figure, i, 400, 300, true) : panel_svg(figure, i, 520, 350, true);
+        out += "</div>\n";
+    }
+    return out + "</div></figure>\n";
+}
+
+namespace {
+/// White space in LaTeX is one space, however long.
+bool same_formula(std::string_view a, std::string_view b) {
+    auto const white = [](char c) { return c == ' ' || c == '\n' || c == '\t'; };
+    size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (white(a[i]) != white(b[j]) || (!white(a[i]) && a[i] != b[j])) return false;
+        if (!white(a[i])) ++i, ++j;
+        else {
+            while (i < a.size() && white(a[i])) ++i;
+            while (j < b.size() && white(b[j])) ++j;
+        }
+    }
+    return i == a.size() && j == b.size();
+}
+}  // namespace
+
+bool has_mathml() { return !formulas().empty(); }
+
+std::string_view mathml(std::string_view tex) {
+    for (Formula const& formula : formulas())
+        if (same_formula(formula.tex, tex)) return formula.mathml;
+    return {};
+}
+
+std::string formula_html(std::string_view tex) {
+    std::string_view const math = mathml(tex);
+    return math.empty() ? fmt::format("<div class=\"formula\"><code>{}</code></div>\n", escaped_xml(readable(tex)))
+                        : fmt::format("<div class=\"formula\">{}</div>\n", math);
+}
+
+std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows) {
+    std::string out = "<div class=\"scroll\"><table><thead><tr>";
+    for (std::string const& cell : head) out += fmt::format("<th>{}</th>", escaped(cell));
+    out += "</tr></thead><tbody>\n";
+    for (auto const& row : rows) {
+        out += "<tr>";
+        for (std::string const& cell : row) out += fmt::format("<td>{}</td>", escaped(cell));
+        out += "</tr>\n";
+    }
+    return out + "</tbody></table></div>\n";
+}
+
+std::string page(std::string_view title, std::string_view body) {
+    return fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+                       "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
+                       escaped(title), page_style, body, page_script);
+}
+
+}  // namespace rlslab

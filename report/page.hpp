@@ -1,0 +1,30 @@
+// A page: one HTML file that opens offline and loads nothing. Figures are drawn by svg.hpp, formulas are MathML where pandoc
+// was there when the program was built. What is interactive needs a browser with JavaScript; everything is there without.
+#pragma once
+
+#include "report/figure.hpp"
+
+namespace rlslab {
+
+/// Text for HTML, "+- " as a plus-minus sign.
+std::string escaped(std::string_view text);
+
+/// Panels as SVG, with title and legend; wide and narrow versions where one would not be legible at both.
+std::string figure_html(Figure const& figure);
+
+/// LaTeX, written in the source as R"tex(...)tex": that is what the build looks for.
+std::string formula_html(std::string_view tex);
+/// The same as MathML; empty if the program was built without pandoc, or the source does not mark it as R"tex(...)tex".
+std::string_view mathml(std::string_view tex);
+/// LaTeX as text that can be read: P_k = lambda^-1 (I - K psi') ...
+std::string readable(std::string_view tex);
+/// Whether formulas are MathML in this build.
+bool has_mathml();
+
+/// A table that scrolls inside its box. Cells are text, not HTML. The first column is aligned left, numbers right.
+std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows);
+
+/// The whole page. The body is HTML. Classes: soft (small print), question, claims (ul; li.holds, li.fails with <b>).
+std::string page(std::string_view title, std::string_view body);
+
+}  // namespace rlslab
