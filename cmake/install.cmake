@@ -8,6 +8,11 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDE
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants
   FILES_MATCHING PATTERN "*.hpp")
 install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR})
+# A cross-compiled program that cannot run here has written none of these.
+set(written ${PROJECT_BINARY_DIR}/studies)
+install(FILES ${written}/rlslab.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL)
+install(FILES ${written}/rlslab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rlslab OPTIONAL)
+install(FILES ${written}/_rlslab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions OPTIONAL)
 
 # A static library does not carry what it calls: whoever links an installed core needs fmt as well.
 target_link_libraries(rlslab_core PRIVATE $<INSTALL_INTERFACE:fmt::fmt>)

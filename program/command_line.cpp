@@ -1,5 +1,6 @@
 // The program's command line: its commands, and what a person is told whose words are none.
 #include "commands.hpp"
+#include "described.hpp"
 
 #include <rlslab/model/suggestion.hpp>
 
@@ -11,32 +12,39 @@ namespace {
 
 struct CommandLine {
     CLI::App app{"Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?", "rlslab"};
-    std::vector<Command> const commands{compare_command(app),  study_command(app),      identify_command(app),
-                                        simulate_command(app), excitation_command(app), list_command(app)};
+    std::vector<Command> const commands{compare_command(app), study_command(app), identify_command(app), simulate_command(app), excitation_command(app),
+                                        list_command(app),    help_command(app),  man_command(app),      completion_command(app)};
 
     Manners manners;
 
     CommandLine() {
-        app.set_version_flag("--version", "rlslab " RLSLAB_VERSION);
+        app.set_version_flag("--version", "rlslab " RLSLAB_VERSION, "the version of rlslab");
+        app.footer("rlslab help COMMAND tells more about one of them, man rlslab all of it.");
         app.require_subcommand(0, 1);    // a file may be called "list"
+        app.formatter_fn([](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
         take_manners(app);
-        for (Command const& command : commands) take_manners(*command.app);
+        for (Command const& command : commands) {
+            command.app->formatter(app.get_formatter());
+            take_manners(*command.app);
+        }
     }
     /// Anywhere on the line: before the command and behind it.
     void take_manners(CLI::App& taker) {
-        taker.add_flag("--quiet", manners.quiet, "no progress, no remarks: answers and errors alone");
+        std::string const everywhere = "With every command";
+        taker.set_help_flag("-h,--help", "this help")->group(everywhere);
+        taker.add_flag("--quiet", manners.quiet, "no progress on standard error: answers and errors alone")->group(everywhere);
         taker.add_option_function<std::string>("--color", [this](std::string const& when) {
             using enum Manners::Colour;
             manners.colour = when == "always" ? always : when == "never" ? never : automatic;
-        }, "colour the answer; default auto: on a terminal, unless NO_COLOR is set")
+        }, "colours in the answer; default auto: on a terminal, unless NO_COLOR is set")
             ->check([](std::string const& when) {
                 return when == "auto" || when == "always" || when == "never" ? "" : fmt::format("expected auto, always or never, found \"{}\"", printable(when));
-            })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("auto|always|never");
+            })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("auto|always|never")->group(everywhere);
     }
 
     std::vector<std::string> names() const {
         std::vector<std::string> out;
-        for (Command const& command : commands) out.push_back(command.app->get_name());
+        for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
     }
     /// A word that nobody takes comes before all else: an option that is missing is often one that is misspelt.
@@ -72,11 +80,10 @@ std::function<int()> parse(std::vector<std::string> words) {
     } catch (CLI::Success const& success) {
         std::ostringstream text;
         app.exit(success, text, text);
-        return [text = text.str()] {
-            print(text);
-            return 0;
-        };
+        return [text = text.str()] { return print(text), 0; };
     } catch (CLI::ParseError const& error) {
+        for (CLI::App const* asked : app.get_subcommands())
+            if (asked->get_help_ptr()->count() > 0) return [line, asked] { return print(help_text(*asked)), 0; };    // whatever else is wrong
         line->refuse_extra_word();
         std::string const text = error.what();
         if (size_t const at = text.find(": At Most 1 required"); at != text.npos) throw InputError(printable(text.substr(0, at), 200) + ": expected once, found again");

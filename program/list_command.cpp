@@ -53,8 +53,8 @@ void run_list(bool json) {
 
 Command list_command(CLI::App& app) {
     auto const json = std::make_shared<bool>(false);
-    CLI::App* const listing = app.add_subcommand("list", "Variants, arithmetics, studies.");
-    listing->add_flag("--json", *json, "JSON");
+    CLI::App* const listing = app.add_subcommand("list", "What there is: variants, arithmetics, studies.");
+    listing->add_flag("--json", *json, "JSON instead of the tables");
     return {listing, [json] {
                 run_list(*json);
                 return 0;

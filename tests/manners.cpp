@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <set>
+#include <sstream>
 
 namespace {
 
@@ -164,6 +165,112 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
     ASSERT_EQ(on_a_terminal(in + study + "out").code, 0);
     ASSERT_EQ(on_a_terminal(in + study + "whole").code, 0);
     EXPECT_EQ(read(folder / "out/identities.csv"), read(folder / "whole/identities.csv"));
+}
+
+// ---- help -------------------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> const commands{"compare", "study", "identify", "simulate", "excitation", "list", "help"};
+
+TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
+    std::string const whole = shell("rlslab --help").out;
+    EXPECT_EQ(shell("rlslab help").out, whole);
+    EXPECT_EQ(shell("rlslab -h").out, whole);
+    for (std::string const code : {"  0  ", "  1  ", "  2  ", "  130  ", "  141  "}) EXPECT_THAT(whole, HasSubstr(code)) << "exit codes are explained";
+    for (std::string const& command : commands) {
+        EXPECT_THAT(whole, HasSubstr("\n  " + command + " "));
+        Outcome const help = shell("rlslab help " + command);
+        EXPECT_EQ(help.code, 0);
+        EXPECT_EQ(help.err, "");
+        EXPECT_EQ(shell("rlslab " + command + " --help").out, help.out);
+        EXPECT_EQ(shell("rlslab --help " + command).out, help.out);
+        EXPECT_EQ(shell("rlslab " + command + " --bogus=1 some words --color=wrong -h").out, help.out) << "who asks for help gets it";
+        EXPECT_THAT(help.out, HasSubstr("\nUsage: rlslab " + command));
+        EXPECT_THAT(help.out, Not(HasSubstr("\n\n\n")));
+        std::istringstream lines(help.out + whole);
+        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 79u) << line;
+    }
+    refused("help frob", "no command \"frob\"; expected one of compare, ");
+    refused("help compair", "no command \"compair\" (did you mean \"compare\"?)");
+    refused("help man page", "\"page\" is one word too many");
+}
+TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
+    write("constant.csv", "u\n1\n1\n1\n1\n1\n1\n1\n1\n");
+    Outcome const run = shell("rlslab excitation constant.csv --input u --max-order 3");
+    EXPECT_EQ(run.code, 1);
+    EXPECT_THAT(run.out, HasSubstr("no dynamic model can be identified"));
+}
+TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
+    std::string const page = shell("rlslab man").out;
+    for (std::string const& command : commands) {
+        EXPECT_THAT(page, HasSubstr("\n.SS rlslab " + command)) << command;
+        std::istringstream help(shell("rlslab help " + command).out);
+        for (std::string line; std::getline(help, line);)
+            if (line.starts_with("  --")) {
+                std::string name;
+                for (char c : line.substr(2, line.find_first_of(" ,=", 3) - 2)) name += c == '-' ? "\\-" : std::string(1, c);
+                EXPECT_THAT(page, HasSubstr("\\fB" + name + "\\fR")) << command << line;
+            }
+    }
+    if (shell("command -v groff").code != 0) GTEST_SKIP() << "no groff";
+    Outcome const read_by_groff = shell("rlslab man | groff -man -Tutf8 -ww -z");
+    EXPECT_EQ(read_by_groff.out + read_by_groff.err, "");
+    std::istringstream lines(shell("rlslab man | MANWIDTH=80 groff -man -Tascii -P-cbou").out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+}
+
+// ---- completions ------------------------------------------------------------------------------------------------------------
+
+/// What bash offers for the last of the words, as its function is called by bash.
+class Completion : public Program {
+protected:
+    std::string offered(std::string const& words) const {
+        Outcome const run = shell("source <(rlslab completion bash); COMP_WORDS=(" + words +
+                                  "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rlslab; printf \"%s \" \"${COMPREPLY[@]}\"");
+        EXPECT_EQ(run.code, 0) << words;
+        EXPECT_EQ(run.err, "") << words;
+        return run.out;
+    }
+};
+TEST_F(Completion, OffersCommandsOptionsAndNames) {
+    EXPECT_EQ(offered("rlslab co"), "compare ");
+    EXPECT_EQ(offered("rlslab \"\""), "compare study identify simulate excitation list help ");
+    EXPECT_EQ(offered("rlslab help ex"), "excitation ");
+    EXPECT_EQ(offered("rlslab --ver"), "--version ");
+    EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_memory ");
+    EXPECT_EQ(offered("rlslab study gain_error gain_id"), "gain_identities ");
+    EXPECT_EQ(offered("rlslab study --bu"), "--budget ");
+    EXPECT_EQ(offered("rlslab --color never study --budget f"), "full ");
+    EXPECT_EQ(offered("rlslab study --budget = f"), "full ") << "= is a word of its own to bash";
+    EXPECT_EQ(offered("rlslab study --budget ="), "quick full ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --variants jos"), "joseph joseph_rank_two ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --variants = ud,car"), "ud,carlson ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --arithmetic q"), "quad ");
+    EXPECT_EQ(offered("rlslab identify ok.csv --variant u"), "ud ");
+    EXPECT_EQ(offered("rlslab compare ok"), "ok.csv ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --output \"\""), "u y ") << "columns of the file";
+    EXPECT_EQ(offered("rlslab compare ok.csv --regressors u,"), "u,u u,y ");
+    EXPECT_EQ(offered("rlslab compare --out"), offered("rlslab compare ok.csv --out"));
+    fs::create_directory(folder / "here");
+    EXPECT_EQ(offered("rlslab study --out h"), "here ");
+    EXPECT_EQ(offered("rlslab compare ok.csv --order \"\""), " ") << "a number has no names";
+    EXPECT_EQ(offered("rlslab study --thr"), "--threads ");
+}
+TEST_F(Completion, WorksInZsh) {
+    if (shell("command -v zsh").code != 0) GTEST_SKIP() << "no zsh";
+    shell("rlslab completion zsh >_rlslab");
+    EXPECT_EQ(shell("zsh -n _rlslab").err, "");
+    write(".zshrc", "PS1=; setopt no_beep; fpath=($PWD $fpath); autoload -U compinit; compinit -u -D; rlslab() { print -r -- ran $* } ; print ready\n");
+    auto const completed = [&](std::string const& line) {
+        bool typed = false;
+        return on_a_terminal("cd '" + folder.string() + "'; ZDOTDIR=$PWD exec zsh -i", [&](std::string const& text) {
+                   if (typed || text.find("ready") == text.npos) return std::string();
+                   typed = true;
+                   return line + "\nexit\n";
+               }).text;
+    };
+    EXPECT_THAT(completed("rlslab exc\t ok.c\t --inp\tu"), HasSubstr("ran excitation ok.csv --input=u"));
+    EXPECT_THAT(completed("rlslab study gain_id\t --fr\t"), HasSubstr("ran study gain_identities --fresh"));
+    EXPECT_THAT(completed("rlslab compare ok.csv --variants=ud,carl\t"), HasSubstr("ran compare ok.csv --variants=ud,carlson"));
 }
 
 }  // namespace

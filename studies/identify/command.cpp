@@ -128,7 +128,7 @@ int run_excitation(ExcitationArguments const& a) {
     nlohmann::ordered_json const out = {{"file", a.file}, {"input", a.input}, {"samples", u.size()}, {"exciting_of_order", e.order},
                                         {"exact_order", e.exact_order}, {"resolution", e.resolution}, {"still", e.still}, {"orders", orders}};
     print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
-    return 0;
+    return e.order >= 2 ? 0 : 1;
 }
 
 }  // namespace
@@ -161,27 +161,32 @@ Command identify_command(CLI::App& app) {
 
 Command simulate_command(CLI::App& app) {
     auto const s = std::make_shared<SimulateArguments>();
-    CLI::App* const c = app.add_subcommand("simulate", "A record u,y of a difference equation, as CSV.");
-    c->footer("Example:  rlslab simulate --a=-1.5,0.7 --b 1,0.5 --input prbs:10 --noise 0.1 > data.csv");
-    c->add_option("--a", s->a, "a1,a2,... of y[k] + a1 y[k-1] + ...; default none")->type_name("A");
-    c->add_option("--b", s->b, "b0,b1,... of b0 u[k-delay] + ...; default 1")->type_name("B");
-    c->add_option("--delay", s->delay, "samples from input to output")->check(whole(0, 100000))->type_name("N");
-    c->add_option("--input", s->input, "white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS, steps:SHORTEST:LONGEST; default prbs:10")->type_name("SIGNAL");
-    c->add_option("--samples", s->samples, "default 1000")->check(whole(1, 10000000))->type_name("N");
-    c->add_option("--noise", s->noise, "standard deviation of the equation's noise; default 0")
+    CLI::App* const c = app.add_subcommand("simulate", "A record of a known system: columns u and y as CSV.");
+    c->footer("The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
+              "Example:     rlslab simulate --a=-1.5,0.7 --b=1,0.5 --noise 0.1 > data.csv\n"
+              "A list that begins with a minus stands behind an equals sign: --a=-1.5,0.7\n\n"
+              "Exit code: 0 a record; 2 a system that is not stable, or options that make no sense.");
+    c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
+    c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
+    c->add_option("--delay", s->delay, "samples from input to output; default 0")->check(whole(0, 100000))->type_name("N");
+    c->add_option("--input", s->input, "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST; default prbs:10")->type_name("SIGNAL");
+    c->add_option("--samples", s->samples, "rows of the record; default 1000")->check(whole(1, 10000000))->type_name("N");
+    c->add_option("--noise", s->noise, "standard deviation of the noise e; default 0")
         ->check(real("a number of at least 0", [](double x) { return x >= 0; }))->type_name("SD");
-    c->add_option("--noise-colour", s->noise_colour, "a1,... of an AR filter that colours it")->type_name("A");
-    c->add_option("--seed", s->seed, "of input and noise; default 1")->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+    c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")->type_name("A1,...");
+    c->add_option("--seed", s->seed, "of the random input and noise; default 1")->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
     return {c, [s] { return run_simulate(*s); }};
 }
 
 Command excitation_command(CLI::App& app) {
     auto const a = std::make_shared<ExcitationArguments>();
     CLI::App* const c = app.add_subcommand("excitation", "Up to which order an input can identify a system.");
+    c->footer("Example:  rlslab excitation data.csv --input u\n\n"
+              "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input)")->required()->type_name("");
     c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");
-    c->add_option("--max-order", a->most, "the largest order to look at; default 20")->check(whole(1, 200))->type_name("N");
-    c->add_flag("--json", a->json, "JSON");
+    c->add_option("--max-order", a->most, "the largest order that is tried; default 20")->check(whole(1, 200))->type_name("N");
+    c->add_flag("--json", a->json, "JSON instead of the table");
     return {c, [a] { return run_excitation(*a); }};
 }
 

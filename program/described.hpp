@@ -1,0 +1,46 @@
+// What the definitions of the command line say, for those who write it down: the help, the manual page, the shells' completions.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+/// An option, or with an empty `name` what stands on the line without one.
+struct Described {
+    std::string name;        ///< "--variants"
+    std::string shorter;     ///< "-h", or empty
+    std::string value;       ///< "A,B", "auto|always|never", "FILE"; empty for a flag
+    std::string text, group;
+    bool required, many;     ///< many: may stand on the line several times
+    /// "--variants A,B", "-h, --help", "FILE", "[NAME...]".
+    std::string spelling() const;
+};
+
+/// What stands without a name first, then the options in the order of their definition. Hidden ones are left out.
+std::vector<Described> described(CLI::App const& command);
+/// Those that are not hidden, in the order of their definition.
+std::vector<CLI::App const*> shown_commands(CLI::App const& app);
+/// "rlslab compare FILE --output COLUMN [OPTION...]"
+std::string usage(CLI::App const& command);
+
+/// The exit codes and the environment, each with what it means.
+struct Meaning {
+    std::string name, text;
+};
+std::vector<Meaning> const& exit_codes();
+std::vector<Meaning> const& environment();
+
+/// --help: lines of at most 79 letters.
+std::string help_text(CLI::App const& command);
+/// Lines as they were written. One that is too long has what follows its first gap, "Example:  rlslab ...", on a line of its own.
+std::string notes(std::string const& text, size_t width);
+/// man rlslab, in roff.
+std::string manual_page(CLI::App const& app);
+/// What bash and zsh load to complete commands, options, and the names of variants, arithmetics, studies and columns.
+std::string bash_completion(CLI::App const& app);
+std::string zsh_completion(CLI::App const& app);
+
+}  // namespace rlslab

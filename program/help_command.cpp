@@ -1,0 +1,42 @@
+// rlslab help, and what the build asks for: the manual page and the completions.
+#include "commands.hpp"
+#include "described.hpp"
+
+#include <rlslab/model/suggestion.hpp>
+
+namespace rlslab {
+
+Command help_command(CLI::App& app) {
+    auto const name = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("help", "This help, or that of a command.");
+    c->add_option("COMMAND", *name, "as in the list of commands")->type_name("");
+    return {c, [name, &app] {
+                std::vector<std::string_view> names;
+                for (CLI::App const* command : shown_commands(app)) names.push_back(command->get_name());
+                if (!name->empty()) expect_one_of(names, *name, "", "command");
+                print(help_text(name->empty() ? app : *app.get_subcommand(*name)));
+                return 0;
+            }};
+}
+
+Command man_command(CLI::App& app) {
+    CLI::App* const c = app.add_subcommand("man", "The manual page, in roff.")->group("");
+    return {c, [&app] {
+                print(manual_page(app));
+                return 0;
+            }};
+}
+
+Command completion_command(CLI::App& app) {
+    auto const shell = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("completion", "What bash or zsh load to complete the words of rlslab.")->group("");
+    c->add_option("SHELL", *shell, "bash or zsh")->required()->type_name("")->check([](std::string const& name) {
+        return name == "bash" || name == "zsh" ? "" : "expected bash or zsh, found \"" + printable(name) + '"';
+    });
+    return {c, [shell, &app] {
+                print(*shell == "bash" ? bash_completion(app) : zsh_completion(app));
+                return 0;
+            }};
+}
+
+}  // namespace rlslab
