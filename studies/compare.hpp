@@ -4,7 +4,9 @@
 #include "progress.hpp"
 
 #include <rlslab/erased.hpp>
+#include <rlslab/model/default_prior.hpp>
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,12 +18,29 @@ inline constexpr double most_prior_bias = 0.01;
 
 struct CompareOptions {
     double forgetting = 1;                      ///< lambda
-    double p0 = 16384;                          ///< c^2 of P0 = c^2 I
+    std::optional<double> p0 = {};              ///< c^2 of P0 = c^2 I; absent: the prior scaled to the data
     std::vector<std::string> variants = {};     ///< empty: all
     std::vector<std::string> arithmetics = {};  ///< empty: all
-    std::uint64_t seed = 1;                     ///< of stochastic rounding
+    std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows
     int threads = 0;                            ///< 0: all cores; the results do not depend on it
     bool timings = true;                        ///< false: ns_per_update is left out
+};
+
+/// One value for each of the three things whose digits are counted: theta in norm, its worst component, P in the Frobenius norm.
+template <class X>
+struct PerMeasure {
+    X theta, worst, covariance;
+    static constexpr std::array<X PerMeasure::*, 3> all() { return {&PerMeasure::theta, &PerMeasure::worst, &PerMeasure::covariance}; }
+};
+/// -log10 of a relative error, at most the digits the arithmetic has, negative when the error exceeds the answer; absent where there is no
+/// finite answer.
+using Digits = PerMeasure<std::optional<double>>;
+
+/// Of digits over the checkpoints, the orders of rows and the draws: nine tenths are at least `low`, a half at least `median`, a tenth at
+/// least `high`. To a tenth of a digit, as printed; -infinity stands for no answer.
+struct Spread {
+    double low, median, high;
+    friend bool operator==(Spread const&, Spread const&) = default;
 };
 
 /// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
@@ -30,12 +49,15 @@ struct Breakdown {
     std::string kind;      ///< "indefinite" or "nonfinite"
 };
 
-/// One row of the table. Digits are -log10 of a relative error, at most those the arithmetic has, negative when the
-/// error exceeds the answer; absent when there is no finite answer or, for the arithmetic's rounded data, no reference.
+/// One row of the table.
 struct Result {
     Entry const* entry;
-    std::optional<double> theta_digits, theta_digits_worst, covariance_digits;
-    std::optional<Breakdown> breakdown = {};
+    Digits last = {};                                  ///< at the last row, in the record's order
+    std::optional<PerMeasure<Spread>> spread = {};    ///< absent: the stored problem has no exact solution
+    int runs = 0, broken = 0;                          ///< orders of rows (or draws) tried, and in how many the variant broke down
+    std::optional<Breakdown> breakdown = {};           ///< in the record's order
+    bool factor = false;                               ///< propagates a factor, which no rounding makes indefinite
+    std::vector<Digits> path = {};                     ///< at each of the comparison's checkpoints, in the record's order
     std::optional<double> asymmetry = {};              ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};               ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
@@ -46,7 +68,8 @@ struct Storage {
     std::string_view arithmetic;
     double forgetting;                       ///< lambda as stored
     Index rank;                              ///< exact, of the regressors as stored
-    std::optional<double> theta_digits;      ///< of the exact theta for binary64 data, left in the exact theta for the stored
+    bool in_range;                           ///< whether lambda and every entry of P0 are positive and finite there
+    std::optional<double> theta_digits;      ///< in which the exact solutions for the given and for the stored data agree
     double prior_bias;                       ///< of the stored problem; NaN when the prior alone makes it one
 };
 
@@ -56,16 +79,27 @@ struct Recommendation {
     std::string why;
 };
 
+/// What the parameters multiply, for people and for the code to paste.
+struct ModelText {
+    std::string file, output;                                ///< "sales.csv", "sales[k]"
+    std::vector<std::string> regressors;                     ///< "-sales[k-1]", "lead[k]", "1"
+    std::vector<std::pair<std::string, double>> means;       ///< taken off each column first
+};
+
 struct Comparison {
     Index rows, skipped, size;
     std::vector<std::string> names;            ///< of the parameters
-    std::vector<std::string> theta;            ///< the exact minimiser for the data as binary64, 30 digits
+    ModelText model;
+    std::vector<std::string> theta;            ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
+    std::vector<std::string> least_squares;    ///< the exact minimiser without the prior
+    std::vector<double> agreement;             ///< digits in which the two agree, a component each; at most 30
     double radius;                             ///< proven relative error of theta
     int bits;                                  ///< working precision at which it was certified
     double condition;                          ///< kappa_2 of the weighted data matrix
-    double prior_bias;                         ///< |theta - theta without prior| / |theta without prior|
+    std::optional<DefaultPrior> scaled_prior;  ///< absent: options.p0 was given
+    double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
     CompareOptions options;                    ///< as asked for
-    std::optional<double> better_p0;           ///< with it the bias is at most 1e-3; sought where it is above most_prior_bias
+    std::vector<Index> checkpoints;
     std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -113,7 +114,7 @@ TEST_F(Program, AListDoesNotSwallowTheFileBehindIt) {
     EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 3) << run.out;
 }
 TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
-    Outcome const run = shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json");
+    Outcome const run = shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json --all");
     ASSERT_EQ(run.code, 0) << run.err;
     json const out = json::parse(run.out);
     EXPECT_EQ(out["data"]["rows"], 148);
@@ -128,7 +129,13 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     }
     ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
     for (json const& r : out["results"]) {
-        EXPECT_EQ(r.size(), 9u);    // the keys named below, variant and arithmetic
+        EXPECT_EQ(r.size(), 13u);    // the keys named below, variant, arithmetic, spread, path, runs, broken
+        EXPECT_EQ(r["runs"], 4);
+        for (char const* of : {"theta", "worst", "covariance"}) {
+            EXPECT_EQ(r["path"][of].size(), out["checkpoints"].size());
+            EXPECT_EQ(r["path"][of].back(), r[std::map<std::string, char const*>{
+                                                {"theta", "theta_digits"}, {"worst", "theta_digits_worst"}, {"covariance", "covariance_digits"}}[of]]);
+        }
         for (char const* key : {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations",
                                 "ns_per_update"})
             EXPECT_TRUE(r.at(key).is_number() || r.at(key).is_null()) << key;
@@ -142,13 +149,14 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     }
 }
 TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
-    std::string const command = "rlslab compare ok.csv --input u --output y --order 1 --no-timings";
+    std::string const command = "rlslab compare ok.csv --input u --output y --order 1 --no-timings --all";
     json const results = json::parse(shell(command + " --json").out)["results"];
     std::istringstream csv(shell(command + " --csv").out);
     std::string line;
     std::getline(csv, line);
     EXPECT_EQ(line, "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-                    "asymmetry,operations,ns_per_update");
+                    "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,worst_high,"
+                    "covariance_low,covariance_median,covariance_high");
     for (json const& r : results) {
         ASSERT_TRUE(std::getline(csv, line));
         std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();
@@ -158,7 +166,7 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
     EXPECT_FALSE(std::getline(csv, line));
     Outcome const table = shell(command);
     EXPECT_THAT(table.out, Not(HasSubstr("\033")));
-    EXPECT_THAT(table.out, HasSubstr("use in double"));
+    EXPECT_THAT(table.out, HasSubstr("in double  use "));
     EXPECT_EQ(table.err, "");
 }
 TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {

@@ -1,0 +1,119 @@
+// From a comparison to a sentence and a few lines of C++.
+#include "answer.hpp"
+
+#include <rlslab/model/input_error.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rlslab {
+namespace {
+
+constexpr double enough_digits = 3;
+
+/// What hardware computes with, and its name in C++; the shortest first.
+std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float"}, {"double", "double"}, {"extended", "long double"}};
+
+Result const& result_of(Comparison const& c, Recommendation const& r) {
+    return *std::ranges::find_if(c.results, [&](Result const& x) { return x.entry->variant == r.variant && x.entry->arithmetic->name == r.arithmetic; });
+}
+
+/// "first, second, third" in lines of at most `width`, each after the first beginning with `indent`.
+std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
+    constexpr size_t width = 114;
+    std::string out;
+    for (size_t i = 0; i < items.size(); ++i) {
+        std::string const item = items[i] + (i + 1 < items.size() ? "," : "");
+        if (i > 0 && at + 1 + item.size() > width) {
+            out += '\n' + indent;
+            at = indent.size();
+        } else if (i > 0) {
+            out += ' ';
+            ++at;
+        }
+        out += item;
+        at += item.size();
+    }
+    return out;
+}
+
+std::string comment(std::string const& head, std::vector<std::string> const& items) {
+    std::string const begin = "// " + head + "(";
+    return begin + listed(items, "//" + std::string(begin.size() - 2, ' '), begin.size()) + ")\n";
+}
+
+}  // namespace
+
+std::string class_of(std::string_view variant) {
+    std::string out;
+    bool capital = true;
+    for (char const c : variant) {
+        if (c != '_') out += capital ? char(c - 'a' + 'A') : c;
+        capital = c == '_';
+    }
+    return out;
+}
+
+std::string verdict(Comparison const& c) {
+    std::string out;
+    std::vector<std::pair<std::string, std::vector<std::string>>> without;    // why, and where
+    size_t arithmetic = 0, variant = 0;
+    for (Recommendation const& r : c.recommendations) {
+        if (r.variant.empty()) {
+            auto const known = std::ranges::find(without, r.why, &std::pair<std::string, std::vector<std::string>>::first);
+            (known == without.end() ? without.emplace_back(r.why, std::vector<std::string>()) : *known).second.push_back(r.arithmetic);
+            continue;
+        }
+        arithmetic = std::max(arithmetic, r.arithmetic.size());
+        variant = std::max(variant, r.variant.size());
+    }
+    for (Recommendation const& r : c.recommendations) {
+        if (r.variant.empty()) continue;
+        Result const& best = result_of(c, r);
+        PerMeasure<Spread> const& spread = *best.spread;
+        out += fmt::format("in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P; {} operations{}\n",
+                           r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
+                           spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
+    }
+    for (auto const& [why, where] : without) out += fmt::format("in {}  use none: {}\n", fmt::join(where, ", "), why);
+    return out;
+}
+
+Recommendation const* coded(Comparison const& c) {
+    Recommendation const* out = nullptr;
+    for (auto const& [name, type] : hardware)
+        for (Recommendation const& r : c.recommendations) {
+            if (r.arithmetic != name || r.variant.empty()) continue;
+            out = &r;
+            if (result_of(c, r).spread->worst.low >= enough_digits) return out;
+        }
+    return out;
+}
+
+std::string code(Comparison const& c) {
+    Recommendation const* const r = coded(c);
+    if (!r) return "";
+    std::string const T = std::ranges::find(hardware, r->arithmetic, &std::pair<std::string, std::string>::first)->second, type = class_of(r->variant);
+    std::string out = fmt::format("#include <rlslab/variants/{}.hpp>\n\n", r->variant);
+    out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
+    out += comment("theta = ", c.names);
+    std::vector<std::string> means;
+    for (auto const& [column, mean] : c.model.means) means.push_back(fmt::format("{} less {}", column, mean));
+    if (!means.empty()) out += comment("the columns as the filter takes them: ", means);
+    std::string prior = fmt::format("{{.variance = {:#}}}", c.options.p0.value_or(0));
+    if (c.scaled_prior) {
+        Matrix<double> const P0 = *c.scaled_prior->prior().covariance;
+        std::vector<std::string> entries;
+        for (Index i = 0; i < c.size; ++i) entries.push_back(fmt::format("{:#}", P0(i, i)));    // with a point: a whole number may not narrow to float
+        std::string const begin = fmt::format("rlslab::Vector<{}> const P0{{{{", T);
+        out += begin + listed(entries, std::string(begin.size(), ' '), begin.size()) + "}};\n";
+        prior = "{.covariance = P0.asDiagonal()}";
+    }
+    constexpr Index largest_fixed = 16;    // a fixed size keeps everything in the object: no heap after the start
+    out += fmt::format("rlslab::{}<{}{}> filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, T,
+                       c.size <= largest_fixed ? fmt::format(", {}", c.size) : "", c.size, c.options.forgetting, T, prior);
+    out += "// each row: step = filter.update(psi, y); trust filter.theta() while step.health is rlslab::Health::sound\n";
+    return out;
+}
+
+}  // namespace rlslab

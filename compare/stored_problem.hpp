@@ -1,0 +1,37 @@
+// The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried.
+#pragma once
+
+#include <rlslab/erased.hpp>
+#include <rlslab/reference/certified.hpp>
+
+namespace rlslab {
+
+/// The rows in one order, and the exact solution at each checkpoint.
+struct RowOrder {
+    std::vector<Index> rows;      ///< row k of this order is row rows[k] of the record; empty: the record's own order
+    std::vector<Exact> exact;     ///< one a checkpoint; empty: the stored problem has no exact solution
+};
+
+/// Data, lambda and P0 rounded to an arithmetic: what its variants are given, and its exact solutions with them.
+struct StoredProblem {
+    Problem<double> problem;
+    Records records;
+    bool in_range;                ///< lambda and P0 as stored are positive and finite
+    std::vector<RowOrder> orders;
+};
+
+/// The rows after which digits are counted: at most 40, evenly spread, the last row among them.
+std::vector<Index> checkpoints_of(Index rows);
+
+/// The orders of rows that are tried: the record's, and where lambda = 1 three others, drawn from the seed. With forgetting the
+/// order is part of the problem.
+std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);
+
+/// `round`: how the arithmetic stores a datum. `digits`: to which the exact solutions are certified.
+StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
+                             std::vector<std::vector<Index>> const& orders, int digits);
+
+/// These rows of the record, in this order; all of them where none are named.
+Records in_order(Records const& records, std::vector<Index> const& rows);
+
+}  // namespace rlslab
