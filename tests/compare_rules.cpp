@@ -1,0 +1,248 @@
+// The rules of the recommendation, each from both sides of its margin.
+#include "compare/answer.hpp"
+#include "compare/recommend.hpp"
+#include "compare/score.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <set>
+
+namespace rlslab {
+namespace {
+
+using testing::HasSubstr;
+
+/// Results of variants that do not exist.
+struct Made {
+    Arithmetic arithmetic{"double", 53, -1022, 1023, false, nullptr};
+    std::deque<Entry> entries{};
+    std::deque<Result> results{};
+
+    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance", long operations = 100) {
+        entries.push_back({name, &arithmetic, false, 1, propagates, false, nullptr, nullptr});
+        Result r{.entry = &entries.back()};
+        r.spread = {theta, worst, P};
+        r.runs = 4;
+        r.factor = factor;
+        r.operations = operations;
+        results.push_back(r);
+        return results.back();
+    }
+    Result& add(char const* name, Spread all, bool factor = true, char const* propagates = "covariance", long operations = 100) {
+        return add(name, all, all, all, factor, propagates, operations);
+    }
+    std::vector<Result const*> all() const {
+        std::vector<Result const*> out;
+        for (Result const& r : results) out.push_back(&r);
+        return out;
+    }
+    std::string_view chosen() const {
+        Result const* const r = chosen_of(all());
+        return r ? r->entry->variant : "none";
+    }
+    Comparison comparison() const {
+        Comparison c{};
+        c.rows = 100, c.size = 3, c.names = {"a", "b", "c"}, c.model.regressors = c.names;
+        c.prior_bias = 1e-3;
+        c.results.assign(results.begin(), results.end());
+        return c;
+    }
+    Recommendation recommended() const { return recommend(arithmetic, comparison()); }
+};
+
+TEST(Recommendation, TakesThePreferredOfThoseWhoseSpreadReachesTheBests) {
+    for (int measure = 0; measure < 3; ++measure)
+        for (double const high : {12.9, 13.0, 13.1}) {
+            Made m;
+            PerMeasure<Spread> s{{12, 12.5, 13.5}, {12, 12.5, 13.5}, {12, 12.5, 13.5}};
+            s.*PerMeasure<Spread>::all()[size_t(measure)] = {12, 12.5, high};
+            m.add("cheap", s.theta, s.worst, s.covariance, true, "covariance", 10);
+            m.add("best", {13, 13.5, 14});
+            EXPECT_EQ(m.chosen(), high >= 13.0 ? "cheap" : "best") << measure << " " << high;
+        }
+}
+TEST(Recommendation, TheBestHasTheGreatestLeastMedian) {
+    Made m;
+    m.add("uneven", {14, 14, 14}, {9, 9, 9}, {14, 14, 14}, true, "covariance", 10);
+    m.add("even", {10, 10, 10}, {10, 10, 10}, {10, 10, 10});
+    EXPECT_EQ(m.chosen(), "even");
+    m.results.front().spread->worst = {9, 9, 10};    // now reaches it
+    EXPECT_EQ(m.chosen(), "uneven");
+    m.results.front().spread->worst = {9, 9, 9.9};
+    EXPECT_EQ(m.chosen(), "even");
+}
+TEST(Recommendation, PrefersAFactorThenCovarianceThenFewerOperations) {
+    Spread const same{10, 11, 12};
+    struct {
+        bool factor;
+        char const* propagates;
+        long operations;
+    } const order[] = {{true, "covariance", 200}, {true, "covariance", 201}, {true, "information", 100}, {true, "information", 101}, {false, "covariance", 50},
+                       {false, "covariance", 51}, {false, "information", 10}};
+    for (size_t first = 0; first < std::size(order); ++first) {
+        Made m;
+        for (size_t i = std::size(order); i-- > first;) m.add(i == first ? "first" : "later", same, order[i].factor, order[i].propagates, order[i].operations);
+        EXPECT_EQ(m.chosen(), "first") << first;
+    }
+    Made m;    // of two that are alike the one that stands first in the list
+    m.add("one", same);
+    m.add("two", same);
+    EXPECT_EQ(m.chosen(), "one");
+}
+TEST(Recommendation, NeedsHalfADigitOfEach) {
+    for (int measure = 0; measure < 3; ++measure)
+        for (double const median : {0.4, 0.5}) {
+            Made m;
+            PerMeasure<Spread> s{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
+            s.*PerMeasure<Spread>::all()[size_t(measure)] = {0, median, 3};
+            m.add("it", s.theta, s.worst, s.covariance);
+            EXPECT_EQ(m.chosen(), median >= 0.5 ? "it" : "none");
+            EXPECT_EQ(m.recommended().variant, median >= 0.5 ? "it" : "");
+        }
+    EXPECT_EQ(Made{}.chosen(), "none");
+}
+TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
+    Made m;
+    m.add("broken", {13, 14, 15}, true, "covariance", 1).broken = 1;
+    m.add("sound", {1, 2, 3}, false);
+    EXPECT_EQ(m.recommended().variant, "sound");
+    m.results.back().broken = 4;
+    EXPECT_EQ(m.recommended().variant, "");
+    EXPECT_EQ(m.recommended().why, "all 2 variants that take single rows broke down");
+}
+TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
+    Made m;
+    m.add("block", {13, 14, 15});
+    m.entries.back().block = 32;
+    m.add("library", {13, 14, 15}).operations = {};
+    EXPECT_EQ(m.recommended().why, "no variant was tried that takes single rows");
+    m.add("row", {1, 2, 3});
+    EXPECT_EQ(m.recommended().variant, "row");
+}
+TEST(Recommendation, NoneWhereThePriorDecides) {
+    Made m;
+    m.add("it", {13, 14, 15});
+    Comparison c = m.comparison();
+    c.prior_bias = 0.01;
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
+    c.prior_bias = 0.0101;
+    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("it moves it by 0.01): rescale the columns"));
+    c.options.p0 = 1;
+    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("leave out --p0"));
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+    c.prior_bias = std::nan("");
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+}
+TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
+    Made m;
+    m.add("it", {13, 14, 15});
+    Comparison c = m.comparison();
+    Storage const good{"double", 1, 3, true, 5.0, 0.01};
+    c.storage = {{"other", 0, 1, false, {}, 1}, good};
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
+    auto const why = [&](Storage const& s) {
+        c.storage.back() = s;
+        EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+        return recommend(m.arithmetic, c).why;
+    };
+    Storage s = good;
+    s.rank = 2;
+    EXPECT_EQ(why(s), "as stored there the regressors have rank 2 of 3");
+    s = good, s.in_range = false;
+    EXPECT_EQ(why(s), "P0 leaves its range");
+    s.forgetting = 0;
+    EXPECT_EQ(why(s), "lambda is zero there");
+    s = good, s.prior_bias = 0.0101;
+    EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
+    s.prior_bias = std::nan("");
+    EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
+}
+
+TEST(Spread, IsTheTenthHalfAndNinetyPercentPoint) {
+    std::vector<std::optional<double>> digits;
+    for (int i = 20; i >= 0; --i) digits.push_back(i);    // 0 ... 20: ranks 2, 10, 18
+    EXPECT_EQ(spread_of(digits), (Spread{2, 10, 18}));
+    digits.push_back(21);    // 22 numbers: ranks 2.1 down, 10.5 down, 18.9 up
+    EXPECT_EQ(spread_of(digits), (Spread{2, 10, 19}));
+    EXPECT_EQ(spread_of({1.26}), (Spread{1.3, 1.3, 1.3}));
+    EXPECT_EQ(spread_of({1.24, 3.0}), (Spread{1.2, 1.2, 3.0}));
+    EXPECT_EQ(spread_of({1.0, 2.0, 3.0}), (Spread{1, 2, 3}));
+    double const none = -std::numeric_limits<double>::infinity();
+    EXPECT_EQ(spread_of({std::nullopt, 2.0, std::nullopt}), (Spread{none, none, 2}));
+    EXPECT_EQ(spread_of({-0.04}).low, 0);
+}
+
+TEST(Checkpoints, AreFortyEvenlySpreadAndEndWithTheLastRow) {
+    EXPECT_EQ(checkpoints_of(1), std::vector<Index>{1});
+    EXPECT_EQ(checkpoints_of(3), (std::vector<Index>{1, 2, 3}));
+    for (Index rows : {39, 40, 41, 79, 100, 148, 4000}) {
+        std::vector<Index> const at = checkpoints_of(rows);
+        EXPECT_EQ(at.size(), size_t(std::min<Index>(rows, 40)));
+        EXPECT_EQ(at.back(), rows);
+        for (size_t i = 0; i < at.size(); ++i) {
+            Index const step = at[i] - (i ? at[i - 1] : 0);
+            EXPECT_GE(step, std::max<Index>(1, rows / 40));
+            EXPECT_LE(step, rows / 40 + 1);
+        }
+    }
+}
+
+TEST(RowOrders, AreTheRecordsAndThreePermutationsOrOneWithForgetting) {
+    auto const orders = row_orders(50, 1, 7);
+    ASSERT_EQ(orders.size(), 4u);
+    EXPECT_TRUE(orders[0].empty());
+    std::set<std::vector<Index>> different;
+    for (size_t i = 1; i < 4; ++i) {
+        std::set<Index> const rows(orders[i].begin(), orders[i].end());
+        EXPECT_EQ(orders[i].size(), 50u);
+        EXPECT_EQ(rows.size(), 50u);
+        EXPECT_EQ(*rows.rbegin(), 49);
+        different.insert(orders[i]);
+    }
+    EXPECT_EQ(different.size(), 3u);
+    EXPECT_EQ(row_orders(50, 1, 7), orders);
+    EXPECT_NE(row_orders(50, 1, 8), orders);
+    EXPECT_EQ(row_orders(50, 0.999, 7).size(), 1u);
+    // Every row comes first equally often: 600 draws of 3, each of 5 rows 120 times of 600, give or take 10.
+    std::array<int, 5> first{};
+    for (std::uint64_t seed = 0; seed < 200; ++seed)
+        for (size_t i = 1; i < 4; ++i) ++first[size_t(row_orders(5, 1, seed * 1000)[i][0])];
+    for (int const n : first) EXPECT_NEAR(n, 120, 40);
+}
+
+TEST(Code, NamesTheClassOfEveryVariant) {
+    EXPECT_EQ(class_of("ud"), "Ud");
+    EXPECT_EQ(class_of("conventional_two_sided"), "ConventionalTwoSided");
+    EXPECT_EQ(class_of("inverse_qr"), "InverseQr");
+}
+TEST(Code, IsForTheShortestArithmeticThatKeepsThreeDigitsOfTheWorstComponent) {
+    for (double const low : {2.9, 3.0}) {
+        Made m;
+        Arithmetic const single{"float", 24, -126, 127, false, nullptr}, emulated{"binary16", 11, -14, 15, false, nullptr};
+        m.add("a", {5, 5, 5});
+        m.entries.back().arithmetic = &emulated;
+        m.add("b", {5, 5, 5}, {low, 5, 5}, {5, 5, 5});
+        m.entries.back().arithmetic = &single;
+        m.add("c", {1, 2, 3});
+        Comparison c = m.comparison();
+        for (Arithmetic const* a : {&emulated, &single, (Arithmetic const*)&m.arithmetic}) c.recommendations.push_back(recommend(*a, c));
+        ASSERT_NE(coded(c), nullptr);
+        EXPECT_EQ(coded(c)->arithmetic, low >= 3.0 ? "float" : "double");
+        c.recommendations[2].variant = "";
+        EXPECT_EQ(coded(c)->arithmetic, "float");
+        c.recommendations[1].variant = "";
+        EXPECT_EQ(coded(c), nullptr);
+        EXPECT_EQ(code(c), "");
+    }
+}
+TEST(Verdict, ArithmeticsWithoutARecommendationShareALine) {
+    Made m;
+    Comparison c = m.comparison();
+    c.recommendations = {{"bfloat16", "", "no"}, {"float", "", "no"}, {"double", "", "other"}};
+    EXPECT_EQ(verdict(c), "in bfloat16, float  use none: no\nin double  use none: other\n");
+}
+
+}  // namespace
+}  // namespace rlslab
