@@ -65,13 +65,12 @@ void IntegerGram::entry(arb_ptr ball, Index i, Index j, long bits) const {
     arb_set_round_fmpz_2exp(ball, sum_(i, j), exponent, bits);
 }
 
-ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits)
+ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power)
     : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)),
       a_(data.size() + 1, block), wa_(data.size() + 1, block) {
-    for (Index i = 1; i <= block; ++i) {
-        Ball const lambda(forgetting);
-        arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);
-    }
+    Ball lambda(forgetting);
+    arb_pow_ui(lambda, lambda, power, bits_);
+    for (Index i = 1; i <= block; ++i) arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);
 }
 
 void ForgettingGram::advance(Index k) {

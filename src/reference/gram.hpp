@@ -36,6 +36,8 @@ public:
 ///
 ///   (1)  M <- lambda^B M + A' W A,    W = diag(lambda^(B-1), ..., lambda, 1)
 ///
+/// With a power p it is lambda^p that forgets, itself a ball.
+///
 /// A's entries are exact and short, which makes Arb's dot products cheap. Memory O(d^2 + B d).
 class ForgettingGram {
     Records const& data_;
@@ -50,7 +52,7 @@ class ForgettingGram {
 public:
     static constexpr Index block = 64;
     /// M_0, (d+1) x (d+1), is the prior's part (upper triangle).
-    ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits);
+    ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power = 1);
     void advance(Index k);
     BallMatrix const& matrix() const { return sum_; }
 };

@@ -53,11 +53,13 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
 struct IdentifyArguments {
     std::string file, out;
     bool json = false, keep_mean = false;
+    int na = -1;
     IdentifyOptions options;
 };
 
 int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
+    if (a.na >= 0) a.options.na = a.na;
     Identified const model = identify(a.file, a.options, progress_after_a_second("looking at the excitation"));
     if (!a.out.empty()) {
         create_folder(a.out);
@@ -65,7 +67,7 @@ int run_identify(IdentifyArguments a) {
         replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
     }
     print(a.json ? as_json(model) : as_table(model) + (a.out.empty() ? "" : fmt::format("\n{}/model.html, {}/model.json\n", a.out, a.out)));
-    return 0;
+    return model.failure ? 1 : 0;
 }
 
 struct SimulateArguments {
@@ -136,17 +138,28 @@ int run_excitation(ExcitationArguments const& a) {
 Command identify_command(CLI::App& app) {
     auto const a = std::make_shared<IdentifyArguments>();
     CLI::App* const c = app.add_subcommand("identify", "An ARX model of a record: order, parameters, and whether to believe them.");
-    c->footer("Example:  rlslab identify data.csv --input u --output y --max-order 8 --out model");
+    c->footer("The model:  y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + e[k]\n"
+              "(nb counts from b0: MATLAB's arx calls this [na nb+1 delay].)\n\n"
+              "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
+              "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
+              "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n\n"
+              "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input), without missing values")->required()->type_name("");
-    c->add_option("--input", a->options.inputs, "column of the input, or several")->delimiter(',')->allow_extra_args(false)->required()->type_name("U[,V]");
+    auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
+        return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
+    };
+    list("--input", a->options.inputs, "U[,V]", "column of the input, or several");
     c->add_option("--output", a->options.output, "column of the output")->required()->type_name("COLUMN");
     c->add_option("--order", a->options.order, "na = nb = N instead of a choice")->check(whole(1, 200))->type_name("N");
     c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")->check(whole(1, 200))->type_name("N");
-    c->add_option("--delay", a->options.delay, "samples from input to output")->check(whole(0, 100000))->type_name("N");
+    c->add_option("--na", a->na, "past outputs, y[k-1] ... y[k-N]; with --nb, instead of a choice")->check(whole(0, 200))->type_name("N");
+    list("--nb", a->options.nb, "N[,N]", "inputs u[k-delay] ... u[k-delay-N], for all inputs or for each")->check(whole(0, 200));
+    list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")->check(whole(0, 100000));
+    list("--regressors", a->options.regressors, "A,B", "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")->type_name("NAME");
     c->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
         ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->type_name("LAMBDA");
-    c->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default 2^40; covariance forms want less")
+    c->add_option("--p0", a->options.p0, "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->type_name("C2");
     c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
         ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))->type_name("PART");

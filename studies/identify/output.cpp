@@ -40,8 +40,8 @@ Curve boundary(Panel const& panel, double x) {
     return out;
 }
 
-std::vector<Figure> drawn(Identified const& m) {
-    std::vector<Figure> out;
+/// Outputs, errors, correlations.
+void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     size_t const N = m.measured.size();
     Index const lead_in = m.samples - Index(N), begins = m.samples - m.held_out - lead_in;    // of the held-out part
     // As many samples as can be told apart in a plot: the last of the fitted part, and the first that are held out.
@@ -89,7 +89,9 @@ std::vector<Figure> drawn(Identified const& m) {
     panel("with itself, lags from 1", m.auto_correlation, 1);
     for (size_t j = 0; j < m.cross_correlation.size(); ++j) panel("with past " + m.options.inputs[j], m.cross_correlation[j], 0);
     out.push_back(std::move(correlations));
+}
 
+void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
     // From where the record, not the prior, decides: before, a band can be a million times as wide as at the end.
     size_t settled = 0;
     for (size_t i = 0; i < m.trajectory.size(); ++i)
@@ -108,7 +110,9 @@ std::vector<Figure> drawn(Identified const& m) {
         on_the_way.panels[0].curves.push_back(std::move(c));
     }
     out.push_back(std::move(on_the_way));
+}
 
+void draw_poles(std::vector<Figure>& out, Identified const& m) {
     Figure plane{"poles", "Poles and zeros", "real part", "imaginary part", false, false, false, {{"", {}, {}}}};
     plane.square = true;
     Signal cosine, sine;
@@ -126,7 +130,9 @@ std::vector<Figure> drawn(Identified const& m) {
     points("poles", "x", 1, m.poles);
     for (size_t j = 0; j < m.zeros.size(); ++j) points("zeros of " + m.options.inputs[j], "circle-open", j == 0 ? 0 : j + 1, m.zeros[j]);
     out.push_back(std::move(plane));
+}
 
+void draw_orders(std::vector<Figure>& out, Identified const& m) {
     Figure orders{"orders", "What each order explains, and what the criteria say of it", "order", "", false, false, false, {}};
     orders.own_y = true;
     size_t place = 0;
@@ -144,6 +150,16 @@ std::vector<Figure> drawn(Identified const& m) {
     criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::whiteness}});
     if (m.held_out > 0) criterion("one-step fit on held-out rows, %", {{"held out", &OrderFit::held_out}});
     out.push_back(std::move(orders));
+}
+
+/// Of a variant that gave no numbers, its way there and the orders alone.
+std::vector<Figure> drawn(Identified const& m) {
+    std::vector<Figure> out;
+    bool const model = !m.model.b.empty();
+    if (model) draw_outputs(out, m);
+    draw_trajectory(out, m);
+    if (model) draw_poles(out, m);
+    if (!m.choice.fits.empty()) draw_orders(out, m);
     return out;
 }
 
@@ -151,7 +167,7 @@ std::vector<Figure> drawn(Identified const& m) {
 
 std::string as_page(Identified const& m) {
     std::vector<Figure> const figures = drawn(m);
-    std::string body = fmt::format("<header><h1>{}: order {}</h1><p class=\"question\">{}</p>", escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), m.order,
+    std::string body = fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>", escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure),
                                    escaped(m.why));
     if (!m.warnings.empty()) {
         body += "<ul class=\"claims\">";
@@ -159,14 +175,14 @@ std::string as_page(Identified const& m) {
         body += "</ul>";
     }
     body += "</header>";
-    std::vector<std::string> head{data_line(m)};
-    for (std::string const& line : input_lines(m)) head.push_back(line);
-    head.push_back(order_line(m));
-    for (std::string const& words : head) body += fmt::format("<p>{}</p>", escaped(words));
-    body += fmt::format("<div class=\"scroll\"><table><thead><tr><th>parameter</th><th>estimate</th><th>sd</th><th>{:.0f} % interval</th></tr></thead><tbody>",
+    for (std::string const& words : data_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
+    for (std::string const& words : input_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
+    for (std::string const& words : order_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
+    body += fmt::format("<div class=\"scroll\"><table><thead><tr><th>parameter</th><th>of</th><th>estimate</th><th>sd</th><th>{:g} % interval</th></tr></thead><tbody>",
                         100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
-        body += fmt::format("<tr><td>{}</td><td>{:.6g}</td><td>{:.2g}</td><td>{:.5g} ... {:.5g}</td></tr>", escaped(printable(p.name)), p.value, p.sd, p.low, p.high);
+        body += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} ... {}</td></tr>", escaped(printable(p.name)), escaped(p.of), number_text(p.value, 6),
+                            number_text(p.sd, 2), number_text(p.low, 5), number_text(p.high, 5));
     body += "</tbody></table></div>";
     for (std::string const& words : result_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);
