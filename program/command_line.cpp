@@ -26,6 +26,8 @@ struct CommandLine {
         for (Command const& command : commands) {
             command.app->formatter(app.get_formatter());
             take_manners(*command.app);
+            for (CLI::Option* option : command.app->get_options())
+                if (takes_nothing(*option)) option->disable_flag_override();    // --json=false would be no JSON: too clever
         }
     }
     /// Anywhere on the line: before the command and behind it.
@@ -46,6 +48,34 @@ struct CommandLine {
         std::vector<std::string> out;
         for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
+    }
+    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command was not meant.
+    void expect_values(std::vector<std::string> const& words) const {
+        CLI::App const* taker = &app;
+        for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+            if (taker == &app) {
+                auto const named = std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
+                if (named != commands.end()) taker = named->app;
+            }
+            CLI::Option const* const option = words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
+            if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
+            if (words[i].starts_with("--") && taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
+                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1], option->get_type_name(), words[i]));
+        }
+    }
+    /// What CLI11 found wrong, in our words.
+    std::string complaint(CLI::ParseError const& error) const {
+        std::string const text = error.what(), missing = " missing", required = " is required";
+        if (size_t const at = text.find(": 1 required "); at != text.npos && text.ends_with(missing))
+            return fmt::format("{}: expected {}, found nothing", text.substr(0, at), text.substr(at + 13, text.size() - at - 13 - missing.size()));
+        if (size_t const at = text.find(": At Most 1 required"); at != text.npos) return text.substr(0, at) + ": expected once, found again";
+        if (size_t const at = text.find(" was given a disallowed flag override"); at != text.npos) return "--" + text.substr(0, at) + ": expected no value behind it";
+        if (!text.ends_with(required)) return text;
+        std::string const name = text.substr(0, text.size() - required.size());
+        auto const asked = app.get_subcommands().front();    // the program itself requires nothing
+        for (Described const& one : described(*asked))
+            if (one.name == name || one.value == name) return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
+        return text;
     }
     /// A word that nobody takes comes before all else: an option that is missing is often one that is misspelt.
     void refuse_extra_word() const {
@@ -74,6 +104,7 @@ struct CommandLine {
 std::function<int()> parse(std::vector<std::string> words) {
     auto const line = std::make_shared<CommandLine>();
     CLI::App& app = line->app;
+    if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; })) line->expect_values(words);
     std::ranges::reverse(words);    // CLI11 takes them from the back
     try {
         app.parse(std::move(words));
@@ -85,9 +116,7 @@ std::function<int()> parse(std::vector<std::string> words) {
         for (CLI::App const* asked : app.get_subcommands())
             if (asked->get_help_ptr()->count() > 0) return [line, asked] { return print(help_text(*asked)), 0; };    // whatever else is wrong
         line->refuse_extra_word();
-        std::string const text = error.what();
-        if (size_t const at = text.find(": At Most 1 required"); at != text.npos) throw InputError(printable(text.substr(0, at), 200) + ": expected once, found again");
-        throw InputError(printable(text, 200));
+        throw InputError(printable(line->complaint(error), 200));
     }
     for (Command const& command : line->commands)
         if (command.app->parsed()) return [line, run = command.run] {

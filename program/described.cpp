@@ -11,6 +11,8 @@ std::string Described::spelling() const {
     return (shorter.empty() ? "" : shorter + ", ") + name + (value.empty() ? "" : ' ' + value);
 }
 
+bool takes_nothing(CLI::Option const& option) { return option.get_items_expected_max() == 0; }
+
 std::vector<Described> described(CLI::App const& command) {
     std::vector<Described> out, options;
     for (CLI::Option const* option : command.get_options()) {
@@ -18,7 +20,7 @@ std::vector<Described> described(CLI::App const& command) {
         bool const bare = option->get_positional();
         Described one{.name = bare || option->get_lnames().empty() ? "" : "--" + option->get_lnames().front(),
                       .shorter = bare || option->get_snames().empty() ? "" : "-" + option->get_snames().front(),
-                      .value = bare ? option->get_name(true) : option->get_type_size() == 0 ? "" : option->get_type_name(),
+                      .value = bare ? option->get_name(true) : takes_nothing(*option) ? "" : option->get_type_name(),
                       .text = option->get_description(),
                       .group = option->get_group(),
                       .required = option->get_required(),

@@ -19,6 +19,8 @@ struct Described {
     std::string spelling() const;
 };
 
+/// A flag.
+bool takes_nothing(CLI::Option const& option);
 /// What stands without a name first, then the options in the order of their definition. Hidden ones are left out.
 std::vector<Described> described(CLI::App const& command);
 /// Those that are not hidden, in the order of their definition.

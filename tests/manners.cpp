@@ -30,6 +30,21 @@ TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant)
     refused("identify " + model + " --variant extended", "--variant: no variant \"extended\" (did you mean \"extended_qr\"?)");
     refused("study gain_memory", "study: no study \"gain_memory\"");
 }
+TEST_F(Program, SaysWhatAnOptionWants) {
+    refused("compare", "compare: expected FILE (rlslab compare --help)");
+    refused("compare ok.csv", "compare: expected --output COLUMN (rlslab compare --help)");
+    refused("compare ok.csv --output", "--output: expected COLUMN, found nothing");
+    refused("compare ok.csv --output --order 1", "--output: expected COLUMN, found the option --order");
+    refused("compare ok.csv --variants --order=1", "found the option --order=1");
+    refused("--color list", "--color: expected auto, always or never, found \"list\"");
+    refused("--color --quiet list", "--color: expected auto|always|never, found the option --quiet");
+    refused("list --json=false", "--json: expected no value behind it");
+    refused("list --quiet=maybe", "--quiet: expected no value behind it");
+    refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order: expected once, found again");
+    refused("study --threads", "--threads: expected N, found nothing");
+    refused("list list", "\"list\" is one word too many (rlslab list --help)");
+    EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 3").code, 0) << "a number may begin with a minus";
+}
 TEST(Suggestion, IsTheNearestNameOrNone) {
     std::vector<std::string_view> const names{"conventional", "joseph", "qr", "ud", "extended_qr", ""};
     auto const meant = [&](std::string_view asked) { return std::string(rlslab::nearest(asked, names)); };

@@ -176,8 +176,7 @@ Command simulate_command(CLI::App& app) {
     auto const s = std::make_shared<SimulateArguments>();
     CLI::App* const c = app.add_subcommand("simulate", "A record of a known system: columns u and y as CSV.");
     c->footer("The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
-              "Example:     rlslab simulate --a=-1.5,0.7 --b=1,0.5 --noise 0.1 > data.csv\n"
-              "A list that begins with a minus stands behind an equals sign: --a=-1.5,0.7\n\n"
+              "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
               "Exit code: 0 a record; 2 a system that is not stable, or options that make no sense.");
     c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
     c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
