@@ -41,6 +41,9 @@ int main(int argc, char** argv) {
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::AddCustomContext("cpu", processor());
     benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
+    // For people our lines; where JSON or CSV was asked for, that alone is on standard output.
+    benchmark::BenchmarkReporter* const chosen = benchmark::CreateDefaultDisplayReporter();
     OneLineEach lines;
-    benchmark::RunSpecifiedBenchmarks(&lines);
+    bool const for_people = dynamic_cast<benchmark::ConsoleReporter*>(chosen) != nullptr;
+    benchmark::RunSpecifiedBenchmarks(for_people ? &lines : chosen);
 }

@@ -2,10 +2,12 @@
 #include "measured.hpp"
 #include "plot.hpp"
 
+#include <rlslab/core/files.hpp>
+
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
-#include <fstream>
 #include <functional>
 
 namespace {
@@ -228,9 +230,8 @@ std::string page(Run const& run) {
 
 int main(int argc, char** argv) try {
     if (argc != 3) throw std::runtime_error("usage: rlslab_bench_page RUN.json PAGE.html");
-    std::ofstream file(argv[2]);
-    file << page(read_run(argv[1]));
-    if (!file.flush()) throw std::runtime_error(fmt::format("cannot write {}", argv[2]));
+    std::signal(SIGXFSZ, SIG_IGN);    // a file beyond the limit is an error like any other
+    rlslab::replace_file(argv[2], page(read_run(argv[1])));
 } catch (std::exception const& error) {
     fmt::print(stderr, "rlslab_bench_page: {}\n", error.what());
     return 1;
