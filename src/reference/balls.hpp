@@ -108,6 +108,9 @@ public:
     fmpz const* operator()(Index i, Index j) const { return fmpz_mat_entry(A_, i, j); }
 };
 
+/// The least t for which 2^-t <= 10^-digits is certain: log2(10) = 3.32192809488... is below the quotient.
+inline long bits_for(long digits) { return (digits * 3321928095 + 999999999) / 1000000000; }
+
 /// The ball of radius 0 around x.
 inline void set(arb_ptr ball, double x) { arb_set_d(ball, x); }
 inline void set(arb_ptr ball, Reference const& x) { arb_set_arf(ball, Float(x)); }

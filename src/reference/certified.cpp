@@ -13,8 +13,6 @@ namespace {
 
 using namespace balls;
 
-constexpr double bits_per_digit = 3.3219280948873624;    // log2(10), rounded up
-
 /// The prior's part of M and b, at row 0: the upper triangle of [M b], (d+1) x (d+1).
 BallMatrix prior_part(Problem<double> const& problem, long bits) {
     Index const d = problem.size;
@@ -60,8 +58,8 @@ bool solve(Exact::Enclosure& to, BallMatrix const& normal) {
 }
 
 /// The criterion of `certified`, with 2^-t <= 10^-digits and 2^-133 <= 10^-40: every step below rounds against us.
-bool accurate(Exact::Enclosure const& x) {
-    long const t = long(std::ceil(x.digits * bits_per_digit));
+bool theta_is_accurate(Exact::Enclosure const& x) {
+    long const t = bits_for(x.digits);
     Magnitude const largest = size_and_radius(x.theta).first;
     for (Index i = 0; i < x.theta.rows(); ++i) {
         Magnitude floor, allowed;
@@ -71,10 +69,20 @@ bool accurate(Exact::Enclosure const& x) {
         mag_mul_2exp_si(allowed, allowed, -t);
         if (mag_cmp(arb_radref(x.theta(i, 0)), allowed) > 0) return false;
     }
+    return true;
+}
+bool covariance_is_accurate(Exact::Enclosure const& x) {
     auto const [size, radius] = size_and_radius(x.covariance);
     Magnitude allowed;
-    mag_mul_2exp_si(allowed, size, -t);
+    mag_mul_2exp_si(allowed, size, -bits_for(x.digits));
     return mag_cmp(radius, allowed) <= 0;
+}
+
+/// A zero of radius 0 has no relative radius that precision could make small: it is decided exactly.
+bool theta_is_zero(Exact::Enclosure const& x, Problem<double> const& problem, Records const& data, Index k) {
+    for (Index i = 0; i < x.theta.rows(); ++i)
+        if (!arb_contains_zero(x.theta(i, 0))) return false;
+    return surely_vanishes(problem, data, k);
 }
 
 bool defined(Problem<double> const& problem) {
@@ -155,11 +163,17 @@ std::vector<Exact> certified(Problem<double> const& problem, Records const& data
     }
 
     // 64 bits beyond the digits asked for see a condition number of the normal equations of some 10^15 through.
-    long const least = (long(std::ceil(digits * bits_per_digit)) + 64 + 63) / 64 * 64;
+    long const least = (bits_for(digits) + 64 + 63) / 64 * 64;
     long const most = std::max(1L << 16, 4 * least);
+    // Doubled, and the last one is `most` itself; then 0.
+    auto const after = [most](long bits) { return bits == most ? 0 : std::min(2 * bits, most); };
     auto settled = [&](size_t s, BallMatrix const& normal, long bits) {
         auto enclosure = std::make_shared<Exact::Enclosure>(Exact::Enclosure{{}, {}, bits, digits});
-        if (!solve(*enclosure, normal) || !accurate(*enclosure)) return false;
+        if (!solve(*enclosure, normal) || !covariance_is_accurate(*enclosure)) return false;
+        if (!theta_is_accurate(*enclosure)) {
+            if (bits < most || !theta_is_zero(*enclosure, problem, data, steps[s])) return false;
+            arb_mat_zero(enclosure->theta);
+        }
         answers[s] = Exact(steps[s], d, std::move(enclosure));
         return true;
     };
@@ -169,10 +183,10 @@ std::vector<Exact> certified(Problem<double> const& problem, Records const& data
         IntegerGram gram(data, steps[pending.back()]);
         for (size_t const s : pending) {
             gram.advance(steps[s]);
-            for (long bits = least; bits <= most && !settled(s, normal.sum(gram, bits), bits);) bits *= 2;
+            for (long bits = least; bits > 0 && !settled(s, normal.sum(gram, bits), bits);) bits = after(bits);
         }
     } else {
-        for (long bits = least; bits <= most && !pending.empty(); bits *= 2) {
+        for (long bits = least; bits > 0 && !pending.empty(); bits = after(bits)) {
             ForgettingGram gram = normal.recursion(bits);
             std::erase_if(pending, [&](size_t s) {
                 gram.advance(steps[s]);

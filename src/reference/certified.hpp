@@ -86,8 +86,10 @@ private:
 /// Certified means, for every component i and every pair (i, j),
 ///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
 /// which is read off the balls; no return flag is trusted. With forgetting = 1 the sums in (1) and (2) are exact
-/// integers; with less they are balls, and the whole recursion is repeated at doubled precision until it is enough
-/// (2^16 bits at least are tried before a step is called unresolved).
+/// integers; with less they are balls, and the whole recursion is repeated at doubled precision until it is enough.
+/// A step is called unresolved after 2^16 bits (4 times the digits asked for, if that is more) were not enough. A theta of
+/// which no ball leaves out zero is then decided exactly, as far as numbers of 2^20 bits go: if it is zero, it is certified
+/// with radius 0.
 ///
 /// Deterministic. Memory O(d^2) besides the data and the results. Cost per row: about d^2/2 short multiplications, with
 /// forgetting at the working precision; per step asked for: O(d^3).

@@ -209,7 +209,7 @@ double Exact::covariance_digits(Stored<Reference> const& estimate) const {
             "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
     // As precise as the solution itself: relative to its largest entry, three digits more than were asked for.
-    long const wanted = long(std::ceil((enclosure_->digits + 3) * 3.33));
+    long const wanted = bits_for(enclosure_->digits + 3);
     bool known_regular = of == Stored<Reference>::Of::covariance;
     BallMatrix P;
     for (long bits = wanted + 128; bits <= 1L << 20; bits *= 2) {

@@ -57,6 +57,10 @@ public:
     BallMatrix const& matrix() const { return sum_; }
 };
 
+/// True proves theta_k = 0: M_k theta_k = b_k is zero where P0 b_k is, a sum of products of what is given. False says nothing:
+/// it is not zero, or would take numbers of more than 2^20 bits. Called where the balls around theta all contain zero.
+bool surely_vanishes(Problem<double> const& problem, Records const& data, Index k);
+
 /// The rank of the first k regressors, proven, for ascending k. Elimination modulo the prime 2^61 - 1 bounds it from
 /// below; k, d and, only where these leave a gap, exact integer elimination bound it from above.
 std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps);
