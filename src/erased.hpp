@@ -24,7 +24,8 @@ public:
     virtual Vector<Reference> theta() const = 0;
     virtual Vector<Reference> gain() const = 0;
     virtual Stored<Reference> stored() const = 0;
-    /// stored() rounded to binary64: for a first look that settles most questions of definiteness.
+    /// stored() rounded to binary64, where only what is zero becomes zero: for a first look that settles most questions of
+    /// definiteness.
     virtual Stored<double> stored_in_double() const = 0;
     virtual std::unique_ptr<AnyFilter> clone() const = 0;
 };

@@ -17,6 +17,16 @@ template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
 }
+/// For a first look at what a filter holds: rounded to binary64, but never to zero. A zero in a factor decides more than any
+/// rounding does: whether it is a triangle, and whether that is singular.
+template <class T>
+Stored<double> in_double(Stored<T> const& stored) {
+    return stored.template mapped<double>([](T const& x) {
+        double const y = static_cast<double>(x);
+        double const least = std::numeric_limits<double>::denorm_min();
+        return y != 0 || x == T(0) ? y : x < T(0) ? -least : least;
+    });
+}
 
 template <RecursiveLeastSquares F>
 class Erased final : public AnyFilter {
@@ -76,9 +86,7 @@ public:
         return Vector<T>(filter_.gain()).unaryExpr(&widened<T>);
     }
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
-    Stored<double> stored_in_double() const override {
-        return filter_.stored().template mapped<double>(&in_double<T>);
-    }
+    Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
 };
 
