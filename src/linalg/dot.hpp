@@ -24,9 +24,11 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y over n numbers; n >= 1.
+/// x'y over n numbers; 0 over none.
 template <Field T>
 T dot(T const* x, T const* y, Index n) {
+    if (n <= 0) [[unlikely]]
+        return T(0);
     if constexpr (!std::same_as<Truth<T>, bool>)    // a Pack: one lane after another leaves them in registers
         return detail::lanes_summed<0, 1>(x, y, n);
     T lane[8];
