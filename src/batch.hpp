@@ -1,6 +1,7 @@
 // Batch least squares on all cores, from rows in memory or in a file larger than it: parts folded apart, merged in order.
 #pragma once
 
+#include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/feed.hpp>
 #include <rlslab/model/records.hpp>
 
@@ -8,6 +9,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 namespace rlslab {
@@ -27,7 +29,9 @@ class RowsInMemory {
     Records const* records_;
 
 public:
-    explicit RowsInMemory(Records const& records) : records_(&records) {}
+    explicit RowsInMemory(Records const& records) : records_(&records) {
+        expects(records.y.size() == records.rows(), "as many outputs as regressors");
+    }
     Index size() const { return records_->size(); }
     Index rows() const { return records_->rows(); }
     void read(Index first, Eigen::Ref<Eigen::MatrixXd> block) const {
@@ -35,6 +39,15 @@ public:
         block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
     }
 };
+
+namespace detail {
+struct Joined {
+    std::vector<std::thread> threads;
+    ~Joined() {
+        for (std::thread& t : threads) t.join();
+    }
+};
+}  // namespace detail
 
 /// Rows a part: 1.3 MB of them at 40 parameters; merging a part's d rows is then a hundredth of folding it in.
 inline constexpr Index rows_a_part = 4096;
@@ -44,17 +57,19 @@ inline constexpr Index rows_a_part = 4096;
 ///
 ///   ((F(problem) + part 0) + part 1) + ...
 ///
-/// so that the bits depend on B alone, not on the number of threads (0: one a core). Memory: a part and two filters for
+/// so that the bits depend on B alone, not on the number of threads (0: one a core); nor do they where the arithmetic takes its
+/// length, or the seed of its rounding, from the calling thread (Carried). Memory: a part and two filters for
 /// each thread, whatever the rows. Throws what the source and F throw; std::invalid_argument when sizes differ.
 /// Source: Demmel, Grigori, Hoemmen & Langou, SIAM J. Sci. Comput. 34(1), 2012 (TSQR).
 template <Merges F, RowSource Source>
 F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {
-    expects(problem.size == source.size() && part >= 1, "rows of the problem's size, in parts of at least one");
+    expects(problem.size == source.size() && source.rows() >= 0 && part >= 1, "rows of the problem's size, in parts of at least one");
     F whole(problem);
     Problem<typename F::scalar> without_prior = problem;
     without_prior.prior.reset();
-    Index const rows = source.rows(), parts = (rows + part - 1) / part;
+    Index const rows = source.rows(), parts = rows / part + (rows % part > 0);
 
+    Carried<typename F::scalar> const carried;
     std::atomic<Index> next = 0;    // part to be taken
     Index merged = 0;               // parts that are in `whole`
     std::exception_ptr failure;
@@ -64,6 +79,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
         try {
             Eigen::MatrixXd block(source.size() + 1, std::min(part, rows));
             for (Index i = next++; i < parts; i = next++) {
+                typename Carried<typename F::scalar>::Part const here_as_there(carried, std::uint64_t(i));
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
                 source.read(i * part, block.leftCols(here));
@@ -83,8 +99,10 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
     };
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
     {
-        std::vector<std::jthread> others;
-        for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.emplace_back(work);
+        detail::Joined others;
+        try {
+            for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.threads.emplace_back(work);
+        } catch (std::system_error const&) {}    // the system gives no more threads: those there are do all of it
         work();
     }
     if (failure) std::rethrow_exception(failure);

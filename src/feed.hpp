@@ -9,10 +9,11 @@ namespace rlslab {
 
 /// The columns of psi and the numbers of y, the oldest first, each rounded to F's scalar: in blocks where F TakesBlocks,
 /// else one by one, without a report but the last one's where it TakesUnreported. Returns the last row's step; of blocks
-/// there is none.
+/// there is none. Throws std::invalid_argument, and takes no row, unless psi is d x N and y has N numbers.
 template <RecursiveLeastSquares F, class Psi, class Y>
 Step<typename F::scalar> feed(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
     using T = typename F::scalar;
+    expects(psi.cols() == y.size(), "as many outputs as regressors");
     Step<T> step{undefined<T>(), undefined<T>(), undefined<T>()};
     if constexpr (TakesBlocks<F>) {
         for (Index k = 0; k < y.size(); k += F::block) {

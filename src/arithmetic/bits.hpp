@@ -1,6 +1,7 @@
 // Significands of any length: a double that holds p bits, every operation's exact result rounded once to nearest.
 #pragma once
 
+#include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 
@@ -76,6 +77,14 @@ public:
     friend bool isfinite(Bits a) { return detail::is_number(a.value_); }
     friend bool operator==(Bits const&, Bits const&) = default;
     friend auto operator<=>(Bits const&, Bits const&) = default;
+};
+
+template <>
+struct Carried<Bits> {
+    int bits = Precision::bits();
+    struct Part : Precision {
+        Part(Carried const& carried, std::uint64_t) : Precision(carried.bits) {}
+    };
 };
 
 template <>

@@ -1,6 +1,7 @@
 // Short words emulated: a double that holds a number of a Format, every operation's exact result rounded once into it.
 #pragma once
 
+#include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/model/random.hpp>
@@ -23,11 +24,12 @@ public:
     StochasticStream(StochasticStream const&) = delete;
     StochasticStream& operator=(StochasticStream const&) = delete;
 
-    /// The next draw; throws std::logic_error when no stream is installed.
-    static double uniform() {
+    /// The thread's seed; throws std::logic_error when no stream is installed.
+    static Seed& current() {
         if (!current_) throw std::logic_error("stochastic rounding needs a StochasticStream in this thread");
-        return current_->uniform();
+        return *current_;
     }
+    static double uniform() { return current().uniform(); }    ///< the next draw
 };
 
 /// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side
@@ -89,6 +91,19 @@ public:
     friend bool isfinite(Chopped a) { return detail::is_number(a.value_); }
     friend bool operator==(Chopped const&, Chopped const&) = default;
     friend auto operator<=>(Chopped const&, Chopped const&) = default;
+};
+
+/// Each part of the work draws from a seed of its own, made of one draw of the calling thread's and the part's number.
+template <Format F>
+struct Carried<Chopped<F, Rounding::stochastic>> {
+    std::uint64_t drawn = StochasticStream::current().next();
+    class Part {
+        Seed seed_;
+        StochasticStream stream_;
+
+    public:
+        Part(Carried const& carried, std::uint64_t part) : seed_{Seed{carried.drawn + part}.next()}, stream_(seed_) {}
+    };
 };
 
 using Half = Chopped<binary16>;

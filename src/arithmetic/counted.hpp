@@ -1,10 +1,12 @@
 // A scalar that counts its operations: what an update costs is measured, not typed.
 #pragma once
 
+#include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 
 #include <concepts>
 #include <functional>
+#include <mutex>
 #include <utility>
 
 namespace rlslab {
@@ -17,6 +19,10 @@ struct Tally {
     friend Tally operator-(Tally const& a, Tally const& b) {
         return {a.additions - b.additions, a.multiplications - b.multiplications, a.divisions - b.divisions,
                 a.square_roots - b.square_roots};
+    }
+    friend Tally operator+(Tally const& a, Tally const& b) {
+        return {a.additions + b.additions, a.multiplications + b.multiplications, a.divisions + b.divisions,
+                a.square_roots + b.square_roots};
     }
     friend bool operator==(Tally const&, Tally const&) = default;
 };
@@ -91,6 +97,28 @@ public:
 template <class T>
 struct ArithmeticTraits<Counted<T>> : ArithmeticTraits<T> {
     static constexpr std::string_view name = "counted";
+};
+
+/// What other threads did for the calling one is counted there in the end.
+template <class T>
+class Carried<Counted<T>> : public Carried<T> {
+    mutable std::mutex mutex_;
+    mutable Tally parts_{};
+
+public:
+    ~Carried() { detail::operations_so_far = detail::operations_so_far + parts_; }
+    class Part : Carried<T>::Part {
+        Carried const& carried_;
+        Tally before_ = detail::operations_so_far;
+
+    public:
+        Part(Carried const& carried, std::uint64_t part) : Carried<T>::Part(carried, part), carried_(carried) {}
+        ~Part() {
+            std::lock_guard const lock(carried_.mutex_);
+            carried_.parts_ = carried_.parts_ + (detail::operations_so_far - before_);
+            detail::operations_so_far = before_;
+        }
+    };
 };
 
 template <class T>

@@ -12,7 +12,7 @@
 namespace rlslab {
 
 RowFile::RowFile(std::string const& path, Index size) : file_(printable(path, 200)), size_(size), descriptor_(-1) {
-    expects(size >= 1, "size >= 1");
+    expects(size >= 1 && size < (Index{1} << 48), "1 <= size < 2^48");
     descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);    // a pipe nobody writes to is not waited for
     if (descriptor_ < 0) throw InputError(fmt::format("{}: {}", file_, std::strerror(errno)));
     struct stat about;

@@ -13,7 +13,7 @@ namespace rlslab {
 class RowFile {
 public:
     /// Throws InputError naming the file when it cannot be opened, is a directory or a pipe, holds no row, or does not hold
-    /// a whole number of rows; std::invalid_argument unless size >= 1.
+    /// a whole number of rows; std::invalid_argument unless 1 <= size < 2^48.
     RowFile(std::string const& path, Index size);
     RowFile(RowFile const&) = delete;
     RowFile& operator=(RowFile const&) = delete;
