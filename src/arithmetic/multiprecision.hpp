@@ -3,18 +3,14 @@
 // Fixed precision on the stack and expression templates off: `auto` holds a value, no global precision is consulted.
 #pragma once
 
+#include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/gmp.hpp>
 #include <boost/multiprecision/mpfr.hpp>
 
 namespace rlslab {
 
-/// IEEE binary128 but for subnormals, which it lacks: 113 bits, every operation correctly rounded (Boost's own, so g++
-/// and clang agree).
-using Quad = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_quad::backend_type,
-                                           boost::multiprecision::et_off>;
 /// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"
 using Reference = boost::multiprecision::number<
     boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
@@ -22,11 +18,6 @@ using Reference = boost::multiprecision::number<
 /// Exact rationals: the identities of recursive least squares hold with ==.
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 
-template <>
-struct ArithmeticTraits<Quad> {
-    static constexpr std::string_view name = "quad";
-    static constexpr int digits = 113, min_exp = -16382, max_exp = 16383;
-};
 template <>
 struct ArithmeticTraits<Reference> {
     static constexpr std::string_view name = "reference";
@@ -44,24 +35,14 @@ Reference widen(T const& x) {
     return Reference(static_cast<double>(x));
 }
 inline Reference widen(Quad const& x) {
-    if (!isfinite(x) || x == 0) return Reference(static_cast<double>(x));
-    // 113 = 53 + 53 + 7 bits: each piece is exact in double and so is the sum in Reference. ldexp keeps the pieces
-    // inside double's range whatever the exponent.
-    int exponent = 0;
-    Quad rest = frexp(x, &exponent);
-    Reference sum = 0;
-    for (int piece = 0; piece < 3; ++piece) {
-        double const head = static_cast<double>(rest);
-        rest -= Quad(head);
-        sum += Reference(head);
-    }
-    return ldexp(sum, exponent);
+    Reference out;
+    Quad::View const exact = x.mpfr();    // named: mpfr_set may be a macro
+    mpfr_set(out.backend().data(), exact, MPFR_RNDN);
+    return out;
 }
 
 }  // namespace rlslab
 
-template <>
-struct Eigen::NumTraits<rlslab::Quad> : rlslab::detail::StorageTraits<rlslab::Quad> {};
 template <>
 struct Eigen::NumTraits<rlslab::Reference> : rlslab::detail::StorageTraits<rlslab::Reference> {};
 template <>

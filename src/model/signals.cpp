@@ -49,11 +49,11 @@ Signal multisine(Index n, int harmonics) {
     expects(harmonics >= 1 && 2 * Index(harmonics) < n, "at least one harmonic, and fewer than half the samples");
     using boost::math::constants::pi;
     Signal out(size_t(n), 0.0);
-    Quad const scale = sqrt(Quad(2) / harmonics);    // n/2 is what each cosine squared sums to
+    Reference const scale = sqrt(Reference(2) / harmonics);    // n/2 is what each cosine squared sums to
     for (Index k = 0; k < n; ++k) {
-        Quad sum = 0;
+        Reference sum = 0;
         for (Index h = 1; h <= harmonics; ++h)
-            sum += cos(pi<Quad>() * (Quad(2 * h * k) / n - Quad(h * (h - 1)) / harmonics));
+            sum += cos(pi<Reference>() * (Reference(2 * h * k) / n - Reference(h * (h - 1)) / harmonics));
         out[size_t(k)] = static_cast<double>(scale * sum);
     }
     return out;
