@@ -1,6 +1,13 @@
 // What a scalar must offer for the text of a variant to compile, and what the lab asks about every scalar.
 #pragma once
 
+// Rounding is defined here, operation by operation. These options let a compiler round, reorder or drop as it likes.
+#if (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__FAST_MATH__)
+#error "rlslab: -ffast-math or -ffinite-math-only (-Ofast) takes infinities and NaN away: a breakdown would be reported sound"
+#elif defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#error "rlslab: -funsafe-math-optimizations (or a part of it) changes the order and number of roundings"
+#endif
+
 #include <cmath>
 #include <concepts>
 #include <limits>
@@ -90,11 +97,12 @@ struct ArithmeticTraits<double> {
     static constexpr std::string_view name = "double";
     static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
 };
+/// x87's 64 bits are "extended"; elsewhere long double is double again, binary128, or a pair of doubles.
 template <>
 struct ArithmeticTraits<long double> {
-    static_assert(std::numeric_limits<long double>::digits == 64, "extended is the x87 format");
-    static constexpr std::string_view name = "extended";
-    static constexpr int digits = 64, min_exp = -16382, max_exp = 16383;
+    using Limits = std::numeric_limits<long double>;
+    static constexpr std::string_view name = Limits::digits == 64 ? "extended" : "long double";
+    static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1, max_exp = Limits::max_exponent - 1;
 };
 
 /// The distance from 1 to the next larger number, 2^(1-p) = 2u: the unit in which error budgets are stated.

@@ -1,0 +1,128 @@
+// What other compilers, options and processors make of the headers: options that break rounding are refused or told of, and
+// another processor leaves the same bits.
+#include "files.hpp"
+
+#include <rlslab/core/rounding.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cfenv>
+#include <cstdio>
+#include <sys/wait.h>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+namespace rlslab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+struct Outcome {
+    int code;
+    std::string text;    // standard output and error
+};
+Outcome shell(std::string const& command) {
+    std::FILE* const pipe = popen(("{ " + command + "; } 2>&1 </dev/null").c_str(), "r");
+    Outcome out{-1, ""};
+    std::array<char, 4096> buffer;
+    while (size_t const got = std::fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), got);
+    int const status = pclose(pipe);
+    out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return out;
+}
+bool there_is(std::string const& program) { return shell("command -v " + program).code == 0; }
+
+/// The compiler of this build, and the others that are installed.
+std::vector<std::string> compilers() {
+    std::vector<std::string> out{RLSLAB_CXX};
+    for (char const* other : {"g++", "clang++"})
+        if (there_is(other)) out.push_back(other);
+    return out;
+}
+std::string const headers = " -std=c++20 " RLSLAB_HEADER_FLAGS " ";
+
+TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
+    files::Folder const folder;
+    std::string const app = folder.file("#include <rlslab/variants/ud.hpp>\n", "app.cpp");
+    std::string const least = folder.file("#include <rlslab/arithmetic/field.hpp>\n", "least.cpp");
+    for (std::string const& compiler : compilers()) {
+        for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only", "-O2 -fno-honor-nans -fno-honor-infinities -ffinite-math-only"}) {
+            Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
+            EXPECT_NE(tried.code, 0) << compiler << " " << options;
+            EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only")) << compiler << " " << options;
+        }
+        EXPECT_NE(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).code, 0) << compiler;
+        Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
+        EXPECT_EQ(plain.code, 0) << plain.text;
+    }
+    for (char const* options : {"-funsafe-math-optimizations", "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
+        if (there_is("g++")) {
+            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text, HasSubstr("rlslab: -funsafe-math-optimizations")) << options;
+        }
+}
+
+TEST(Rounding, IsAsDefinedHere) { EXPECT_THAT(rounding_faults(), IsEmpty()); }
+TEST(Rounding, TellsOfAnotherMode) {
+    for (int const mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        std::fesetround(mode);
+        auto const faults = rounding_faults();
+        std::fesetround(FE_TONEAREST);
+        EXPECT_THAT(faults, ElementsAre(StartsWith("the rounding mode is not to nearest"))) << mode;
+    }
+    EXPECT_THAT(rounding_faults(), IsEmpty());
+}
+#ifdef __x86_64__
+TEST(Rounding, TellsOfSubnormalsTakenAsZero) {
+    unsigned const before = _mm_getcsr();
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    auto const flushed = rounding_faults();
+    _mm_setcsr(before | 0x0040);
+    auto const taken = rounding_faults();
+    _mm_setcsr(before);
+    EXPECT_THAT(flushed, ElementsAre(StartsWith("subnormal results are flushed to zero")));
+    EXPECT_THAT(taken, ElementsAre(StartsWith("subnormal operands are taken as zero")));
+    EXPECT_THAT(rounding_faults(), IsEmpty());
+}
+TEST(Rounding, TellsOfContraction) {
+    if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "this processor has no fused multiply-add";
+    files::Folder const folder;
+    std::string const app = folder.file(R"(#include <rlslab/core/rounding.hpp>
+#include <cstdio>
+int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
+)", "app.cpp");
+    std::string const out = (folder.path / "app").string();
+    for (std::string const& compiler : compilers())
+        for (char const* level : {"-O0 ", "-O2 ", "-O3 "}) {
+            auto const told = [&](std::string const& options) {
+                return shell(compiler + headers + level + options + " " + app + " -o " + out + " && " + out).text;
+            };
+            EXPECT_EQ(told("-mfma -ffp-contract=off"), "") << compiler << level;
+            std::string const fused = told("-mfma -ffp-contract=fast");
+            if (std::string(level) == "-O0 " && fused.empty()) continue;    // g++ contracts where it optimises
+            EXPECT_THAT(fused, StartsWith("products and sums are contracted")) << compiler << level;
+        }
+}
+#endif
+
+TEST(Processors, AnotherOneLeavesTheSameBits) {
+    char const* const compiler = "aarch64-linux-gnu-g++";
+    if (!there_is(compiler) || !there_is("qemu-aarch64"))
+        GTEST_SKIP() << "needs the packages g++-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user";
+    files::Folder const folder;
+    std::string const out = (folder.path / "digest").string();
+    Outcome const built = shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/digest/digest.cpp -o " + out);
+    ASSERT_EQ(built.code, 0) << built.text;
+    Outcome const there = shell("qemu-aarch64 " + out), here = shell(RLSLAB_DIGEST);
+    EXPECT_EQ(there.code, 0);
+    EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
+    EXPECT_EQ(there.text, here.text);
+}
+
+}  // namespace
+}  // namespace rlslab
