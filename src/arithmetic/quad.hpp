@@ -8,6 +8,33 @@
 #include <compare>
 
 namespace rlslab {
+class Quad;
+}
+
+/// Before the class: libc++ asks it already where a Quad is compared.
+template <>
+struct std::numeric_limits<rlslab::Quad> {
+    using Quad = rlslab::Quad;
+
+    static constexpr bool is_specialized = true, is_signed = true, is_integer = false, is_exact = false, has_infinity = true,
+                          has_quiet_NaN = true, has_signaling_NaN = false, is_iec559 = true, is_bounded = true, is_modulo = false,
+                          traps = false, tinyness_before = false;
+    static constexpr std::float_denorm_style has_denorm = std::denorm_present;
+    static constexpr bool has_denorm_loss = false;
+    static constexpr std::float_round_style round_style = std::round_to_nearest;
+    static constexpr int radix = 2, digits = 113, digits10 = 33, max_digits10 = 36, min_exponent = -16381, max_exponent = 16384,
+                         min_exponent10 = -4931, max_exponent10 = 4932;
+    static Quad min();
+    static Quad max();
+    static Quad lowest();
+    static Quad epsilon();
+    static Quad round_error();
+    static Quad denorm_min();
+    static Quad infinity();
+    static Quad quiet_NaN();
+};
+
+namespace rlslab {
 
 /// 113 bits, exponents -16382 ... 16383, subnormals below: +, -, x, / and sqrt round once, to nearest, ties to even. MPFR computes
 /// with the significand where it lies, and its own exponents reach further: only results at the ends of the range need care.
@@ -130,27 +157,14 @@ struct ArithmeticTraits<Quad> {
 
 }  // namespace rlslab
 
-template <>
-struct std::numeric_limits<rlslab::Quad> {
-    using Quad = rlslab::Quad;
-
-    static constexpr bool is_specialized = true, is_signed = true, is_integer = false, is_exact = false, has_infinity = true,
-                          has_quiet_NaN = true, has_signaling_NaN = false, is_iec559 = true, is_bounded = true, is_modulo = false,
-                          traps = false, tinyness_before = false;
-    static constexpr std::float_denorm_style has_denorm = std::denorm_present;
-    static constexpr bool has_denorm_loss = false;
-    static constexpr std::float_round_style round_style = std::round_to_nearest;
-    static constexpr int radix = 2, digits = 113, digits10 = 33, max_digits10 = 36, min_exponent = -16381, max_exponent = 16384,
-                         min_exponent10 = -4931, max_exponent10 = 4932;
-    static Quad min() { return ldexp(Quad(1), -16382); }
-    static Quad max() { return ldexp(Quad(1) - ldexp(Quad(1), -113), 16384); }
-    static Quad lowest() { return -max(); }
-    static Quad epsilon() { return ldexp(Quad(1), -112); }
-    static Quad round_error() { return Quad(0.5); }
-    static Quad denorm_min() { return ldexp(Quad(1), -16494); }
-    static Quad infinity() { return Quad(std::numeric_limits<double>::infinity()); }
-    static Quad quiet_NaN() { return Quad(std::numeric_limits<double>::quiet_NaN()); }
-};
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::min() { return ldexp(Quad(1), -16382); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::max() { return ldexp(Quad(1) - ldexp(Quad(1), -113), 16384); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::lowest() { return -max(); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::epsilon() { return ldexp(Quad(1), -112); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::round_error() { return Quad(0.5); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::denorm_min() { return ldexp(Quad(1), -16494); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::infinity() { return Quad(std::numeric_limits<double>::infinity()); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::quiet_NaN() { return Quad(std::numeric_limits<double>::quiet_NaN()); }
 
 template <>
 struct Eigen::NumTraits<rlslab::Quad> : rlslab::detail::StorageTraits<rlslab::Quad> {};
