@@ -1,10 +1,20 @@
-# Arb 2 and what it stands on (FLINT, MPFR, GMP) ship neither a CMake config nor pkg-config files on Debian 12,
-# where Arb's library is called flint-arb. Defines Arb::Arb.
+# Arb and what it stands on (FLINT, MPFR, GMP) ship neither a CMake config nor pkg-config files everywhere. FLINT 3 has Arb
+# inside (flint/arb.h, libflint); before that it is a library of its own (arb.h, libarb; on Debian 12 libflint-arb).
+# Defines Arb::Arb.
 include(FindPackageHandleStandardArgs)
-find_path(Arb_INCLUDE_DIR arb.h)
+find_path(Arb_INCLUDE_DIR NAMES flint/arb.h arb.h)
+set(parts flint mpfr gmp)
+if(NOT EXISTS "${Arb_INCLUDE_DIR}/flint/arb.h")
+  list(PREPEND parts arb)
+endif()
 set(required Arb_INCLUDE_DIR)
-foreach(part flint-arb flint mpfr gmp)
-  find_library(Arb_${part}_LIBRARY NAMES ${part})
+set(libraries)
+foreach(part IN LISTS parts)
+  set(names ${part})
+  if(part STREQUAL "arb")
+    set(names flint-arb arb)
+  endif()
+  find_library(Arb_${part}_LIBRARY NAMES ${names} HINTS ${Arb_INCLUDE_DIR}/../lib ${Arb_INCLUDE_DIR}/../lib64)
   list(APPEND required Arb_${part}_LIBRARY)
   list(APPEND libraries ${Arb_${part}_LIBRARY})
 endforeach()

@@ -3,11 +3,17 @@
 // A ball is a midpoint and a radius; every operation returns a ball that contains every possible result.
 #pragma once
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/problem.hpp>
 
+#if __has_include(<flint/arb.h>)    // FLINT 3 has Arb inside
+#include <flint/arb.h>
+#include <flint/arb_mat.h>
+#else
 #include <arb.h>
 #include <arb_mat.h>
+#endif
 #include <flint/fmpq.h>
 #include <flint/fmpz_mat.h>
 
@@ -160,7 +166,7 @@ inline double proven_digits(Ball const& error) {
     if (!arf_is_finite(upper)) return -std::numeric_limits<double>::infinity();
     Integer exponent;
     arf_frexp(upper, exponent, upper);
-    return -(std::log10(arf_get_d(upper, ARF_RND_UP)) + fmpz_get_d(exponent) * std::log10(2.0));
+    return -(rounded::log10(arf_get_d(upper, ARF_RND_UP)) + fmpz_get_d(exponent) * rounded::log10(2.0));
 }
 
 }  // namespace rlslab::balls
