@@ -4,6 +4,7 @@
 #include "findings.hpp"
 #include "nist_data.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/model/random.hpp>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ inline double decimal_digits(std::string const& set, Vector<Reference> const& th
     double worst = INFINITY;
     for (Index i = 0; i < theta.size(); ++i) {
         Reference const exact = decimal(set, i);
-        worst = std::min(worst, -std::log10(static_cast<double>(abs(Reference(theta[i] - exact)) / abs(exact))));
+        worst = std::min(worst, -rounded::log10(static_cast<double>(abs(Reference(theta[i] - exact)) / abs(exact))));
     }
     return worst;
 }

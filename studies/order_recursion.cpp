@@ -2,6 +2,7 @@
 #include "findings.hpp"
 #include "scenarios.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/model/fit.hpp>
 #include <rlslab/variants/order_recursive.hpp>
@@ -19,7 +20,7 @@ void measure(Trial const& trial, Measured& out) {
     Exact const exact = certified({.size = size, .prior = std::nullopt}, records, {rows}).front();
     auto const error = [&](Vector<double> const& theta) {
         double const digits = exact.theta_digits(theta.cast<Reference>());
-        return digits == digits ? std::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
+        return digits == digits ? rounded::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
     };
     OrderRecursive<double> bordered(records.y, size);
     OrderRecursiveQr<double> qr(records.y, size);

@@ -106,7 +106,7 @@ Excitation excitation(Signal const& u, Index most, std::function<void(double)> c
         unbroken = unbroken && at.definite && at.resolved;
         if (unbroken) out.order = n;
         if (!at.definite) break;
-        if (progress && n < most) progress(std::pow(double(n) / double(most), 3));
+        if (progress && n < most) progress(double(n) / double(most) * (double(n) / double(most)) * (double(n) / double(most)));
     }
     if (progress) progress(1);
     return out;

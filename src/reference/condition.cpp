@@ -1,4 +1,5 @@
 // The condition number of weighted data, and the bias of a prior.
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/enclosure.hpp>
 #include <rlslab/reference/gram.hpp>
 
@@ -36,7 +37,7 @@ double log2_norm(BallMatrix const& A) {
     for (int stage = 0; stage < stages; ++stage, weight /= 2) {
         double t = 0;
         for (Index j = 0; j < d; ++j) t += X(j, j);
-        sum += weight * std::log2(t);
+        sum += weight * rounded::log2(t);
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i <= j; ++i) {                                              // (1)
                 double product = 0;
@@ -88,7 +89,7 @@ double condition(Records const& data, double forgetting) {
     }
     auto const& enclosure = *exact.enclosure();
     BallMatrix const gram = gram_of(regressors, forgetting, enclosure.bits);
-    return std::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
+    return rounded::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
 }
 
 double relative_change(Exact const& theta, Exact const& from) {

@@ -1,6 +1,8 @@
 // What claims measure, and the two ways in which it may be where it should.
 #include "findings.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -39,8 +41,8 @@ bool has_nan(std::vector<double> const& v) {
     return std::ranges::any_of(v, [](double x) { return x != x; });
 }
 double as_it_is(double x) { return x; }
-double log_10(double x) { return std::log10(x); }
-double log_e(double x) { return std::log(x); }
+double log_10(double x) { return rounded::log10(x); }
+double log_e(double x) { return rounded::log(x); }
 
 }  // namespace
 
