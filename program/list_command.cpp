@@ -2,6 +2,8 @@
 #include "commands.hpp"
 #include "study.hpp"
 
+#include <rlslab/core/rounding.hpp>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +43,10 @@ void run_list(bool json) {
                                       {"max_exp", s.max_exp},
                                       {"rounding", rounding}});
     }
+    auto const faults = rounding_faults();
+    out["rounding_faults"] = faults;
+    text += "\nrounding of this program  " +
+            (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n" : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
     text += "\nstudies\n";
     for (Study const* study : studies()) {
         text += fmt::format("  {:<23} {}\n", study->name, study->question);

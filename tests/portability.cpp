@@ -110,13 +110,29 @@ int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.
 }
 #endif
 
+TEST(Headers, CompileWithTheOtherStandardLibrary) {
+    files::Folder const folder;
+    std::string const nothing = folder.file("#include <compare>\n", "nothing.cpp"), command = "clang++ -stdlib=libc++" + headers + "-O1 -fsyntax-only ";
+    if (!there_is("clang++") || shell(command + nothing).code != 0) GTEST_SKIP() << "needs the packages clang, libc++-dev and libc++abi-dev";
+    std::string all;
+    for (char const* part : {"src", "variants"})
+        for (auto const& file : std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
+            std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
+            bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
+            if (file.path().extension() == ".hpp" && name.find("linalg/isa/") == name.npos && !library)
+                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(4) : name) + ">\n";
+        }
+    Outcome const tried = shell(command + folder.file(all, "all.cpp"));
+    EXPECT_EQ(tried.code, 0) << tried.text;
+}
+
 TEST(Processors, AnotherOneLeavesTheSameBits) {
     char const* const compiler = "aarch64-linux-gnu-g++";
     if (!there_is(compiler) || !there_is("qemu-aarch64"))
         GTEST_SKIP() << "needs the packages g++-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
-    Outcome const built = shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/digest/digest.cpp -o " + out);
+    Outcome const built = shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp -o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     Outcome const there = shell("qemu-aarch64 " + out), here = shell(RLSLAB_DIGEST);
     EXPECT_EQ(there.code, 0);
