@@ -29,7 +29,7 @@ void measure(Trial const& trial, Measured& out) {
 /// every form adds up some
 /// u of its own; with the products' power of 3 it is left a decade later.
 Table in_range(Table const& t, std::string const& arithmetic, int digits, int power) {
-    double const first = power < 3 ? 99 : 999, last = rounded::pow(std::ldexp(0.01, digits), 1.0 / power);
+    double const first = power < 3 ? 99 : 999, last = correctly::pow(std::ldexp(0.01, digits), 1.0 / power);
     return t.where("arithmetic", arithmetic).where("kappa", [=](double kappa) { return kappa > first && kappa < last; });
 }
 /// Slopes of these variants in quad and in double.
@@ -105,7 +105,7 @@ Study const accuracy_conditioning{
                  [](double kappa) { return std::abs(kappa / 1e6 - 1) < 1e-6; });
              double const ratio = median("covariance_error")(at.where("variant",
                  "joseph")) / median("covariance_error")(at.where("variant", "symmetric"));
-             double const digits = rounded::log10(ratio);
+             double const digits = correctly::log10(ratio);
              return Finding{digits > 2.3 && digits < 5, fmt::format("{:.2f} digits", digits)};
          }},
     },

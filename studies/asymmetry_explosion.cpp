@@ -24,7 +24,7 @@ double asymmetry(AnyFilter const& filter) {
 /// White rows until the filter itself says that it has broken down.
 void measure(Trial const& trial, Measured& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
-    double const lambda = trial.number("lambda"), predicted = rounded::log(entry.arithmetic->unit_roundoff()) / rounded::log(lambda);
+    double const lambda = trial.number("lambda"), predicted = correctly::log(entry.arithmetic->unit_roundoff()) / correctly::log(lambda);
     auto const filter = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
     Seed seed = trial.seed({"replicate"});
     int const every = int(predicted / 40);
@@ -69,8 +69,8 @@ Study const asymmetry_explosion{
     .measure = measure,
     .plots = {{.title = "First step that is not sound, conventional form", .x = "lambda", .y = "steps", .series = "arithmetic", .log = "y",
                .x_label = "forgetting factor", .y_label = "steps", .where = {{"record", {"end"}}, {"variant", {"conventional"}}},
-               .guides = {{"ln(1/u) / -ln λ, float", [](double l) { return rounded::log(0x1p-24) / rounded::log(l); }},
-                          {"double", [](double l) { return rounded::log(0x1p-53) / rounded::log(l); }}}},
+               .guides = {{"ln(1/u) / -ln λ, float", [](double l) { return correctly::log(0x1p-24) / correctly::log(l); }},
+                          {"double", [](double l) { return correctly::log(0x1p-53) / correctly::log(l); }}}},
               {.title = "Asymmetry of P on the way, λ = 0.99", .x = "ratio", .y = "asymmetry", .panel = "arithmetic", .log = "y",
                .x_label = "steps / k*", .y_label = "‖P - P'‖ / ‖P + P'‖",
                .where = {{"record", {"course"}}, {"lambda", {"0.99"}}, {"variant", {"conventional", "conventional_two_sided", "joseph"}}}}},
@@ -106,7 +106,7 @@ Study const asymmetry_explosion{
                                       .where("ratio", [](double r) { return 0.2 < r && r < 0.6; });
              return within(middle, {"arithmetic", "lambda"}, [](Table const& rows) {
                  auto const k = rows.numbers("steps"), a = rows.numbers("asymmetry"), lambda = rows.numbers("lambda");
-                 return rounded::log(a.back() / a.front()) / (k.back() - k.front()) / -rounded::log(lambda[0]);
+                 return correctly::log(a.back() / a.front()) / (k.back() - k.front()) / -correctly::log(lambda[0]);
              }, 0.9, 1.1);
          }},
     },

@@ -27,7 +27,7 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
         if (!breakdown(*filter, *entry.arithmetic).empty()) return 0;
     }
     Errors const e = errors(*filter, exact);
-    return std::max(0.0, -rounded::log10(std::max(e.theta, e.covariance)));
+    return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));
 }
 
 /// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, under the prior that the widest of them asks for.
@@ -58,10 +58,10 @@ void measure(Trial const& trial, Measured& out) {
         std::vector<double> const& of = kept[std::get<std::string>(name)];
         double needed = INFINITY, half = INFINITY;
         for (size_t i = 0; i < of.size() && of[i] >= three_digits; ++i) needed = lengths[i];
-        for (size_t i = 0; i < of.size() && of[i] >= lengths[i] * rounded::log10(2) / 2; ++i) half = lengths[i];
+        for (size_t i = 0; i < of.size() && of[i] >= lengths[i] * correctly::log10(2) / 2; ++i) half = lengths[i];
         for (size_t i = of.size(); i-- > 0;)    // ascending, as a figure wants them
-            out({std::get<std::string>(name), rounded::log2(kappa), double(lengths[i]), of[i], std::min(1.0,
-                of[i] / (lengths[i] * rounded::log10(2))),
+            out({std::get<std::string>(name), correctly::log2(kappa), double(lengths[i]), of[i], std::min(1.0,
+                of[i] / (lengths[i] * correctly::log10(2))),
                  needed, half});
     }
 }

@@ -4,6 +4,7 @@
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/model/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -37,7 +38,7 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Exact
         if (exact) out.prior_bias = relative_change(*exact, without, scales);
     }
     if (exact) {
-        double const digits = -std::log10(relative_change(*exact, given));
+        double const digits = -correctly::log10(relative_change(*exact, given));
         if (!std::isnan(digits)) out.theta_digits = std::min(digits, 15.9);
     }
     return out;
@@ -50,7 +51,7 @@ std::vector<double> agreement(Exact const& a, Exact const& b) {
     Vector<Reference> const x = a.theta(), y = b.theta();
     for (Index i = 0; i < x.size(); ++i) {
         Reference const difference = absolute(Reference(x[i] - y[i]));
-        out.push_back(difference == 0 ? most : std::min(most, -std::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
+        out.push_back(difference == 0 ? most : std::min(most, -correctly::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
     }
     return out;
 }

@@ -54,7 +54,7 @@ void measure(Trial const& trial, Measured& out) {
     }
     auto const [earliest, latest] = std::ranges::minmax(first);
     for (int i = 0; i <= 38; ++i) {    // from the first step to the last, a tenth of a decade apart
-        double const step = std::round(rounded::pow(horizon, i / 38.0));
+        double const step = std::round(correctly::pow(horizon, i / 38.0));
         double const left = double(std::ranges::count_if(first, [=](double f) { return f > step; }));
         out({step, left / runs, median(first), earliest, latest, indefinite / runs, nonfinite / runs});
     }

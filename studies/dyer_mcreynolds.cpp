@@ -31,7 +31,7 @@ void measure(Trial const& trial, Measured& out) {
         auto const filter = run(name);
         double const error = errors(*filter, exact).covariance;    // infinite where P cannot be had
         std::string const broken = breakdown(*filter, *trial.entry(name).arithmetic);
-        out({name, error, error * norm / rounded::hypot(carlson, last), broken.empty() ? "sound" : broken});
+        out({name, error, error * norm / correctly::hypot(carlson, last), broken.empty() ? "sound" : broken});
     }
 }
 

@@ -81,7 +81,7 @@ Study const gain_error_memory{
     .plots = {{.title = "Antisymmetric part of the error of P, λ = 0.98", .x = "steps", .y = "size", .log = "y",
                .x_label = "steps since the error", .y_label = "size, 1 at the error",
                .where = {{"part", {"antisymmetric"}}, {"lambda", {"0.98"}}},
-               .guides = {{"λ^-k", [](double k) { return rounded::pow(0.98, -k); }}, {"λ^k", [](double k) { return rounded::pow(0.98, k); }}}},
+               .guides = {{"λ^-k", [](double k) { return correctly::pow(0.98, -k); }}, {"λ^k", [](double k) { return correctly::pow(0.98, k); }}}},
               {.title = "Symmetric part of the error of P", .x = "steps", .y = "size", .panel = "lambda", .log = "y",
                .x_label = "steps since the error", .y_label = "size, 1 at the error",
                .where = {{"part", {"symmetric"}}, {"direction", {"along K"}}}}},

@@ -32,7 +32,7 @@ void measure(Trial const& trial, Measured& out) {
     feed_rows(*filter, records, 0, records.rows());
     Exact const exact = certified(problem, records, {records.rows()}).front();
     double const digits = exact.theta_digits_worst(filter->theta());
-    double const worst = digits == digits ? rounded::pow(10, -digits) : INFINITY;
+    double const worst = digits == digits ? correctly::pow(10, -digits) : INFINITY;
     double const kappa = condition(records, 1);
     out({kappa, worst, worst / (kappa * 0x1p-53), errors(*filter, exact).covariance, worst < 1 ? "solved" : "lost"});
 }

@@ -76,7 +76,7 @@ void measure(Trial const& trial, Measured& out) {
     auto const row = [&](Exact const& e, Stored<Reference> const& stored) {
         Matrix<Reference> const P = covariance_of(stored), true_P = e.covariance();
         auto const relative = [&](Index i) { return static_cast<double>(P(i, i) / true_P(i, i) - 1) / u; };
-        double const error = rounded::pow(10, -e.covariance_digits(stored)) / u;
+        double const error = correctly::pow(10, -e.covariance_digits(stored)) / u;
         out({double(e.step()), error, error / double(e.step()), relative(0), relative(size - 1)});
     };
     Array array{form};

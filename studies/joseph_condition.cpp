@@ -95,7 +95,7 @@ void measure(Trial const& trial, Measured& out) {
     Exact const exact = certified(problem, records, {rows}, 60).front();
     Amplification const bound = amplification(trial.entry("symmetric", "reference"), problem, records);
     auto const row = [&](std::string const& form, Stored<Reference> const& stored) {
-        out({form, rounded::pow(10, -exact.covariance_digits(stored)), bound.norm, bound.local, bound.products, bound.plain});
+        out({form, correctly::pow(10, -exact.covariance_digits(stored)), bound.norm, bound.local, bound.products, bound.plain});
     };
     for (std::string const form : {"joseph", "joseph_rank_two", "symmetric", "conventional_two_sided"}) {
         auto const filter = trial.entry(form).make(problem, Seed{1});

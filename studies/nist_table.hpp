@@ -22,7 +22,7 @@ inline double decimal_digits(std::string const& set, Vector<Reference> const& th
     double worst = INFINITY;
     for (Index i = 0; i < theta.size(); ++i) {
         Reference const exact = decimal(set, i);
-        worst = std::min(worst, -rounded::log10(static_cast<double>(abs(Reference(theta[i] - exact)) / abs(exact))));
+        worst = std::min(worst, -correctly::log10(static_cast<double>(abs(Reference(theta[i] - exact)) / abs(exact))));
     }
     return worst;
 }

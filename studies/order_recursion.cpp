@@ -20,7 +20,7 @@ void measure(Trial const& trial, Measured& out) {
     Exact const exact = certified({.size = size, .prior = std::nullopt}, records, {rows}).front();
     auto const error = [&](Vector<double> const& theta) {
         double const digits = exact.theta_digits(theta.cast<Reference>());
-        return digits == digits ? rounded::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
+        return digits == digits ? correctly::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
     };
     OrderRecursive<double> bordered(records.y, size);
     OrderRecursiveQr<double> qr(records.y, size);

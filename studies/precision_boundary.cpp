@@ -38,7 +38,7 @@ bool survives(Entry const& entry, int bits, double lambda, Records const& given)
 
 /// kappa_2 of the stationary covariance a^|i-j| of four taps: it splits into a symmetric and an antisymmetric 2 x 2 block.
 double kappa_of_delay_line(double a) {
-    auto const eigenvalue = [](double p, double q, double r, int sign) { return (p + r) / 2 + sign * rounded::hypot((p - r) / 2, q); };
+    auto const eigenvalue = [](double p, double q, double r, int sign) { return (p + r) / 2 + sign * correctly::hypot((p - r) / 2, q); };
     return eigenvalue(1 + a * a * a, a + a * a, 1 + a, 1) / eigenvalue(1 - a * a * a, a - a * a, 1 - a, -1);
 }
 
@@ -57,7 +57,7 @@ void measure(Trial const& trial, Measured& out) {
         if (alive && !std::isfinite(needed)) needed = p;
         if (!alive && std::isfinite(needed)) ++relapses;
     }
-    out({needed, relapses, rounded::log2(1 / (1 - lambda)), rounded::log2(kappa_of_delay_line(trial.number("pole")))});
+    out({needed, relapses, correctly::log2(1 / (1 - lambda)), correctly::log2(kappa_of_delay_line(trial.number("pole")))});
 }
 
 /// The bits of `variant` less what `law` says of the same row.
@@ -111,7 +111,7 @@ Study const precision_boundary{
         {"symmetric: within 2 bits of the sum of both, log2(2/(1 - lambda) + 16 kappa_P)",
          [](Table const& t) {
              return off(t, {"symmetric"}, [](Table const& r) {
-                 return rounded::log2(2 * rounded::exp2(r.number("log2_memory")) + 16 * rounded::exp2(r.number("log2_kappa_P"))); }, -2, 2);
+                 return correctly::log2(2 * correctly::exp2(r.number("log2_memory")) + 16 * correctly::exp2(r.number("log2_kappa_P"))); }, -2, 2);
          }, "measured here"},
         {"ud and carlson: log2(1/(1 - lambda)) and at most 2 bits more, at least 1 less, whatever kappa_P",
          [](Table const& t) { return off(t, {"ud", "carlson"}, [](Table const& r) { return r.number("log2_memory"); }, -1, 2); }},

@@ -20,13 +20,13 @@ Records in_window(Records const& all, Index end) {
 
 void measure(Trial const& trial, Measured& out) {
     Records records = white(n, times[std::size(times) - 1], trial.seed({"replicate"}));
-    double const size = rounded::pow(10, trial.number("q")), lambda = trial.number("lambda");
+    double const size = correctly::pow(10, trial.number("q")), lambda = trial.number("lambda");
     for (double& x : records.psi.col(outlier - 1)) x *= size;
     Problem<double> const problem{.size = n, .forgetting = lambda, .prior = std::nullopt};
     std::vector<Exact> exact;
     for (Index t : times) exact.push_back(certified(problem, in_window(records, t), {window}).front());
     for (auto method : {"covariance", "information", "linpack", "mixed_hyperbolic", "refactor"}) {
-        Downdated state{.method = method, .lambda = lambda, .weight = rounded::pow(lambda, double(window))};
+        Downdated state{.method = method, .lambda = lambda, .weight = correctly::pow(lambda, double(window))};
         auto const row = [&](Index k) { return records.psi.col(k).data(); };
         bool const refactor = state.method == "refactor";
         Index first = 0;
@@ -41,7 +41,7 @@ void measure(Trial const& trial, Measured& out) {
             for (; Index(k) < times[i]; ++k) state.step(row(Index(k)), refactor || Index(k) < window ? nullptr : row(Index(k) - window));
             double digits = state.broken ? -INFINITY : exact[i].covariance_digits(state.stored());
             if (std::isnan(digits)) digits = -INFINITY;
-            out({method, double(times[i]), std::isinf(digits) ? "breakdown" : "sound", rounded::pow(10, -digits), digits});
+            out({method, double(times[i]), std::isinf(digits) ? "breakdown" : "sound", correctly::pow(10, -digits), digits});
         }
     }
 }
@@ -58,7 +58,7 @@ Number persistence(double from, double to) {
         auto const late = at(t, 2000, from, to).numbers("digits"), early = at(t, 65, from, to).numbers("digits");
         std::vector<double> ratios;
         for (size_t i = 0; i < late.size(); ++i)
-            if (std::isfinite(early[i])) ratios.push_back(rounded::pow(10, early[i] - late[i]));
+            if (std::isfinite(early[i])) ratios.push_back(correctly::pow(10, early[i] - late[i]));
         return median(ratios);
     };
 }
@@ -88,8 +88,8 @@ Study const sliding_window{
     .measure = measure,
     .plots = {{.title = "Error of P five steps after the outlier has left", .x = "q", .y = "error", .series = "method", .panel = "lambda",
                .log = "y", .x_label = "outlier of size 10^q: q", .y_label = "relative error of P", .where = {{"t", {"65"}}},
-               .guides = {{"u 10^{4q}", [](double q) { return 0x1p-53 * rounded::pow(10, 4 * q); }},
-                          {"u 10^{2q}", [](double q) { return 0x1p-53 * rounded::pow(10, 2 * q); }}}},
+               .guides = {{"u 10^{4q}", [](double q) { return 0x1p-53 * correctly::pow(10, 4 * q); }},
+                          {"u 10^{2q}", [](double q) { return 0x1p-53 * correctly::pow(10, 2 * q); }}}},
               {.title = "Error of P long after the outlier has left, 10^4", .x = "t", .y = "error", .series = "method", .panel = "lambda",
                .x_label = "rows seen", .y_label = "relative error of P", .where = {{"q", {"4"}}}}},
     .claims = {

@@ -70,7 +70,7 @@ P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
     .measure = measure,
     .plots = {{.title = "v'P v over v'P0 v, full P0, λ = 0.9", .x = "steps", .y = "variance", .panel = "rows", .log = "y",
                .x_label = "rows", .y_label = "variance, 1 at the start", .where = {{"prior", {"full"}}, {"lambda", {"0.9"}}},
-               .guides = {{"λ^-k", [](double k) { return rounded::pow(0.9, -k); }}}}},
+               .guides = {{"λ^-k", [](double k) { return correctly::pow(0.9, -k); }}}}},
     .claims = {
         {"psi'P0 v = 0: v'P_k v = lambda^-k v'P0 v with == after every row, for every P0 and variant",
          [](Table const& t) { return within(t.where("rows", "psi'P0 v = 0"), {"prior", "lambda", "variant"}, least("share"), 1, 1); }},

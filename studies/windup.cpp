@@ -21,9 +21,9 @@ void measure(Trial const& trial, Measured& out) {
     std::vector<double> psi{1, 0.7, -0.3};
     double square = 0;
     for (double& x : psi) x = arithmetic.round(x), square += x * x;
-    double const lambda = problem.forgetting, rate = -rounded::log(lambda);
-    double const indefinite_law = rounded::log((1 - lambda) / (arithmetic.unit_roundoff() * square)) / rate;
-    double const overflow_law = (arithmetic.max_exp + 1) * rounded::log(2) / rate;
+    double const lambda = problem.forgetting, rate = -correctly::log(lambda);
+    double const indefinite_law = correctly::log((1 - lambda) / (arithmetic.unit_roundoff() * square)) / rate;
+    double const overflow_law = (arithmetic.max_exp + 1) * correctly::log(2) / rate;
     auto const filter = entry.make(problem, Seed{1});
     std::string outcome;
     int step = 0;

@@ -3,7 +3,7 @@
 
 #include <mpfr.h>
 
-namespace rlslab::rounded {
+namespace rlslab::correctly {
 
 namespace {
 
@@ -48,4 +48,4 @@ double hypot(double x, double y) { return of(&mpfr_hypot, x, y); }
 double cos(double x) { return of(&mpfr_cos, x); }
 double sin(double x) { return of(&mpfr_sin, x); }
 
-}  // namespace rlslab::rounded
+}  // namespace rlslab::correctly

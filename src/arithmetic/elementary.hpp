@@ -1,8 +1,8 @@
-// Elementary functions of doubles, each result rounded correctly. libm's are not: which of several codes it runs, and so the
+// Elementary functions of doubles, each result correctly rounded. libm's are not: which of several codes it runs, and so the
 // last bit, depends on the processor. What feeds data or tables takes these.
 #pragma once
 
-namespace rlslab::rounded {
+namespace rlslab::correctly {
 
 double exp(double x);
 double exp2(double x);
@@ -14,4 +14,4 @@ double hypot(double x, double y);
 double cos(double x);
 double sin(double x);
 
-}  // namespace rlslab::rounded
+}  // namespace rlslab::correctly

@@ -169,7 +169,7 @@ Fit fit(Records const& records, FitBy by, double confidence, double tolerance) {
     out.percent = fit_percent(records.y, predicted);
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) out.covariance(i, j) *= out.sigma2;
-    double const t = freedom > 0 ? rounded::student_quantile(double(freedom), 0.5 + confidence / 2) : nan;
+    double const t = freedom > 0 ? correctly::student_quantile(double(freedom), 0.5 + confidence / 2) : nan;
     out.sd.resize(d), out.low.resize(d), out.high.resize(d);
     for (Index i = 0; i < d; ++i) {
         out.sd[i] = std::sqrt(out.covariance(i, i));

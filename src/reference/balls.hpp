@@ -166,7 +166,7 @@ inline double proven_digits(Ball const& error) {
     if (!arf_is_finite(upper)) return -std::numeric_limits<double>::infinity();
     Integer exponent;
     arf_frexp(upper, exponent, upper);
-    return -(rounded::log10(arf_get_d(upper, ARF_RND_UP)) + fmpz_get_d(exponent) * rounded::log10(2.0));
+    return -(correctly::log10(arf_get_d(upper, ARF_RND_UP)) + fmpz_get_d(exponent) * correctly::log10(2.0));
 }
 
 }  // namespace rlslab::balls

@@ -37,7 +37,7 @@ double log2_norm(BallMatrix const& A) {
     for (int stage = 0; stage < stages; ++stage, weight /= 2) {
         double t = 0;
         for (Index j = 0; j < d; ++j) t += X(j, j);
-        sum += weight * rounded::log2(t);
+        sum += weight * correctly::log2(t);
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i <= j; ++i) {                                              // (1)
                 double product = 0;
@@ -89,7 +89,7 @@ double condition(Records const& data, double forgetting) {
     }
     auto const& enclosure = *exact.enclosure();
     BallMatrix const gram = gram_of(regressors, forgetting, enclosure.bits);
-    return rounded::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
+    return correctly::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
 }
 
 double relative_change(Exact const& theta, Exact const& from) {

@@ -12,7 +12,7 @@
 
 #include <limits>
 
-namespace rlslab::rounded {
+namespace rlslab::correctly {
 
 namespace {
 
@@ -110,4 +110,4 @@ double student_quantile(double freedom, double p) {
     return p < 0.5 ? -t : t;
 }
 
-}  // namespace rlslab::rounded
+}  // namespace rlslab::correctly

@@ -2,7 +2,7 @@
 // precision at which no other double is left.
 #pragma once
 
-namespace rlslab::rounded {
+namespace rlslab::correctly {
 
 /// P(X > x) of chi-squared with `freedom` degrees of freedom, not necessarily whole. NaN unless freedom > 0.
 double chi_squared_tail(double freedom, double x);
@@ -13,4 +13,4 @@ double fisher_tail(double numerator, double denominator, double x);
 /// t for which P(T <= t) = p of Student's distribution, 0 < p < 1. NaN unless freedom > 0 and p is in range.
 double student_quantile(double freedom, double p);
 
-}  // namespace rlslab::rounded
+}  // namespace rlslab::correctly

@@ -58,7 +58,7 @@ Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, boo
     constexpr int points = 60;
     for (int i = 0; i <= points && from <= to; ++i) {
         double const part = double(i) / points;
-        double const x = log_x ? from * rounded::pow(to / from, part) : from + (to - from) * part, y = of.y(x);
+        double const x = log_x ? from * correctly::pow(to / from, part) : from + (to - from) * part, y = of.y(x);
         if (!shown(y, log_y) || (floor > 0 && y < floor)) continue;
         out.x.push_back(x);
         out.y.push_back(y);

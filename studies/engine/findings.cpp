@@ -41,8 +41,8 @@ bool has_nan(std::vector<double> const& v) {
     return std::ranges::any_of(v, [](double x) { return x != x; });
 }
 double as_it_is(double x) { return x; }
-double log_10(double x) { return rounded::log10(x); }
-double log_e(double x) { return rounded::log(x); }
+double log_10(double x) { return correctly::log10(x); }
+double log_e(double x) { return correctly::log(x); }
 
 }  // namespace
 

@@ -21,7 +21,7 @@ std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
 std::vector<Cell> powers(double base, double first, double last, double step) {
     std::vector<Cell> out;
     int const n = int(std::floor(std::abs(last - first) / std::abs(step) + 0.5));
-    for (int i = 0; i <= n; ++i) out.emplace_back(rounded::pow(base, first + i * (last < first ? -std::abs(step) : std::abs(step))));
+    for (int i = 0; i <= n; ++i) out.emplace_back(correctly::pow(base, first + i * (last < first ? -std::abs(step) : std::abs(step))));
     return out;
 }
 
@@ -89,7 +89,7 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
     Matrix<double> const U = orthonormal(rows, size, seed), V = orthonormal(size, size, seed);
     Matrix<double> psi = Matrix<double>::Zero(size, rows);
     for (Index j = 0; j < size; ++j) {
-        double const sigma = size > 1 ? rounded::pow(kappa, -double(j) / double(size - 1)) : 1;
+        double const sigma = size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1;
         for (Index k = 0; k < rows; ++k)
             for (Index i = 0; i < size; ++i) psi(i, k) += U(k, j) * sigma * V(i, j);
     }
@@ -113,7 +113,7 @@ Records as_stored(Records records, Arithmetic const& arithmetic) {
 }
 
 Errors errors(AnyFilter const& filter, Exact const& exact) {
-    auto const error = [](double digits) { return digits == digits ? rounded::pow(10, -digits) : INFINITY; };
+    auto const error = [](double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; };
     return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
 }
 

@@ -3,9 +3,9 @@
 #include "structure.hpp"
 
 #include <rlslab/model/input_error.hpp>
+#include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
 namespace rlslab {
@@ -21,6 +21,13 @@ struct Root {
     double apart;    ///< half the distance to the next root
 };
 
+/// z^n by products alone.
+Complex power(Complex z, int n) {
+    Complex out = 1;
+    for (int i = 0; i < n; ++i) out *= z;
+    return out;
+}
+
 std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const& at, std::vector<Complex> const& values) {
     int const n = int(p.size()) - 1;
     std::vector<Root> out;
@@ -30,7 +37,7 @@ std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const&
         for (int i = 0; i < n; ++i) slope = slope * z + double(n - i) * p[size_t(i)];
         ComplexVector gradient = ComplexVector::Zero(Index(at.size()));
         for (size_t i = 0; i < at.size(); ++i)
-            if (at[i] >= 0) gradient[Index(i)] = -std::pow(z, n - at[i]) / slope;                        // (1)
+            if (at[i] >= 0) gradient[Index(i)] = -power(z, n - at[i]) / slope;                        // (1)
         double apart = INFINITY;
         for (size_t s = 0; s < values.size(); ++s)
             if (s != r) apart = std::min(apart, std::abs(values[s] - z) / 2);
@@ -85,7 +92,7 @@ std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const
             if (!(spread(p.gradient, e).sd() < p.apart && spread(z.gradient, e).sd() < z.apart)) continue;
             Spread const S = spread(ComplexVector(p.gradient - z.gradient), e);                          // (2)
             auto const [q, freedom] = distance(p.value - z.value, S, real);
-            if (q <= quantile(boost::math::chi_squared(freedom), confidence)) all.push_back({i, j, q, S.sd()});
+            if (correctly::chi_squared_tail(freedom, q) >= 1 - confidence) all.push_back({i, j, q, S.sd()});
         }
     std::ranges::stable_sort(all, {}, &Candidate::q);
     std::vector<Pair> out;

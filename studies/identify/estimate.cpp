@@ -1,13 +1,14 @@
 // The variant's recursion beside the certified minimiser.
 #include "estimate.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/model/input_error.hpp>
 #include <rlslab/probes.hpp>
+#include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 namespace rlslab {
@@ -60,7 +61,7 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
         double const by = excess(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
         if (!(by > 1) || prior.c >= largest_c) break;
         // The bias falls at least as 1/c^2 along each axis of the scaled data.
-        prior.c = std::min(largest_c, prior.c * std::exp2(std::ceil(std::log2(by) / 2)));
+        prior.c = std::min(largest_c, prior.c * correctly::exp2(std::ceil(correctly::log2(by) / 2)));
     }
     out.c = prior.c;
     out.scales.assign(prior.s.data(), prior.s.data() + prior.s.size());
@@ -158,7 +159,7 @@ Estimation estimate(Identified& out, Records const& records) {
     out.condition = condition(records, options.forgetting);
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
-    out.quantile = out.freedom > 0 ? quantile(boost::math::students_t(out.freedom), 0.5 + options.confidence / 2) : std::nan("");
+    out.quantile = out.freedom > 0 ? correctly::student_quantile(out.freedom, 0.5 + options.confidence / 2) : std::nan("");
     for (size_t i = 0; i < exact.size(); ++i)
         out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
                                   std::sqrt(out.sigma2) * exact[i].scatter.sd});

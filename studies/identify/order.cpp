@@ -1,11 +1,11 @@
 // One factorisation serves every order; the criteria are one line each.
 #include "order.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/reference/distributions.hpp>
 #include <rlslab/variants/order_recursive_qr.hpp>
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <fmt/format.h>
 
 namespace rlslab {
@@ -45,7 +45,7 @@ Whiteness whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
         double const r = sum(lag) / variance;
         out.Q += double(N) * double(N + 2) * r * r / double(N - lag);
     }
-    out.p = cdf(complement(boost::math::chi_squared(double(out.freedom)), out.Q));
+    out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
     return out;
 }
 
@@ -55,7 +55,7 @@ double rounding_alone(Index rows, double y) { return double(rows) * (0x1p-44 * y
 
 Criteria criteria(double J, Index N, Index d) {
     double const n = double(N), parameters = double(d), mean = J / n;
-    return {n * std::log(mean) + 2 * parameters, n * std::log(mean) + parameters * std::log(n), mean * (n + parameters) / (n - parameters)};
+    return {n * correctly::log(mean) + 2 * parameters, n * correctly::log(mean) + parameters * correctly::log(n), mean * (n + parameters) / (n - parameters)};
 }
 
 OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
@@ -86,7 +86,7 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
         if (!out.fits.empty()) {
             double const more = double(d - out.fits.back().parameters), left = double(fitted - d);
             double const F = (out.fits.back().J - J) / more / (J / left);
-            fit.p = J > 0 && F > 0 ? cdf(complement(boost::math::fisher_f(more, left), F)) : 1;
+            fit.p = J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
         }
         Vector<double> residuals = all.y.head(fitted);
         Vector<double> const p = predicted(0, fitted);

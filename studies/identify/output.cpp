@@ -2,6 +2,8 @@
 #include "report/page.hpp"
 #include "text.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -116,7 +118,7 @@ void draw_poles(std::vector<Figure>& out, Identified const& m) {
     Figure plane{"poles", "Poles and zeros", "real part", "imaginary part", false, false, false, {{"", {}, {}}}};
     plane.square = true;
     Signal cosine, sine;
-    for (int i = 0; i <= 180; ++i) cosine.push_back(std::cos(i * 0.03490658503988659)), sine.push_back(std::sin(i * 0.03490658503988659));
+    for (int i = 0; i <= 180; ++i) cosine.push_back(correctly::cos(i * 0.03490658503988659)), sine.push_back(correctly::sin(i * 0.03490658503988659));
     Curve circle = line("unit circle", 6, cosine, sine);
     circle.look = {"#999999", true, ""};
     plane.panels[0].guides.push_back(circle);

@@ -3,6 +3,8 @@
 
 #include "structure.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -84,7 +86,7 @@ std::string number_text(double x, int digits) { return std::isfinite(x) ? fmt::f
 
 std::vector<std::string> data_lines(Identified const& m) {
     IdentifyOptions const& o = m.options;
-    std::string prior = o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0) : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", std::log2(m.c));
+    std::string prior = o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0) : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", correctly::log2(m.c));
     if (m.prior_move <= 0.1) prior += fmt::format(": it moves no parameter by more than {:.1g} sd", m.prior_move);
     std::string means;
     for (size_t j = 0; o.detrend && j < m.means.size(); ++j)
@@ -112,7 +114,7 @@ std::vector<std::string> result_lines(Identified const& m) {
     bool const model = !m.model.b.empty();
     if (model) {
         double const size = m.poles.empty() ? 0 : std::abs(m.poles[0]);
-        out.push_back("poles: " + list_of(m.poles) + (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} samples", -1 / std::log(size)) : ""));
+        out.push_back("poles: " + list_of(m.poles) + (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size)) : ""));
         for (size_t j = 0; j < m.zeros.size(); ++j) out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
         for (size_t j = 0; j < m.gain.size(); ++j)
             out.push_back(std::isfinite(m.gain[j]) ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]), m.gain[j], number_text(m.gain_sd[j], 2))
