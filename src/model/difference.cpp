@@ -1,9 +1,6 @@
-// Recursions as written; roots for people to look at.
+// Recursions as written.
 #include <rlslab/model/difference.hpp>
 
-#include <rlslab/arithmetic/multiprecision.hpp>
-
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace rlslab {
@@ -47,43 +44,6 @@ Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const&
     expects(inputs.size() == model.b.size(), "an input for each b-polynomial");
     Signal out(y.size(), 0.0);
     for (Index k = 0; k < Index(y.size()); ++k) out[size_t(k)] = k < lead ? y[size_t(k)] : predicted(model, inputs, out, k);
-    return out;
-}
-
-std::vector<std::complex<double>> roots(std::vector<double> const& p) {
-    Index const n = Index(p.size());
-    if (n == 0) return {};
-    Matrix<double> companion = Matrix<double>::Zero(n, n);
-    for (Index i = 0; i < n; ++i) companion(0, i) = -p[size_t(i)];
-    for (Index i = 1; i < n; ++i) companion(i, i - 1) = 1;
-    Eigen::VectorXcd const first = companion.eigenvalues();
-    struct Complex {
-        Quad re, im;
-    };
-    auto const times = [](Complex const& a, Complex const& b) { return Complex{a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re}; };
-    std::vector<std::complex<double>> out;
-    for (Index i = 0; i < n; ++i) {
-        Complex z{Quad(first[i].real()), Quad(first[i].imag())};
-        for (int step = 0; step < 8; ++step) {
-            Complex value{1, 0}, slope{0, 0};
-            for (double const c : p) {
-                slope = times(slope, z);
-                slope.re += value.re, slope.im += value.im;
-                value = times(value, z);
-                value.re += Quad(c);
-            }
-            Quad const size = slope.re * slope.re + slope.im * slope.im;
-            if (size == 0) break;    // a multiple root: as it is
-            Complex const move{(value.re * slope.re + value.im * slope.im) / size, (value.im * slope.re - value.re * slope.im) / size};
-            if (Quad(move.re * move.re + move.im * move.im) > Quad(0.01) * (z.re * z.re + z.im * z.im) + Quad(1e-12)) break;
-            z.re -= move.re, z.im -= move.im;
-        }
-        out.emplace_back(static_cast<double>(z.re), static_cast<double>(z.im));
-    }
-    std::ranges::sort(out, [](auto const& a, auto const& b) {
-        double const x = std::abs(a), y = std::abs(b);
-        return std::abs(x - y) > 1e-12 * (x + y) ? x > y : a.imag() > b.imag();
-    });
     return out;
 }
 

@@ -24,7 +24,8 @@ Signal simulate(DifferenceEquation const& model, std::vector<Signal> const& inpu
 /// From measured outputs before the first row instead of rest: y[0 ... lead) is taken as it is.
 Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index lead);
 
-/// The roots of z^n + p_1 z^{n-1} + ... + p_n, |largest| first: of a companion matrix, refined by Newton's steps in 113 bits.
+/// The roots of z^n + p_1 z^{n-1} + ... + p_n, |largest| first, for exactly these coefficients: each part rounded from 256 bits.
+/// NaN where a coefficient is not finite.
 std::vector<std::complex<double>> roots(std::vector<double> const& p);
 /// Roots of the a-polynomial, and of an input's b-polynomial without its leading zeros.
 std::vector<std::complex<double>> poles(DifferenceEquation const& model);
