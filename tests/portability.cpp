@@ -52,12 +52,12 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
     std::string const app = folder.file("#include <rlslab/variants/ud.hpp>\n", "app.cpp");
     std::string const least = folder.file("#include <rlslab/arithmetic/field.hpp>\n", "least.cpp");
     for (std::string const& compiler : compilers()) {
-        for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only", "-O2 -fno-honor-nans -fno-honor-infinities -ffinite-math-only"}) {
+        for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only"}) {
             Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
             EXPECT_NE(tried.code, 0) << compiler << " " << options;
             EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only")) << compiler << " " << options;
         }
-        EXPECT_NE(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).code, 0) << compiler;
+        EXPECT_THAT(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).text, HasSubstr("rlslab: -ffast-math")) << compiler;
         Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
         EXPECT_EQ(plain.code, 0) << plain.text;
     }

@@ -62,6 +62,18 @@ TEST(Roots, AtZeroAndFarApart) {
     EXPECT_EQ(far[1], Complex(0x1p-500));
     EXPECT_EQ(roots({0, -0x1p-1000}), (std::vector<Complex>{0x1p-500, -0x1p-500}));
 }
+TEST(Roots, OfCoefficientsOfAnySize) {
+    Seed seed{5};
+    for (int n = 3; n <= 30; n += 9) {
+        std::vector<double> p;
+        for (int i = 0; i < n; ++i) p.push_back(std::ldexp(2 * seed.uniform() - 1, int(2000 * seed.uniform()) - 1000));
+        auto const found = roots(p);
+        ASSERT_EQ(found.size(), size_t(n));
+        for (Complex const z : found) {
+            EXPECT_TRUE(z.imag() != 0 || !std::isnormal(z.real()) || is_nearest(p, z.real())) << n << " " << z;
+        }
+    }
+}
 TEST(Roots, ComplexPairs) {
     auto const r = roots({-1.5, 0.7});
     EXPECT_EQ(r[0], std::conj(r[1]));
