@@ -74,7 +74,7 @@ std::string family_of(F const& filter) {
 template <class F>
 class FilterRow {
     using T = typename F::scalar;
-    using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
+    using Rows = Matrix<T>;
     Scenario const& scenario_;
     Rows psi_;
     Vector<T> y_;

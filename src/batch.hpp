@@ -18,7 +18,7 @@ namespace rlslab {
 ///   size(), rows()         d and N
 ///   read(first, block)     rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block
 template <class S>
-concept RowSource = requires(S const s, Index first, Eigen::MatrixXd block) {
+concept RowSource = requires(S const s, Index first, Matrix<double> block) {
     { s.size() } -> std::convertible_to<Index>;
     { s.rows() } -> std::convertible_to<Index>;
     s.read(first, block);
@@ -34,7 +34,7 @@ public:
     }
     Index size() const { return records_->size(); }
     Index rows() const { return records_->rows(); }
-    void read(Index first, Eigen::Ref<Eigen::MatrixXd> block) const {
+    void read(Index first, Eigen::Ref<Matrix<double>> block) const {
         block.topRows(size()) = records_->psi.middleCols(first, block.cols());
         block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
     }
@@ -77,7 +77,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
     std::condition_variable turn;
     auto const work = [&] {
         try {
-            Eigen::MatrixXd block(source.size() + 1, std::min(part, rows));
+            Matrix<double> block(source.size() + 1, std::min(part, rows));
             for (Index i = next++; i < parts; i = next++) {
                 typename Carried<typename F::scalar>::Part const here_as_there(carried, std::uint64_t(i));
                 F newer(without_prior);

@@ -62,7 +62,7 @@ concept TakesUnreported = RecursiveLeastSquares<F> && requires(F f, Regressor<ty
 /// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row.
 template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> &&
-                      requires(F f, Eigen::Matrix<typename F::scalar, Dynamic, Dynamic> psi, Vector<typename F::scalar> y) {
+                      requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
                           { F::block } -> std::convertible_to<Index>;
                           f.absorb(psi, y);
                       };

@@ -15,10 +15,12 @@ using Index = Eigen::Index;
 inline constexpr int Dynamic = Eigen::Dynamic;
 
 /// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
+/// DontAlign: how Eigen allocates aligned storage depends on the instruction set it is compiled for, and the compiled core
+/// and an app may differ in that; these types are laid out, allocated and freed alike everywhere.
 template <class T, int N = Dynamic>
-using Vector = Eigen::Matrix<T, N, 1>;
+using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
 template <class T, int N = Dynamic>
-using Matrix = Eigen::Matrix<T, N, N>;
+using Matrix = Eigen::Matrix<T, N, N, Eigen::DontAlign>;
 
 /// What is believed before the first row: theta0, and P0 = variance x I or a full P0.
 template <Field T>

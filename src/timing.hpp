@@ -29,7 +29,7 @@ enum class Theta { unasked, asked };
 /// see TakesUnreported). Anything with update(psi, y) and theta() will do. The caller restarts
 /// the filter between stretches: some variants stop being finite after a few thousand rows, and NaN is fast.
 template <Theta theta, class F, class T = typename F::scalar>
-double stretch(F& filter, Eigen::Matrix<T, Dynamic, Dynamic> const& psi, Vector<T> const& y, Index first, Index last) {
+double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first, Index last) {
     return nanoseconds_of([&] {
         for (Index k = first; k < last; ++k) {
             Regressor<T> const row(psi.col(k).data(), psi.rows());

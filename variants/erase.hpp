@@ -63,7 +63,7 @@ public:
         }
     }
     Step<double> absorb(Records const& records, Index first, Index last) override {
-        Eigen::Matrix<T, Dynamic, Dynamic> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
+        Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
         Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&datum<T>);
         Draws<T> const draws(seed_);
         Step<T> step = feed(filter_, psi, y);
@@ -96,7 +96,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     using T = typename F::scalar;
     constexpr double enough = 5e5;    // ns of undisturbed timing in all
     constexpr int at_least = 8;       // stretches: others disturb some of them
-    Eigen::Matrix<T, Dynamic, Dynamic> const psi = records.psi.unaryExpr(&datum<T>);
+    Matrix<T> const psi = records.psi.unaryExpr(&datum<T>);
     Vector<T> const y = records.y.unaryExpr(&datum<T>);
     Index rows = std::min<Index>(records.rows(), 16);
     if constexpr (TakesBlocks<F>) rows = std::min<Index>(records.rows(), F::block);
@@ -109,7 +109,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
         for (Index k = 0; k + rows <= records.rows() && unsettled(); k += rows, ++stretches) {
             double took;
             if constexpr (TakesBlocks<F>) {
-                Eigen::Matrix<T, Dynamic, Dynamic> const block = psi.middleCols(k, rows);
+                Matrix<T> const block = psi.middleCols(k, rows);
                 Vector<T> const outputs = y.segment(k, rows);
                 took = nanoseconds_of([&] {
                     feed(filter, block, outputs);

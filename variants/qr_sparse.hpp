@@ -35,7 +35,7 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Eigen::MatrixXd const& psi, Vector<double> const& y) { absorb(SparseRows(psi.sparseView()), y); }
+    void absorb(Matrix<double> const& psi, Vector<double> const& y) { absorb(SparseRows(psi.sparseView()), y); }
     void absorb(SparseRows const& psi, Vector<double> const& y) {
         Index const rows = y.size();
         expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");

@@ -8,7 +8,7 @@ namespace rlslab {
 
 /// A block of rows, or the transpose of one: any number of rows and columns.
 template <class T>
-using Rows = Eigen::Matrix<T, Dynamic, Dynamic>;
+using Rows = Matrix<T>;
 
 /// x^n by repeated squaring, n >= 0: the weight of what is n steps old.
 template <Field T>

@@ -38,7 +38,7 @@ RowFile::RowFile(std::string const& path, Index size) : file_(printable(path, 20
 
 RowFile::~RowFile() { close(descriptor_); }
 
-void RowFile::read(Index first, Eigen::Ref<Eigen::MatrixXd> block) const {
+void RowFile::read(Index first, Eigen::Ref<Matrix<double>> block) const {
     expects(block.rows() == size_ + 1 && block.outerStride() == block.rows(), "a contiguous block of (d + 1) x B numbers");
     expects(0 <= first && first + block.cols() <= rows_, "rows that the file has");
     auto* to = reinterpret_cast<char*>(block.data());

@@ -25,7 +25,7 @@ public:
 
     /// Rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block, which must be contiguous.
     /// Throws InputError when the disk fails or the file has become shorter; std::invalid_argument beyond the last row.
-    void read(Index first, Eigen::Ref<Eigen::MatrixXd> block) const;
+    void read(Index first, Eigen::Ref<Matrix<double>> block) const;
 
 private:
     std::string file_;

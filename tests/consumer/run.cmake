@@ -40,3 +40,24 @@ run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 run(${WORK_DIR}/build/with_headers)
 run(${WORK_DIR}/build/with_core)
+
+# An app may be compiled for another instruction set than the core. What this machine cannot run is compiled at least.
+file(STRINGS /proc/cpuinfo processor REGEX "^flags" LIMIT_COUNT 1)
+foreach(set baseline native avx avx2 avx512f)
+  if(EXISTS ${WORK_DIR}/build/owning_${set} AND (set MATCHES "baseline|native" OR processor MATCHES " ${set} "))
+    message(STATUS "owning_${set}")
+    run(${WORK_DIR}/build/owning_${set})
+  endif()
+endforeach()
+
+# Of a function that the core and the app both compile, the linker keeps one: in the core, none may be Eigen's over types that
+# Eigen aligns (options 0) as the instruction set would have it.
+file(STRINGS ${BUILD_DIR}/CMakeCache.txt nm REGEX "^CMAKE_NM:")
+string(REGEX REPLACE "^[^=]*=" "" nm "${nm}")
+file(GLOB_RECURSE core ${prefix}/librlslab_core.a)
+execute_process(COMMAND ${nm} -C --defined-only ${core} OUTPUT_VARIABLE symbols ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[^\n]* [WVu] [^\n]*Eigen::(Matrix<[^\n]*, [-0-9]+, [-0-9]+, 0, |internal::(conditional_|handmade_)?aligned_)[^\n]*" shared "${symbols}")
+if(shared)
+  list(JOIN shared "\n" shared)
+  message(FATAL_ERROR "the core shares with apps:\n${shared}")
+endif()
