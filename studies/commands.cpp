@@ -1,6 +1,7 @@
 // Options checked in one line, and answers written whole.
 #include "commands.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -29,6 +30,22 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
                 return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
             },
             ""};
+}
+
+void take_format(CLI::App& command, CsvFormat& format) {
+    using Words = std::vector<std::pair<std::string_view, char>>;
+    auto const take = [&](char const* name, char& into, Words known, char const* help, char const* expected) {
+        auto const find = [known](std::string const& text) { return std::ranges::find(known, text, &Words::value_type::first); };
+        command.add_option_function<std::string>(name, [=, &into](std::string const& text) { into = find(text)->second; }, help)
+            ->check([=](std::string const& text) { return find(text) != known.end() ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text)); })
+            ->type_name("");
+    };
+    take("--separator", format.separator,
+         {{",", ','}, {"comma", ','}, {";", ';'}, {"semicolon", ';'}, {"tab", '\t'}, {"\t", '\t'}, {"|", '|'}, {"bar", '|'}, {" ", ' '}, {"blank", ' '}},
+         "between the file's cells: comma, semicolon, tab, bar or blank (any number of them); default: found out",
+         "comma, semicolon, tab, bar or blank");
+    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}},
+         "mark of the file's numbers: point or comma; default: found out", "point or comma");
 }
 
 void print(std::string const& text) {

@@ -3,7 +3,7 @@
 
 #include "progress.hpp"
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/model/csv.hpp>
 
 #include <CLI/CLI.hpp>
 #include <string>
@@ -14,6 +14,9 @@ namespace rlslab {
 CLI::Validator whole(long least, long most);
 /// A finite number that `holds`, else one line that says what was expected.
 CLI::Validator real(char const* expected, bool (*holds)(double));
+
+/// --separator and --decimal, of every command that reads a file.
+void take_format(CLI::App& command, CsvFormat& format);
 
 /// The whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the program instead.
 void print(std::string const& text);

@@ -2,6 +2,7 @@
 #include "commands.hpp"
 #include "compare.hpp"
 
+#include <rlslab/doors/open.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
 
@@ -13,6 +14,7 @@ namespace rlslab {
 namespace {
 
 struct CompareArguments {
+    CsvFormat format;
     std::string file, output, out;
     std::vector<std::string> inputs, regressors;
     int order = 0, na = -1, nb = -1, delay = 0;
@@ -66,7 +68,7 @@ Question question_of(CompareArguments const& a) {
         }
     }
     add(a.output);
-    Columns data = read_columns(a.file, columns);
+    Columns data = read_data({a.file, a.format}, columns);
     Question out;
     out.model.file = printable(data.file, 200);
     if (a.detrend) out.model.means = take_means(data);
@@ -110,7 +112,8 @@ Command compare_command(CLI::App& app) {
     CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
     comparing->footer("An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
                       "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
-    comparing->add_option("FILE", a->file, "CSV file (-: standard input); empty, NA, N/A, NaN, null, . and ? are missing values")->required()->type_name("");
+    comparing->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing values")->required()->type_name("");
+    take_format(*comparing, a->format);
     comparing->add_option("--input", a->inputs, "column of the input u of an ARX model, or several")
         ->delimiter(',')->allow_extra_args(false)->type_name("U[,V]");
     comparing->add_option("--output", a->output, "column of the output y")->required()->type_name("COLUMN");

@@ -126,15 +126,6 @@ TEST(CsvRefuses, CellsThatAreNoNumbers) {
                                                 "(squares must stay finite), found \"" + text + "\"");
 }
 
-TEST(CsvRefuses, DecimalCommasSayingSo) {
-    std::string const why = " (decimal commas are not supported: use a point)";
-    EXPECT_EQ(refusal("u;y\n1,5;2,5\n", {"y"}), "data.csv:2: column 2 (y): expected a number, found \"2,5\"" + why);
-    EXPECT_EQ(refusal("1,5;-2,5\n", {"2"}), "data.csv:1: column 2: expected a number, found \"-2,5\"" + why);
-    EXPECT_EQ(refusal("u,y\n\"1,5e3\",2\n", {"u"}),
-              "data.csv:2: column 1 (u): expected a number, found \"1,5e3\"" + why);
-    EXPECT_EQ(refusal("u;y\n1,x;2\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"1,x\"");
-}
-
 TEST(CsvRefuses, GarbageShortenedAndPrintable) {
     EXPECT_EQ(refusal("u\n\x01\x1b[2J\xff" "5\rh\xc3\xa9!", {"u"}),
               "data.csv:2: column 1 (u): expected a number, found \"\\x01\\x1b[2J\\xff5\\x0dh\xc3\xa9!\"");

@@ -51,6 +51,7 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
 }
 
 struct IdentifyArguments {
+    CsvFormat format;
     std::string file, out;
     bool json = false, keep_mean = false;
     int na = -1;
@@ -60,7 +61,7 @@ struct IdentifyArguments {
 int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     if (a.na >= 0) a.options.na = a.na;
-    Identified const model = identify(a.file, a.options, progress_after_a_second("looking at the excitation"));
+    Identified const model = identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
     if (!a.out.empty()) {
         create_folder(a.out);
         replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
@@ -102,13 +103,14 @@ int run_simulate(SimulateArguments const& s) {
 }
 
 struct ExcitationArguments {
+    CsvFormat format;
     std::string file, input;
     int most = 20;
     bool json = false;
 };
 
 int run_excitation(ExcitationArguments const& a) {
-    Columns const columns = read_columns(a.file, {a.input});
+    Columns const columns = read_data({a.file, a.format}, {a.input});
     Signal const& u = columns[a.input];
     if (std::ranges::any_of(u, [](double x) { return x != x; }))
         throw InputError(fmt::format("{}: column \"{}\": expected a number in every row, found a missing value", a.file, printable(a.input)));
@@ -144,7 +146,8 @@ Command identify_command(CLI::App& app) {
               "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
               "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n\n"
               "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
-    c->add_option("FILE", a->file, "CSV file (-: standard input), without missing values")->required()->type_name("");
+    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")->required()->type_name("");
+    take_format(*c, a->format);
     auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
         return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
     };
@@ -195,7 +198,8 @@ Command excitation_command(CLI::App& app) {
     CLI::App* const c = app.add_subcommand("excitation", "Up to which order an input can identify a system.");
     c->footer("Example:  rlslab excitation data.csv --input u\n\n"
               "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no sense.");
-    c->add_option("FILE", a->file, "CSV file (-: standard input)")->required()->type_name("");
+    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's")->required()->type_name("");
+    take_format(*c, a->format);
     c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");
     c->add_option("--max-order", a->most, "the largest order that is tried; default 20")->check(whole(1, 200))->type_name("N");
     c->add_flag("--json", a->json, "JSON instead of the table");

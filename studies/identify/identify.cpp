@@ -20,18 +20,18 @@ struct Data {
     Signal y;
 };
 
-Data read(std::string const& path, IdentifyOptions const& options) {
+Data read(DataFile const& file, IdentifyOptions const& options) {
     std::vector<std::string> names = options.inputs;
     names.push_back(options.output);
     for (std::string const& name : names)
-        if (std::ranges::count(names, name) > 1) throw InputError(fmt::format("{}: column \"{}\" is asked for twice", printable(path, 200), printable(name)));
-    Columns const columns = read_columns(path, names);
+        if (std::ranges::count(names, name) > 1) throw InputError(fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
+    Columns const columns = read_data(file, names);
     Data out;
     for (std::string const& name : names) {
         Signal const& values = columns[name];
         auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
         if (missing != values.end())
-            throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", printable(path, 200),
+            throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
                                          columns.lines[size_t(missing - values.begin())], printable(name)));
         (name == options.output ? out.y : out.inputs.emplace_back()) = values;
     }
@@ -124,12 +124,12 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
 
 }  // namespace
 
-Identified identify(std::string const& path, IdentifyOptions const& asked, Progress const& progress) {
+Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress const& progress) {
     Identified out{};
     IdentifyOptions const& options = out.options = completed(asked);
-    std::string const file = out.file = printable(path, 200);
+    std::string const file = out.file = printable(from.path, 200);
     entry_of(options.variant);
-    Data data = read(path, options);
+    Data data = read(from, options);
     Index const samples = out.samples = Index(data.y.size()), inputs = Index(data.inputs.size());
     out.held_out = Index(std::floor(options.validate * double(samples)));
     Index const fitted_samples = samples - out.held_out;

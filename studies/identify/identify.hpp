@@ -4,6 +4,7 @@
 #include "order.hpp"
 #include "progress.hpp"
 
+#include <rlslab/doors/open.hpp>
 #include <rlslab/erased.hpp>
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/model/difference.hpp>
@@ -97,7 +98,7 @@ struct Identified {
 
 /// The record's columns must have no missing values. Throws InputError for options or a record that do not make sense, and where
 /// the regressors are linearly dependent: the message names the order that the input can support.
-Identified identify(std::string const& file, IdentifyOptions const& options, Progress const& progress = {});
+Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});
 
 std::string as_table(Identified const& model);
 std::string as_json(Identified const& model);

@@ -1,0 +1,117 @@
+// One pass over each line; nothing is copied but lines that cross chunks, and cells.
+#include <rlslab/model/csv_text.hpp>
+
+#include <fmt/format.h>
+
+namespace rlslab::csv {
+
+std::string quoted(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
+
+std::string_view trimmed(std::string_view text) {
+    auto const first = text.find_first_not_of(' ');
+    if (first == text.npos) return {};
+    return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+// ---- lines ----------------------------------------------------------------------------------------------------------
+
+bool Lines::refill() {
+    std::size_t const got = source_(chunk_);
+    rest_ = {chunk_.data(), got};
+    return got > 0;
+}
+
+std::string_view Lines::checked_line(std::string_view line) {
+    if (number_ == 1) {
+        constexpr std::pair<std::string_view, std::string_view> others[] = {
+            {"\xff\xfe", "UTF-16"}, {"\xfe\xff", "UTF-16"}, {"\x1f\x8b", "gzip's compressed data: unpack them first"},
+            {"PK\x03\x04", "a zip archive or a workbook: save the sheet as CSV"},
+            {"\xd0\xcf\x11\xe0", "a workbook: save the sheet as CSV"}};
+        for (auto const& [begins, what] : others)
+            if (line.starts_with(begins)) throw InputError(fmt::format("{}: expected UTF-8 text, found {}", name_, what));
+        if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
+    }
+    if (line.find('\0') != line.npos)
+        throw InputError(fmt::format("{}:{}: expected text, found a zero byte (a binary file?)", name_, number_));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
+
+std::optional<std::string_view> Lines::next() {
+    line_.clear();
+    if (rest_.empty() && !refill()) return std::nullopt;
+    ++number_;
+    for (;;) {
+        auto const end = rest_.find('\n');
+        auto const part = rest_.substr(0, end);
+        if (line_.size() + part.size() > longest_line)
+            throw InputError(fmt::format("{}:{}: expected a line of at most 1 MiB", name_, number_));
+        rest_.remove_prefix(end == rest_.npos ? rest_.size() : end + 1);
+        if (end != part.npos && line_.empty()) return checked_line(part);
+        line_ += part;
+        if (end != part.npos || !refill()) return checked_line(line_);
+    }
+}
+
+// ---- cells ----------------------------------------------------------------------------------------------------------
+
+namespace {
+
+std::string_view separators_of(char separator) {
+    constexpr std::string_view all = ",;\t|";
+    if (separator == 0) return all.substr(0, 3);
+    if (separator == ' ') return " \t";
+    return all.substr(all.find(separator), 1);
+}
+
+}  // namespace
+
+Quotes::Quotes(char separator) : separators_(separators_of(separator)) {}
+
+void Quotes::take(std::string_view line) {
+    for (char const c : line) {
+        bool const quote = c == '"', was_open = open_;
+        if (quote) open_ = !was_open && (start_ || closed_);
+        closed_ = quote && was_open;
+        if (open_ || quote) {
+            start_ = false;
+            continue;
+        }
+        bool const separates = separators_.find(c) != separators_.npos;
+        if (separates && !saw(c)) seen_ += c;
+        start_ = separates || (start_ && c == ' ');
+    }
+}
+
+Row::Taken Row::take(std::string_view row, char separator) {
+    text_.clear();
+    ends_.clear();
+    at_ = At::start;
+    bool const blanks = separator == ' ';
+    for (char const c : row) {
+        bool const inside = at_ == At::quoted;
+        if (!inside && (c == separator || (blanks && c == '\t'))) {
+            if (!blanks || at_ != At::start) end_cell();
+        } else if (inside) {
+            if (c == '"') at_ = At::quote;
+            else text_ += c;
+        } else if (at_ == At::quote && c == '"') {
+            text_ += '"';
+            at_ = At::quoted;
+        } else if (at_ == At::quote || at_ == At::closed) {
+            if (c != ' ') return Taken::broken;
+            at_ = At::closed;
+        } else if (at_ == At::start && c == '"') {
+            text_.resize(begin(ends_.size()));       // spaces before the quote
+            at_ = At::quoted;
+        } else {
+            text_ += c;
+            if (c != ' ') at_ = At::bare;
+        }
+    }
+    if (at_ == At::quoted) return Taken::open;
+    if (!blanks || at_ != At::start || ends_.empty()) end_cell();
+    return Taken::whole;
+}
+
+}  // namespace rlslab::csv
