@@ -89,7 +89,7 @@ Excitation excitation(Signal const& u, Index most, std::function<void(double)> c
     out.resolution = resolution_of(u);
     while (out.still < Index(u.size()) && u[size_t(out.still)] == u[0]) ++out.still;
     if (out.still == 1) out.still = 0;
-    double const noise = 4 * out.resolution * out.resolution / 12;
+    double const noise = out.resolution * std::sqrt(4.0 / 12);    // roots are compared: squares may underflow
     bool unbroken = true;
     for (Index n = 1; n <= most && 2 * n - 1 <= Index(u.size()); ++n) {
         Records const v = windows(u, n);
@@ -98,8 +98,9 @@ Excitation excitation(Signal const& u, Index most, std::function<void(double)> c
         if (at.definite) {
             at.condition = condition(v, 1);
             double const largest = fit(v, FitBy::svd).singular[0];
-            at.least = largest / at.condition * (largest / at.condition) / double(v.rows());
-            at.resolved = at.least > noise;
+            double const root = largest / at.condition / std::sqrt(double(v.rows()));
+            at.least = root * root;
+            at.resolved = root > noise;
             out.exact_order = n;
         }
         out.orders.push_back(at);

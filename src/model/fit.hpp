@@ -20,6 +20,7 @@ struct Fit {
     Index rank = 0;
     Vector<double> singular = {};    ///< singular values of Phi, largest first (svd alone)
     Vector<double> low = {}, high = {};
+    bool converged = true;           ///< false: svd's rotations were stopped before the columns were orthogonal to rounding
 };
 
 enum class FitBy { normal_equations, qr, svd };
@@ -30,7 +31,9 @@ constexpr std::string_view name_of(FitBy by) {
 
 /// normal_equations squares the condition number: theta is NaN where the Gram matrix does not factor in binary64. qr: Householder on
 /// blocks of rows; NaN where R has a zero on its diagonal. svd: one-sided Jacobi on R; directions with singular values below
-/// tolerance (times the largest; by default max(N, d) u) are dropped, and theta is the shortest of the minimisers.
+/// tolerance (times the largest; by default max(N, d) u, at least 2^-440) are dropped, and theta is the shortest of the minimisers.
+/// Powers of two in the data come out as powers of two: of Phi and Y as wholes, and but for svd of each column of Phi; a result
+/// beyond binary64's exponents is infinite or 0.
 /// Throws std::invalid_argument for fewer rows than parameters and a confidence outside (0, 1). Cost N d^2.
 Fit fit(Records const& records, FitBy by = FitBy::qr, double confidence = 0.95, double tolerance = -1);
 
