@@ -34,18 +34,21 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
 
 void take_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
-    auto const take = [&](char const* name, char& into, Words known, char const* help, char const* expected) {
-        auto const find = [known](std::string const& text) { return std::ranges::find(known, text, &Words::value_type::first); };
-        command.add_option_function<std::string>(name, [=, &into](std::string const& text) { into = find(text)->second; }, help)
-            ->check([=](std::string const& text) { return find(text) != known.end() ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text)); })
-            ->type_name("");
+    auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help, char const* expected) {
+        auto const meant = [known](std::string const& text) {
+            auto const found = std::ranges::find(known, text, &Words::value_type::first);
+            return found == known.end() ? '\0' : found->second;
+        };
+        command.add_option_function<std::string>(name, [meant, &into](std::string const& text) { into = meant(text); }, help)
+            ->check([=](std::string const& text) { return meant(text) ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text)); })
+            ->type_name(choices);
     };
     take("--separator", format.separator,
          {{",", ','}, {"comma", ','}, {";", ';'}, {"semicolon", ';'}, {"tab", '\t'}, {"\t", '\t'}, {"|", '|'}, {"bar", '|'}, {" ", ' '}, {"blank", ' '}},
-         "between the file's cells: comma, semicolon, tab, bar or blank (any number of them); default: found out",
+         "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: found out",
          "comma, semicolon, tab, bar or blank");
-    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}},
-         "mark of the file's numbers: point or comma; default: found out", "point or comma");
+    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
+         "decimal mark of the file's numbers; default: found out", "point or comma");
 }
 
 void print(std::string const& text) {

@@ -79,6 +79,8 @@ struct SimulateArguments {
 };
 
 int run_simulate(SimulateArguments const& s) {
+    if (s.delay >= s.samples)
+        throw InputError(fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows nothing, found {}", s.samples, s.delay));
     DifferenceEquation model;
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};
@@ -96,6 +98,10 @@ int run_simulate(SimulateArguments const& s) {
     check("--noise-colour", xi, "noise");
     Signal const y = simulate(model, {u}, xi);
     check("--a, --b", y, "output");
+    if (y.size() > 1 && std::ranges::all_of(y, [&](double v) { return v == y[0]; }))
+        throw InputError(fmt::format("--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that pass the input on, or --noise", y[0]));
+    if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
+        throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
     std::string text = "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     print(text);

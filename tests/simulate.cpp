@@ -1,0 +1,51 @@
+// Records that would show nothing are refused in one line; every command reads them in the forms that people have.
+#include "program.hpp"
+
+namespace rlslab {
+namespace {
+
+using Simulate = Program;
+using DataFiles = Program;
+
+TEST_F(Simulate, RefusesADelayBeyondTheRecord) {
+    refused("simulate --samples 100 --delay 100", "--delay: expected less than the 100 --samples: of an input that comes later the record shows nothing, found 100");
+    EXPECT_EQ(shell("rlslab simulate --samples 100 --delay 99").code, 0);
+}
+TEST_F(Simulate, RefusesAnOutputThatDoesNotChange) {
+    refused("simulate --b 0", "--b: the output is 0 throughout, and nothing can be learnt from it");
+    refused("simulate --b 0,0 --a=-0.5", "--b: the output is 0 throughout");
+    EXPECT_EQ(shell("rlslab simulate --b 0 --noise 1").code, 0);
+    EXPECT_EQ(shell("rlslab simulate --samples 1").code, 0);
+}
+TEST_F(Simulate, RefusesNumbersWhoseSquaresVanish) {
+    refused("simulate --b 1e-160", "--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
+    refused("simulate --b 5e-324", "--b: the output stays below 2^-500");
+    refused("simulate --b 0 --noise 1e-300", "--b: the output stays below 2^-500");
+    refused("simulate --b 1e160", "grows beyond 2^500");
+    EXPECT_EQ(shell("rlslab simulate --b 1e-140").code, 0);
+}
+
+TEST_F(DataFiles, AreReadInEveryForm) {
+    ASSERT_EQ(shell("rlslab simulate --a=-0.5 --samples 200 --noise 0.1 >u.csv; gzip -k u.csv; { echo 'sep=;'; tr ,. ';,' <u.csv; } >german.csv;"
+                    "tr , ' ' <u.csv >blanks; tr , '|' <u.csv >bars; cat german.csv | gzip >german").code, 0);
+    Outcome const plain = shell("rlslab excitation u.csv --input u --json");
+    ASSERT_EQ(plain.code, 0) << plain.err;
+    for (std::string const file : {"u.csv.gz", "german.csv", "german", "blanks", "bars --separator bar"}) {
+        Outcome const run = shell("rlslab excitation " + file + " --input u --json");
+        EXPECT_EQ(run.out.substr(run.out.find("\"input\"")), plain.out.substr(plain.out.find("\"input\""))) << file << run.err;
+    }
+    EXPECT_EQ(shell("rlslab excitation - --input u <german").code, 0);
+    for (std::string const command : {"compare --order 1 --no-timings --csv --arithmetic float", "identify --order 1 --json", "compare --regressors u --no-timings --csv --variants ud"})
+        EXPECT_EQ(shell("rlslab " + command + (command.find("--regressors") == command.npos ? " --input u" : "") + " german --output y").code, 0) << command;
+}
+TEST_F(DataFiles, OfADoubtfulFormAreExplained) {
+    write("doubt.csv", "u;y\n1,234;2\n2;3\n");
+    refused("excitation doubt.csv --input u", "doubt.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says which (--decimal , if");
+    EXPECT_EQ(shell("rlslab excitation doubt.csv --input u --decimal , --max-order 1").code, 0);
+    refused("excitation ok.csv --input u --separator x", "--separator: expected comma, semicolon, tab, bar or blank, found \"x\"");
+    refused("excitation ok.csv --input u --decimal ';'", "--decimal");
+    refused("excitation ok.csv --input u --separator semicolon", "no column \"u\"");
+}
+
+}  // namespace
+}  // namespace rlslab
