@@ -76,6 +76,8 @@ void take(std::string_view bytes) {
         for (double const x : column) expect(std::isnan(x) || std::abs(x) <= largest_value, "values within bounds, or missing");
     }
     if (!whole.data.header && whole.data.names.size() > 0 && whole.data.names.back() != std::to_string(whole.data.names.size())) return;
+    for (std::string const& name : whole.data.names)
+        if (name.find("\r\n") != name.npos) return;    // a line's end, and written again another
     std::string const text = written(whole.data);
     Outcome again = read(text, text.size() + 1, {.separator = ';', .decimal = '.'});
     again.data.lines = whole.data.lines;
