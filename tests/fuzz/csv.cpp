@@ -44,11 +44,11 @@ Outcome read(std::string_view bytes, std::size_t piece, CsvFormat format) {
 }
 
 std::string written(Columns const& data) {
-    std::string text = "sep=;\n";    // a column may be called that
+    std::string text;
     auto const cell = [&](std::size_t j, std::string const& x) { text += (j == 0 ? "\"" : ";\"") + x + '"'; };
     if (data.header) {
         for (std::size_t j = 0; j < data.names.size(); ++j) {
-            std::string name = data.names[j];
+            std::string name = "n" + data.names[j];    // neither a number nor "sep=;"
             for (auto at = name.find('"'); at != name.npos; at = name.find('"', at + 2)) name.insert(at, 1, '"');
             cell(j, name);
         }
@@ -81,8 +81,9 @@ void take(std::string_view bytes) {
     std::string const text = written(whole.data);
     Outcome again = read(text, text.size() + 1, {.separator = ';', .decimal = '.'});
     again.data.lines = whole.data.lines;
-    bool const header_of_numbers = again.data.header != whole.data.header;    // what made it a header was a column left out
-    expect(again == whole || header_of_numbers, "read again as it was written");
+    if (whole.data.header)
+        for (std::string& name : again.data.names) name.erase(0, 1);
+    expect(again == whole, "read again as it was written");
 }
 
 }  // namespace rlslab::fuzz
