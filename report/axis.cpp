@@ -101,18 +101,28 @@ Ticks Axis::linear(int about) const {
 /// Less than a decade between the ends: 1 ... 9 times a power of ten if three of them are inside, else as on a linear axis.
 Ticks Axis::within_a_decade(int about) const {
     Ticks out;
+    std::vector<int> digits;
     for (int power = int(std::floor(low_)); power <= int(std::floor(high_)); ++power)
         for (int digit = 1; digit <= 9; ++digit) {
             double const value = scaled(digit, power), at = std::isfinite(value) && value > 0 ? decades(value) : -400;
-            if (at < low_ - 1e-9 || at > high_ + 1e-9) continue;
+            if (at < low_ - 1e-9 || at > high_ + 1e-9 || (!out.all.empty() && value <= out.all.back().value)) continue;
+            digits.push_back(digit);
             if (power >= -3 && power <= 4)
                 out.all.push_back({value, tick_text(fmt::format("{:.{}f}", value, std::max(0, -power)))});
             else
                 out.all.push_back({value, digit == 1 ? "10" : fmt::format("{}·10", digit), tick_text(fmt::format("{}", power))});
         }
     if (out.all.size() >= 3) {
-        for (size_t i = 0; i < out.all.size() && int(out.all.size()) > about; ++i)
-            if (i % 2 == 1) out.all[i].text.clear(), out.all[i].power.clear();
+        // The largest of these sets of digits that gives no more labels than wished for.
+        for (std::string_view const labelled : {"123456789", "123468", "12357", "125", "13"}) {
+            auto const keeps = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
+            int labels = 0;
+            for (size_t i = 0; i < digits.size(); ++i) labels += keeps(i);
+            if (labels > about && labelled != "13") continue;
+            for (size_t i = 0; i < digits.size(); ++i)
+                if (!keeps(i)) out.all[i].text.clear(), out.all[i].power.clear();
+            break;
+        }
         return out;
     }
     return Axis({power_of_ten(low_), power_of_ten(high_)}, false, 0).linear(about);
@@ -129,9 +139,11 @@ Ticks Axis::logarithmic(int about) const {
     Ticks out;
     for (int power = first - 1; power <= last; ++power) {
         double const decade = scaled(1, power);
-        if (power >= first && decade > 0) {
+        if (power >= first && decade > 0 && std::isfinite(decade)) {
             Tick tick{decade};
-            if (((power % stride) + stride) % stride == 0)
+            bool const labelled = ((power % stride) + stride) % stride == 0;
+            if (!labelled && count > 40) continue;
+            if (labelled)
                 plain ? tick.text = tick_text(fmt::format("{:.{}f}", decade, std::max(0, -power)))
                       : (tick.text = "10", tick.power = tick_text(fmt::format("{}", power)));
             out.all.push_back(tick);
@@ -139,7 +151,7 @@ Ticks Axis::logarithmic(int about) const {
         for (int digit = 2; stride == 1 && count <= 7 && digit <= 9; ++digit) {
             double const value = scaled(digit, power);
             if (!std::isfinite(value) || value <= 0 || decades(value) < low_ || decades(value) > high_) continue;
-            bool const labelled = plain && count <= 2 && (digit == 2 || digit == 5);
+            bool const labelled = plain && 4 * count <= about && (digit == 2 || digit == 5);
             out.all.push_back({value, labelled ? tick_text(fmt::format("{:.{}f}", value, std::max(0, -power))) : ""});
         }
     }

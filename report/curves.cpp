@@ -134,20 +134,37 @@ std::string says(Figure const& figure, Curve const& curve, size_t i) {
     return out;
 }
 
-/// Marks with tooltips. Along a line they keep a distance; of the points of a cloud each place is drawn once.
+/// Marks with tooltips. Along a line they keep a distance, and of very many only some are drawn; of the points of a cloud each
+/// place is drawn once.
 std::string marks(Figure const& figure, Curve const& curve, Axes const& axes) {
     constexpr double apart = 9;
+    constexpr size_t many = 120, enough = 40, cloud = 2000;
+    std::vector<std::pair<size_t, Point>> all;
+    for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
+        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i]))
+            if (Point const p{axes.x(curve.x[i]), axes.y(curve.y[i])}; axes.box.holds(p.x, p.y)) all.emplace_back(i, p);
     std::string out;
-    Point last{-1e9, -1e9};
-    std::set<std::pair<long, long>> taken;
-    for (size_t i = 0; i < curve.x.size(); ++i) {
-        if (!axes.x.shows(curve.x[i]) || !axes.y.shows(curve.y[i])) continue;
-        Point const p{axes.x(curve.x[i]), axes.y(curve.y[i])};
-        if (!axes.box.holds(p.x, p.y)) continue;
-        if (curve.line && i > 0 && i + 1 < curve.x.size() && std::abs(p.x - last.x) < apart && std::abs(p.y - last.y) < apart) continue;
-        if (!curve.line && !taken.emplace(std::lround(p.x), std::lround(p.y)).second) continue;
-        last = p;
-        out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark_path(curve.look.mark, p.x, p.y), escaped_xml(says(figure, curve, i)));
+    if (curve.line) {
+        size_t const stride = all.size() > many ? all.size() / enough : 1;
+        Point last{-far, -far};
+        for (size_t k = 0; k < all.size(); ++k) {
+            auto const& [i, p] = all[k];
+            bool const end = k == 0 || k + 1 == all.size();
+            if (!end && (k % stride || (std::abs(p.x - last.x) < apart && std::abs(p.y - last.y) < apart))) continue;
+            last = p;
+            out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark_path(curve.look.mark, p.x, p.y), escaped_xml(says(figure, curve, i)));
+        }
+    } else {
+        std::set<std::pair<long, long>> taken;
+        std::string path;
+        double const grid = all.size() > cloud ? 2 : 0.5;
+        for (auto const& [i, p] : all) {
+            if (!taken.emplace(std::lround(p.x / grid), std::lround(p.y / grid)).second) continue;
+            std::string const mark = mark_path(curve.look.mark, p.x, p.y);
+            if (all.size() > cloud) path += mark;
+            else out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark, escaped_xml(says(figure, curve, i)));
+        }
+        if (!path.empty()) out = fmt::format("<path d=\"{}\"><title>{}</title></path>", path, escaped_xml(curve.name));
     }
     return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look), out);
 }

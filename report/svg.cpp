@@ -140,7 +140,7 @@ std::string names_at_ends(Panel const& panel, std::vector<Curve const*> const& l
     std::string out;
     for (size_t i = 0; i < ends.size(); ++i) {
         auto const& [curve, x, y] = ends[i];
-        out += fmt::format("<g class=\"s\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" stroke-opacity=\".6\"/>",
+        out += fmt::format("<g class=\"s name\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" stroke-opacity=\".6\"/>",
                            series_number(legend, curve->name), fixed(x + 6), fixed(y), fixed(axes.box.right + 8), fixed(y), fixed(axes.box.right + 24),
                            fixed(heights[i]), curve->look.colour);
         out += text_at(axes.box.right + 28, heights[i] + 4.3, curve->name, fmt::format("font-size=\"{}\" fill=\"{}\"", tick_size, curve->look.colour)) + "</g>";
@@ -174,7 +174,7 @@ std::string names_beside(Panel const& panel, std::vector<Curve const*> const& le
             Box const box{x + dx, y + dy - height / 2, x + dx + width, y + dy + height / 2};
             if (!free(box)) continue;
             taken.push_back(box);
-            out += fmt::format("<g class=\"s\" data-s=\"{}\">{}</g>", series_number(legend, curve.name),
+            out += fmt::format("<g class=\"s name\" data-s=\"{}\">{}</g>", series_number(legend, curve.name),
                                text_at(box.left, y + dy + 4.3, curve.name, fmt::format("font-size=\"{}\" fill=\"{}\"", tick_size, curve.look.colour)));
             break;
         }

@@ -1,0 +1,330 @@
+// Laws of every drawing, whatever the numbers: inside its panel, no NaN, well formed, of bounded size. And of pages.
+#include "report/axis.hpp"
+#include "report/page.hpp"
+#include "report/svg.hpp"
+
+#include <rlslab/model/random.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+namespace rlslab {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+
+Figure one(std::vector<double> x, std::vector<double> y, bool log_x = false, bool log_y = false) {
+    Figure out{.name = "f", .title = "title", .x = "abscissa", .y = "ordinate", .log_x = log_x, .log_y = log_y, .panels = {{"", {}, {}}}};
+    out.panels[0].curves.push_back({.name = "curve", .look = look_of("", 0), .x = std::move(x), .y = std::move(y)});
+    return out;
+}
+
+/// NAME="VALUE" after NAME="VALUE", each with a space before it, and nothing else. (std::regex overflows the stack here.)
+bool attributes(std::string_view text) {
+    while (!text.empty()) {
+        size_t const is = text.find("=\""), end = is == text.npos ? is : text.find('"', is + 2);
+        if (text[0] != ' ' || end == text.npos) return false;
+        for (char const c : text.substr(1, is - 1))
+            if (!std::isalpha(static_cast<unsigned char>(c)) && c != '-' && c != ':') return false;
+        if (text.substr(is + 2, end - is - 2).find('<') != text.npos) return false;
+        text.remove_prefix(end + 1);
+    }
+    return true;
+}
+
+/// Tags are closed in the order in which they were opened, attributes have quotes, no & stands alone.
+testing::AssertionResult well_formed(std::string const& xml) {
+    std::vector<std::string> open;
+    for (size_t at = 0; (at = xml.find('<', at)) != std::string::npos;) {
+        size_t const end = xml.find('>', at);
+        if (end == std::string::npos) return testing::AssertionFailure() << "an open tag at the end";
+        std::string tag = xml.substr(at + 1, end - at - 1);
+        at = end;
+        bool const closes = tag.starts_with('/'), alone = tag.ends_with('/');
+        if (alone) tag.pop_back();
+        std::string const name = tag.substr(closes, std::min(tag.find(' '), tag.size()) - closes);
+        if (name.empty() || !attributes(std::string_view(tag).substr(closes + name.size()))) return testing::AssertionFailure() << "a tag: " << tag.substr(0, 200);
+        if (closes) {
+            if (open.empty() || open.back() != name) return testing::AssertionFailure() << "closed: " << tag;
+            open.pop_back();
+        } else if (!alone)
+            open.push_back(name);
+    }
+    for (size_t at = 0; (at = xml.find('&', at)) != std::string::npos; ++at) {
+        std::string_view const rest = std::string_view(xml).substr(at + 1, 6);
+        if (std::ranges::none_of(std::array{"amp;", "lt;", "gt;", "quot;", "#39;", "ensp;"}, [&](char const* known) { return rest.starts_with(known); }))
+            return testing::AssertionFailure() << "a bare &: " << rest;
+    }
+    return open.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "not closed: " << open.back();
+}
+
+struct Place {
+    double x, y;
+};
+/// The absolute places in a path: after M and L.
+void add_places(std::vector<Place>& out, std::string_view path) {
+    for (size_t at = 0; (at = path.find_first_of("ML", at)) != path.npos;) {
+        char* end = nullptr;
+        double const x = std::strtod(path.data() + at + 1, &end), y = std::strtod(end, &end);
+        out.push_back({x, y});
+        at = size_t(end - path.data());
+    }
+}
+/// The corners of the panel's frame, and every absolute place in the paths of its series (not of their names, which stand beside it).
+std::vector<Place> places(std::string const& text, Place& low, Place& high) {
+    size_t const frame_end = text.find("Z\" fill=\"none\" stroke=\"#888\""), frame = text.rfind("\"M", frame_end);
+    EXPECT_NE(frame_end, text.npos);
+    char* end = nullptr;
+    low.x = std::strtod(text.c_str() + frame + 2, &end), low.y = std::strtod(end, &end);
+    high.x = std::strtod(end + 1, &end), high.y = std::strtod(end + 1, &end);
+    std::vector<Place> out;
+    for (char const* group : {"<g class=\"s\" data-s", "<g class=\"s event\" data-s"})
+        for (size_t at = 0; (at = text.find(group, at)) != text.npos;) {
+            size_t const last = text.find('\n', at);    // a group is a line
+            for (size_t d = at; (d = text.find(" d=\"", d)) < last;) {
+                size_t const quote = text.find('"', d + 4);
+                add_places(out, std::string_view(text).substr(d + 4, quote - d - 4));
+                d = quote;
+            }
+            at = last;
+        }
+    return out;
+}
+
+/// The tags alone.
+std::string without_texts(std::string const& xml) {
+    std::string out;
+    for (size_t at = 0; at < xml.size();) {
+        size_t const tag = std::min(xml.find('<', at), xml.size()), end = std::min(xml.find('>', tag), xml.size());
+        out += xml.substr(tag, end - tag);
+        at = end;
+    }
+    return out;
+}
+
+/// All that holds of the drawing of any figure. Returns how many places are drawn.
+size_t lawful(Figure const& figure) {
+    size_t count = 0;
+    for (size_t i = 0; i < figure.panels.size(); ++i) {
+        std::string const text = panel_svg(figure, i, 520, 350, true);
+        EXPECT_TRUE(well_formed(text));
+        std::string const bare = without_texts(text);
+        EXPECT_EQ(bare.find("nan"), std::string::npos);
+        EXPECT_EQ(bare.find("inf"), std::string::npos);
+        EXPECT_EQ(bare.find("e+"), std::string::npos);
+        Place low, high;
+        for (Place const& p : places(text, low, high)) {
+            EXPECT_THAT(p.x, testing::AllOf(testing::Ge(low.x - 0.11), testing::Le(high.x + 0.11)));
+            EXPECT_THAT(p.y, testing::AllOf(testing::Ge(low.y - 0.11), testing::Le(high.y + 0.11)));
+            ++count;
+        }
+        EXPECT_LT(low.x, high.x);
+        EXPECT_LT(low.y, high.y);
+    }
+    EXPECT_TRUE(well_formed(svg(figure)));
+    EXPECT_TRUE(well_formed(figure_html(figure)));
+    return count;
+}
+
+TEST(Decades, AreLog10AndExactEnoughAtPowersOfTen) {
+    Seed seed{1};
+    for (int i = 0; i < 100000; ++i) {
+        double const x = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 2000) - 1000);
+        long double const exact = std::log10(static_cast<long double>(x));
+        ASSERT_NEAR(decades(x), double(exact), 4 * 0x1p-52 * std::max(1.0, double(std::abs(exact)))) << x;
+    }
+    for (int k = -307; k <= 308; ++k) EXPECT_NEAR(decades(std::stod("1e" + std::to_string(k))), k, 4 * 0x1p-52 * std::max(1, std::abs(k)));
+    EXPECT_EQ(decades(1), 0);
+    EXPECT_NEAR(decades(5e-324), -323.306215343115980, 1e-12);
+}
+
+void ticks_are_lawful(Range range, bool logarithmic, int about) {
+    SCOPED_TRACE(testing::Message() << range.low << " ... " << range.high << (logarithmic ? ", logarithmic" : "") << ", about " << about);
+    Axis axis(range, logarithmic, 0.03);
+    axis.place(0, 1);
+    Ticks const ticks = axis.ticks(about);
+    std::set<std::pair<std::string, std::string>> texts;
+    size_t labelled = 0;
+    for (size_t i = 0; i < ticks.all.size(); ++i) {
+        Tick const& tick = ticks.all[i];
+        if (i > 0) { EXPECT_LT(ticks.all[i - 1].value, tick.value); }
+        EXPECT_THAT(axis(tick.value), testing::AllOf(testing::Ge(-1e-6), testing::Le(1 + 1e-6))) << tick.value;
+        if (tick.text.empty()) continue;
+        ++labelled;
+        EXPECT_TRUE(texts.emplace(tick.text, tick.power).second) << tick.text << " twice";
+    }
+    EXPECT_LE(labelled, size_t(about) + 2);
+    EXPECT_LE(ticks.all.size(), 90u);
+}
+TEST(Ticks, AscendInsideTheRangeEachWithItsOwnLabel) {
+    Seed seed{2};
+    for (int i = 0; i < 4000; ++i) {
+        double const size = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 1900) - 950), middle = (seed.uniform() - 0.5) * 40 * size;
+        int const about = 3 + int(seed.uniform() * 9);
+        ticks_are_lawful({middle, middle + size}, false, about);
+        ticks_are_lawful({size, size * std::ldexp(1 + seed.uniform(), int(seed.uniform() * seed.uniform() * 60))}, true, about);
+    }
+    for (bool const logarithmic : {false, true})
+        for (Range const& range : {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)}, Range{1e9, 1e9 + 1},
+                                   Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101}, Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
+            ticks_are_lawful(range, logarithmic, 6);
+    for (Range const& range : {Range{0, 0}, Range{-1.7e308, 1.7e308}, Range{-5e-324, 5e-324}, Range{-1, 1e-300}}) ticks_are_lawful(range, false, 6);
+}
+TEST(Ticks, AreWhatPeopleWouldChoose) {
+    auto const texts = [](Range range, bool logarithmic, int about) {
+        std::vector<std::string> out;
+        for (Tick const& tick : Axis(range, logarithmic, 0).ticks(about).all)
+            if (!tick.text.empty()) out.push_back(tick.text + (tick.power.empty() ? "" : "^" + tick.power));
+        return out;
+    };
+    EXPECT_THAT(texts({0, 1}, false, 5), testing::ElementsAre("0.0", "0.2", "0.4", "0.6", "0.8", "1.0"));
+    EXPECT_THAT(texts({-30, 20}, false, 6), testing::ElementsAre("−30", "−20", "−10", "0", "10", "20"));
+    EXPECT_THAT(texts({0, 30000}, false, 3), testing::ElementsAre("0", "10\u2009000", "20\u2009000", "30\u2009000"));
+    EXPECT_THAT(texts({1e-16, 1}, true, 6), testing::ElementsAre("10^−15", "10^−12", "10^−9", "10^−6", "10^−3", "10^0"));
+    EXPECT_THAT(texts({1, 1000}, true, 6), testing::ElementsAre("1", "10", "100", "1000"));
+    EXPECT_EQ(Axis({0, 4e7}, false, 0).ticks(5).left_out, 7);
+    EXPECT_THAT(texts({0, 4e7}, false, 5), testing::ElementsAre("0", "1", "2", "3", "4"));
+}
+
+TEST(Drawing, OfNothingOrOnePointIsLawful) {
+    lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {}});
+    lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {{"p", {}, {}}}});
+    EXPECT_EQ(lawful(one({}, {})), 0u);
+    EXPECT_THAT(panel_svg(one({}, {}), 0, 520, 350, true), testing::HasSubstr("no number to draw"));
+    for (bool const logarithmic : {false, true}) EXPECT_EQ(lawful(one({3}, {4}, logarithmic, logarithmic)), 1u);
+    EXPECT_EQ(lawful(one({nan, infinity, 1}, {1, 1, -infinity})), 0u);
+    Figure cells = one({}, {});
+    cells.cells = true;
+    lawful(cells);
+}
+TEST(Drawing, LeavesOutWhatALogarithmicAxisCannotShow) {
+    Figure figure = one({1, 2, 3, 4, 5, 6}, {1, 0, -1, nan, infinity, 10}, true, true);
+    figure.panels[0].curves[0].line = false;
+    EXPECT_EQ(lawful(figure), 2u);
+    figure.panels[0].curves[0].x[0] = 0;
+    EXPECT_EQ(lawful(figure), 1u);
+}
+TEST(Drawing, BreaksALineAtANumberItCannotShow) {
+    std::string const text = panel_svg(one({1, 2, 3, 4, 5}, {1, 2, nan, 2, 1}), 0, 520, 350, true);
+    size_t const line = text.find("\" fill=\"none\" stroke=\"#0072b2\""), from = text.rfind("d=\"", line);
+    std::string const path = text.substr(from, line - from);
+    EXPECT_EQ(std::ranges::count(path, 'M'), 2) << path;
+    EXPECT_EQ(std::ranges::count(path, 'L'), 2) << path;
+}
+TEST(Drawing, ShowsAnyFiniteNumber) {
+    std::vector<double> const all{-1.79e308, -1e300, -1, -1e-300, -5e-324, 0, 5e-324, 1e-300, 1, 1e300, 1.79e308};
+    EXPECT_GE(lawful(one(all, all)), 6u);    // the small ones share a place
+    EXPECT_GE(lawful(one(all, all, true, true)), 5u);
+    Seed seed{3};
+    for (int i = 0; i < 150; ++i) {
+        std::vector<double> x, y, low, high;
+        for (int k = 0; k < 12; ++k) {
+            auto const draw = [&] {
+                double const u = seed.uniform();
+                if (u < 0.05) return std::array{nan, infinity, -infinity, 0.0}[size_t(seed.uniform() * 4)];
+                return (seed.uniform() < 0.3 ? -1 : 1) * std::ldexp(1 + seed.uniform(), int((seed.uniform() - 0.5) * (i % 3 ? 20 : 2000)));
+            };
+            x.push_back(draw()), y.push_back(draw()), low.push_back(draw()), high.push_back(draw());
+        }
+        Figure figure = one(x, y, i % 2, i % 4 / 2);
+        Panel& panel = figure.panels[0];
+        panel.curves[0].low = low, panel.curves[0].high = high, panel.curves[0].bars = i % 5 == 0;
+        panel.guides.push_back({.name = "guide", .look = {"#555555", true}, .x = x, .y = high});
+        panel.events = {{.x = x[3], .text = "held out"}, {.x = x[4], .y = y[4], .text = "broken", .series = "curve"}};
+        figure.square = i % 7 == 0;
+        figure.names = i % 2;
+        lawful(figure);
+    }
+}
+TEST(Drawing, CutsGuidesOffAtThePanel) {
+    Figure figure = one({1, 2, 3}, {1, 2, 3});
+    figure.panels[0].guides.push_back({.name = "far", .look = {"#555555", true}, .x = {1, 3}, .y = {-1e200, 1e200}});
+    EXPECT_GE(lawful(figure), 5u);
+}
+TEST(Drawing, EscapesEveryText) {
+    std::string const evil = "<script>alert(\"1\")</script> & 'x' \x01 \n";
+    Figure figure = one({1, 2}, {1, 2});
+    figure.title = figure.x = figure.y = figure.note = evil;
+    figure.names = true;
+    Panel& panel = figure.panels[0];
+    panel.name = panel.curves[0].name = evil;
+    panel.curves[0].says = {evil, evil};
+    panel.events = {{.x = 1, .text = evil}, {.x = 2, .y = 2, .text = evil, .series = evil}};
+    figure.panels.push_back(panel);
+    lawful(figure);
+    EXPECT_EQ(svg(figure).find("<script"), std::string::npos);
+    EXPECT_EQ(figure_html(figure).find("<script"), std::string::npos);
+    figure.x_names = {evil, evil, evil};
+    lawful(figure);
+    figure.cells = true, figure.x_names.clear();
+    for (Panel& p : figure.panels) p.curves[0].row = {evil, evil};
+    lawful(figure);
+}
+TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
+    std::vector<double> x, y;
+    Seed seed{4};
+    for (int i = 0; i < 1000000; ++i) x.push_back(i), y.push_back(seed.uniform());
+    y[123456] = 5, y[654321] = -5;
+    Figure figure = one(x, y);
+    std::string const text = panel_svg(figure, 0, 1040, 440, true);
+    EXPECT_LT(text.size(), 150000u);
+    Place low, high;
+    double top = infinity, bottom = 0;
+    for (Place const& p : places(text, low, high)) top = std::min(top, p.y), bottom = std::max(bottom, p.y);
+    EXPECT_LT(top - low.y, 25);
+    EXPECT_LT(high.y - bottom, 25);
+    figure.panels[0].curves[0].line = false;
+    EXPECT_LT(panel_svg(figure, 0, 520, 350, true).size(), 6000000u);
+}
+TEST(Drawing, SharesTheRangeOfYUnlessAPanelHasItsOwn) {
+    Figure figure = one({0, 1}, {0, 1});
+    figure.panels.push_back(figure.panels[0]);
+    figure.panels[1].curves[0].y = {0, 1000};
+    Place low, high;
+    auto const height = [&](size_t panel) {
+        std::vector<Place> const p = places(panel_svg(figure, panel, 520, 350, true), low, high);
+        double top = infinity;
+        for (Place const& place : p) top = std::min(top, place.y);
+        return (high.y - top) / (high.y - low.y);
+    };
+    EXPECT_LT(height(0), 0.1);
+    EXPECT_GT(height(1), 0.9);
+    figure.own_y = true;
+    EXPECT_GT(height(0), 0.9);
+}
+TEST(Drawing, ASquareAxisHasOneUnit) {
+    Figure figure = one({-1, 1, 1, -1}, {-1, -1, 1, 1});
+    figure.square = true;
+    Place low, high;
+    Range x, y;
+    for (Place const& p : places(panel_svg(figure, 0, 1040, 440, true), low, high)) x.add(p.x), y.add(p.y);
+    EXPECT_NEAR(x.high - x.low, y.high - y.low, 0.3);
+}
+TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
+    Figure figure = one({1, 2}, {1, 2});
+    figure.panels[0].curves.push_back({.name = "other", .look = look_of("", 1), .x = {1}, .y = {2}});
+    figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
+    std::string const html = figure_html(figure);
+    for (char const* name : {"curve", "other", "guide"}) EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve") ? 0 : name == std::string("other") ? 1 : 2]->name), name);
+    for (char const* number : {"0", "1", "2"}) {
+        EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::string(number) + "\">"));
+        EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::string(number) + "\">"));
+    }
+}
+
+TEST(Pages, LoadNothing) {
+    std::string const text = page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") + table_html({"a", "<b>"}, {{"1", "&"}}));
+    for (char const* address : {"src=", "@import", "url(", "<link", "fetch("}) EXPECT_EQ(text.find(address), std::string::npos) << address;
+    EXPECT_THAT(text, testing::HasSubstr("<title>a &lt; b</title>"));
+    EXPECT_THAT(text, testing::HasSubstr("<th>&lt;b&gt;</th>"));
+}
+
+}  // namespace
+}  // namespace rlslab
