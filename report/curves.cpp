@@ -125,6 +125,14 @@ std::string bars(Curve const& curve, Axes const& axes) {
     return path.empty() ? "" : fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.2\"/>", path, curve.look.colour);
 }
 
+std::string stems(Curve const& curve, Axes const& axes) {
+    std::string path;
+    double const foot = inside(0, axes);
+    for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
+        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i])) path += fmt::format("M{} {}V{}", fixed(axes.x(curve.x[i])), fixed(foot), fixed(inside(curve.y[i], axes)));
+    return path.empty() ? "" : fmt::format("<path d=\"{}\" {}/>", path, line_style({curve.look.colour}, 1.6));
+}
+
 std::string says(Figure const& figure, Curve const& curve, size_t i) {
     if (i < curve.says.size()) return curve.says[i];
     size_t const place = static_cast<size_t>(std::clamp(curve.x[i], 0.0, 1e6));
@@ -205,6 +213,7 @@ std::string line_style(Look const& look, double width) {
 std::string curve_group(Figure const& figure, Curve const& curve, size_t series, bool guide, Axes const& axes) {
     std::string out;
     if (!guide) out += curve.bars ? bars(curve, axes) : band(curve, axes);
+    if (!guide && curve.stems) out += stems(curve, axes);
     std::string path;
     if (curve.line)
         for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; })) path += path_of(thinned(run), axes.box);
@@ -221,9 +230,10 @@ std::string event_group(Event const& event, Look const& look, size_t series, Axe
     std::string out;
     if (std::isnan(event.y) || !axes.y.shows(event.y)) {
         bool const left = x > (axes.box.left + axes.box.right) / 2;
+        std::string const text = shortened(event.text, tick_size, (left ? x - axes.box.left : axes.box.right - x) - 6);
         out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\">{}</text>", fixed(x),
                           fixed(axes.box.top), fixed(axes.box.bottom), line_style({look.colour, true}, 1.3), fixed(left ? x - 5 : x + 5),
-                          fixed(axes.box.top + 14), left ? "end" : "start", look.colour, escaped_xml(event.text));
+                          fixed(axes.box.top + 14), left ? "end" : "start", look.colour, escaped_xml(text));
     } else {
         double const y = std::clamp(axes.y(event.y), axes.box.top, axes.box.bottom);
         out = fmt::format("<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" fill=\"{2}\"/>"

@@ -27,6 +27,7 @@ struct Curve {
     std::vector<double> low = {}, high = {};    ///< an interval about each y, drawn where it is not y itself; or empty
     std::vector<std::string> row = {};          ///< cells: what each stands at along the other axis
     bool marks = true, line = true;
+    bool stems = false;                         ///< an upright line from y = 0 to each point
     bool bars = false;                          ///< low and high as an error bar at each point; otherwise as a band
     std::vector<std::string> says = {};         ///< a tooltip for each point; if empty, they tell name and numbers
 };

@@ -4,6 +4,7 @@ function Reader(sources)
   for tex in tostring(sources):gmatch('R"tex%((.-)%)tex"') do
     local one = pandoc.Pandoc({pandoc.Plain{pandoc.Math('DisplayMath', tex)}})
     local html = pandoc.write(one, 'html', {html_math_method = 'mathml'})
+    html = html:gsub('<m[io]>⊤</m[io]>', '<mi mathvariant="normal">T</mi>')    -- fonts without ⊤ raise it too high
     if html:find('<math', 1, true) then    -- pandoc says which it does not understand
       out[#out + 1] = '{R"tex(' .. tex .. ')tex",\nR"mathml(' .. html .. ')mathml"},\n'
     end

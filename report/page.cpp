@@ -22,6 +22,18 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
+namespace {
+/// Whether anything of this name can be shown.
+bool drawn(Figure const& figure, std::string const& name) {
+    for (Panel const& panel : figure.panels)
+        for (auto const* curves : {&panel.curves, &panel.guides})
+            for (Curve const& curve : *curves)
+                for (size_t i = 0; curve.name == name && i < std::min(curve.x.size(), curve.y.size()); ++i)
+                    if (Axis::shows(curve.x[i], figure.log_x) && Axis::shows(curve.y[i], figure.log_y)) return true;
+    return false;
+}
+}  // namespace
+
 std::string figure_html(Figure const& figure) {
     std::string out = fmt::format("<figure id=\"{}\"><figcaption>{}</figcaption>\n", escaped(figure.name), escaped(figure.title));
     if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
@@ -35,7 +47,9 @@ std::string figure_html(Figure const& figure) {
                            escaped(figure.y));
     } else if (auto const legend = legend_of(figure); legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
         out += fmt::format("<p class=\"legend{}\">", at_ends ? " ends" : "");
-        for (size_t i = 0; i < legend.size(); ++i) out += fmt::format("<span data-s=\"{}\">{}{}</span> ", i, key_svg(*legend[i]), escaped(legend[i]->name));
+        for (size_t i = 0; i < legend.size(); ++i) 
+            out += fmt::format("<span data-s=\"{}\">{}{}{}</span> ", i, key_svg(*legend[i]), escaped(legend[i]->name),
+                               drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
         out += "</p>\n";
     }
     out += fmt::format("<div class=\"panels {}\">\n", panels <= 1 ? "one" : figure.cells && panels > 4 ? "three" : "two");

@@ -22,6 +22,14 @@ std::string fixed(double x);
 /// A number for a tooltip: four digits.
 std::string number_text(double x);
 
+constexpr double tick_size = 12;    ///< of the font of ticks and names
+
+/// Its beginning and "…", where it is too wide in a font of this size.
+std::string shortened(std::string const& text, double size, double width);
+/// So many lines at most, no wider than this, broken at spaces.
+std::vector<std::string> wrapped(std::string const& text, double size, double width, size_t most);
+std::string text_at(double x, double y, std::string const& text, std::string const& attributes);
+
 /// The mark's outline about (x, y); "" for no mark.
 std::string mark_path(std::string const& mark, double x, double y);
 /// Attributes of marks and lines of this look.
@@ -39,6 +47,37 @@ struct Cells {
     std::vector<double> places;        ///< along x, ascending
     Range x;                           ///< with the outer edges
 };
+
+/// A panel's axes with their labels.
+struct Bottom {
+    std::vector<Tick> ticks;
+    int left_out = 0;
+    bool slanted = false;
+    double height = 0;
+};
+struct Frame {
+    Axes axes;
+    Ticks left;
+    Bottom bottom;
+    std::vector<std::string> x_lines, y_lines;
+    double widest;    ///< of the labels on the left
+};
+/// `names`: the width of the margin on the right.
+Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double names, double width, double height);
+std::string grid_group(Figure const& figure, Frame const& frame);
+std::string labels_group(Frame const& frame, double height);
+
+/// The place in the legend; its size if the name is not in it.
+size_t series_number(std::vector<Curve const*> const& legend, std::string const& name);
+
+/// Where a panel's curves are named in it: at their ends, in a margin of this width, or beside single points.
+struct Names {
+    double width = 0;
+    bool at_ends = false, beside = false;
+};
+Names names_of(Figure const& figure, Panel const& panel, bool named, double most);
+std::string names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes);
+
 Cells cells_of(Figure const& figure, Panel const& panel);
 std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box, Range shades);
 /// The range of the shades over all panels: [0, 1] if that holds them.

@@ -43,6 +43,7 @@ class Reader {
             if (name == known) return argument();
         for (std::string_view const size : {"left", "right", "big", "Big", "bigl", "bigr", "Bigl", "Bigr", "Bigg", "rm", "bf", "limits", "displaystyle"})
             if (name == size) return "";
+        if (name == "\n") return " ";
         auto const found = words().find(name);
         return found == words().end() ? std::string(name) : std::string(found->second);
     }

@@ -13,6 +13,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <set>
 
 namespace rlslab {
@@ -98,6 +99,33 @@ std::vector<Place> places(std::string const& text, Place& low, Place& high) {
     return out;
 }
 
+/// Every text is inside a drawing so wide and high, by what its letters are about as wide as.
+void texts_fit(std::string const& svg, double width, double height) {
+    for (size_t at = 0; (at = svg.find("<text ", at)) != svg.npos; ++at) {
+        size_t const close = svg.find('>', at);
+        std::string const tag = svg.substr(at, close - at);
+        std::string text = svg.substr(close + 1, svg.find("</text>", close) - close - 1);
+        for (size_t open; (open = text.find('<')) != text.npos;) text.erase(open, text.find('>', open) - open + 1);
+        for (auto const& [entity, plain] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "+"}})
+            for (size_t e; (e = text.find(entity)) != text.npos;) text.replace(e, std::strlen(entity), plain);
+        auto const number = [&](char const* name, double otherwise) {
+            size_t const found = tag.find(name);
+            return found == tag.npos ? otherwise : std::strtod(tag.c_str() + found + std::strlen(name), nullptr);
+        };
+        bool const upright = tag.find("rotate(-90)") != tag.npos, slanted = tag.find("rotate(-35)") != tag.npos;
+        double const size = number("font-size=\"", 12), length = size * text_width(text) * (slanted ? 0.82 : 1);
+        size_t const place = tag.find("translate(");
+        char* end = nullptr;
+        double const x = place == tag.npos ? number(" x=\"", -1) : std::strtod(tag.c_str() + place + 10, &end);
+        double const y = place == tag.npos ? number(" y=\"", -1) : std::strtod(end, nullptr);
+        double const before = tag.find("\"end\"") != tag.npos ? length : tag.find("\"middle\"") != tag.npos ? length / 2 : 0;
+        EXPECT_GE((upright ? height - y : x) - before, -0.5) << text;
+        EXPECT_LE((upright ? height - y : x) - before + length, (upright ? height : width) + 0.5) << text;
+        EXPECT_GE(upright ? x : y, 0.6 * size) << text;
+        EXPECT_LE(upright ? x : y, upright ? width : height) << text;
+    }
+}
+
 /// The tags alone.
 std::string without_texts(std::string const& xml) {
     std::string out;
@@ -116,6 +144,7 @@ size_t lawful(Figure const& figure) {
         std::string const text = panel_svg(figure, i, 520, 350, true);
         EXPECT_TRUE(well_formed(text));
         std::string const bare = without_texts(text);
+        texts_fit(text, 520, 350);
         EXPECT_EQ(bare.find("nan"), std::string::npos);
         EXPECT_EQ(bare.find("inf"), std::string::npos);
         EXPECT_EQ(bare.find("e+"), std::string::npos);
@@ -235,7 +264,7 @@ TEST(Drawing, ShowsAnyFiniteNumber) {
         }
         Figure figure = one(x, y, i % 2, i % 4 / 2);
         Panel& panel = figure.panels[0];
-        panel.curves[0].low = low, panel.curves[0].high = high, panel.curves[0].bars = i % 5 == 0;
+        panel.curves[0].low = low, panel.curves[0].high = high, panel.curves[0].bars = i % 5 == 0, panel.curves[0].stems = i % 6 == 0;
         panel.guides.push_back({.name = "guide", .look = {"#555555", true}, .x = x, .y = high});
         panel.events = {{.x = x[3], .text = "held out"}, {.x = x[4], .y = y[4], .text = "broken", .series = "curve"}};
         figure.square = i % 7 == 0;
@@ -266,6 +295,35 @@ TEST(Drawing, EscapesEveryText) {
     figure.cells = true, figure.x_names.clear();
     for (Panel& p : figure.panels) p.curves[0].row = {evil, evil};
     lawful(figure);
+}
+TEST(Drawing, NamesAtTheEndsOfManyCurvesStayInside) {
+    Figure figure = one({1, 2, 3}, {1, 2, 3});
+    figure.names = true;
+    for (int n = 0; n < 40; ++n) {
+        lawful(figure);
+        figure.panels[0].curves.push_back({.name = "curve " + std::to_string(n), .look = look_of("", size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
+    }
+}
+TEST(Drawing, HoldsEveryTextHoweverLong) {
+    std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
+    for (std::string const& text : {words + words + words + words + words + words, endless, words + endless, std::string("short")}) {
+        Figure figure = one({1, 2, 3}, {1e-7, 2, 3e5}, false, true);
+        figure.title = figure.x = figure.y = figure.series = text;
+        Panel& panel = figure.panels[0];
+        panel.name = panel.curves[0].name = text;
+        panel.curves.push_back({.name = text + "1", .look = look_of("", 1), .x = {1, 3}, .y = {1, 2}});
+        panel.events = {{.x = 1.4, .text = text}, {.x = 2.9, .text = text}};
+        for (bool const names : {false, true}) {
+            figure.names = names;
+            lawful(figure);
+            texts_fit(panel_svg(figure, 0, 400, 330, true), 400, 330);
+        }
+        figure.x_names = {text, text + "1", text + "2", text + "3"};
+        lawful(figure);
+        figure.x_names.clear(), figure.cells = true, figure.log_y = false;
+        figure.panels[0].curves[0].row = {text, text + "1", text};
+        lawful(figure);
+    }
 }
 TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
     std::vector<double> x, y;

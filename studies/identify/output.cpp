@@ -19,6 +19,11 @@ Curve line(std::string name, size_t place, Signal x, Signal y) {
     out.marks = false;
     return out;
 }
+Curve dashed(std::string name, size_t place, Signal x, Signal y) {
+    Curve out = line(std::move(name), place, std::move(x), std::move(y));
+    out.look.dashed = true;    // over the measured line, which shows between the dashes
+    return out;
+}
 Signal counting(size_t n, double from = 0) {
     Signal out(n);
     for (size_t k = 0; k < n; ++k) out[k] = from + double(k);
@@ -26,18 +31,6 @@ Signal counting(size_t n, double from = 0) {
 }
 Curve level(std::string name, double from, double to, double y) {
     Curve out = line(std::move(name), 6, {from, to}, {y, y});
-    out.look = {"#555555", true, ""};
-    return out;
-}
-
-/// Upright at x, as high as the panel's curves.
-Curve boundary(Panel const& panel, double x) {
-    double low = INFINITY, high = -INFINITY;
-    for (Curve const& c : panel.curves)
-        for (size_t k = 0; k < c.y.size(); ++k)
-            if (std::isfinite(c.low[k]) && std::isfinite(c.high[k])) low = std::min(low, c.low[k]), high = std::max(high, c.high[k]);
-    if (!(low <= high)) low = high = 0;
-    Curve out = line("held out from here", 6, {x, x}, {low, high});
     out.look = {"#555555", true, ""};
     return out;
 }
@@ -52,12 +45,12 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     auto const window = [&](Signal const& x) { return Signal(x.begin() + from, x.begin() + last); };
     Signal const time = counting(size_t(last - from), double(lead_in + from));
     Figure output{"output", fmt::format("Measured and modelled output, samples {} to {}", lead_in + from, lead_in + last - 1), "sample", m.options.output, false, false,
-                  false, {{"one step ahead", {line("measured", 6, time, window(m.measured)), line("predicted", 1, time, window(m.one_step))}, {}},
-                          {"simulated from the first outputs", {line("measured", 6, time, window(m.measured)), line("simulated", 0, time, window(m.simulated))}, {}}}};
+                  false, {{"one step ahead", {line("measured", 6, time, window(m.measured)), dashed("predicted", 1, time, window(m.one_step))}, {}},
+                          {"simulated from the first outputs", {line("measured", 6, time, window(m.measured)), dashed("simulated", 5, time, window(m.simulated))}, {}}}};
     output.own_y = true;    // a simulation may run away
     if (m.held_out > 0) {
         output.title += fmt::format("; held out from {} on", lead_in + begins);
-        for (Panel& panel : output.panels) panel.guides.push_back(boundary(panel, double(lead_in + begins)));
+        for (Panel& panel : output.panels) panel.events.push_back({.x = double(lead_in + begins), .text = "held out from here"});
     }
     out.push_back(std::move(output));
 
@@ -76,16 +69,18 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
         errors.y.push_back(sum / double(count)), errors.low.push_back(low), errors.high.push_back(high);
     }
     Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
-    if (m.held_out > 0) record.panels[0].guides.push_back(boundary(record.panels[0], double(lead_in + begins)));
+    if (m.held_out > 0) record.panels[0].events.push_back({.x = double(lead_in + begins), .text = "held out from here"});
     out.push_back(std::move(record));
 
     Figure correlations{"residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound), "lag", "correlation",
                         false, false, false, {}};
     correlations.own_y = true;
+    correlations.y_holds = {-m.bound, m.bound};
     auto const panel = [&](std::string const& name, Signal const& r, size_t skip) {
         Signal const x = counting(r.size() - skip, double(skip));
         Signal const y(r.begin() + long(skip), r.end());
         Panel p{name, {curve("correlation", 0, x, y)}, {level("bound", x.front(), x.back(), m.bound), level("bound", x.front(), x.back(), -m.bound)}};
+        p.curves[0].line = false, p.curves[0].stems = true;
         correlations.panels.push_back(std::move(p));
     };
     panel("with itself, lags from 1", m.auto_correlation, 1);
