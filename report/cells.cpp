@@ -18,7 +18,7 @@ Cells cells_of(Figure const& figure, Panel const& panel) {
         if (Axis::shows(curve.x[i], figure.log_x)) out.places.push_back(curve.x[i]);
     }
     std::ranges::sort(out.places);
-    out.places.erase(std::ranges::unique(out.places).begin(), out.places.end());
+    out.places.erase(std::unique(out.places.begin(), out.places.end()), out.places.end());
     for (double const place : out.places) out.x.add(place);
     return out;
 }

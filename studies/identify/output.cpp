@@ -4,6 +4,7 @@
 
 #include <rlslab/arithmetic/elementary.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -95,16 +96,23 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
         if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any()) settled = i + 1;
     if (settled >= m.trajectory.size()) settled = 0;
     Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant), "row", "value", false, false,
-                      false, {{"", {}, {}}}};
+                      false, {}};
+    on_the_way.own_y = true;
+    on_the_way.names = true;
     for (size_t j = 0; j < m.parameters.size(); ++j) {
-        Curve c{.name = m.parameters[j].name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};
+        Parameter const& p = m.parameters[j];
+        int const input = j < m.terms.size() ? m.terms[j].input : -2;    // parameters of one signal have like sizes: a panel for each
+        std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
+        auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
+        if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
+        Curve c{.name = p.name, .look = look_of("", panel->curves.size()), .x = {}, .y = {}, .low = {}, .high = {}};
         for (size_t i = settled; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
             c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
         }
         c.marks = false;
-        on_the_way.panels[0].curves.push_back(std::move(c));
+        panel->curves.push_back(std::move(c));
     }
     out.push_back(std::move(on_the_way));
 }
