@@ -1,5 +1,6 @@
 // From a comparison to a sentence and a few lines of C++.
 #include "answer.hpp"
+#include "words.hpp"
 
 #include <rlslab/model/input_error.hpp>
 
@@ -16,25 +17,6 @@ std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float
 
 Result const& result_of(Comparison const& c, Recommendation const& r) {
     return *std::ranges::find_if(c.results, [&](Result const& x) { return x.entry->variant == r.variant && x.entry->arithmetic->name == r.arithmetic; });
-}
-
-/// "first, second, third" in lines of at most `width`, each after the first beginning with `indent`.
-std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
-    constexpr size_t width = 114;
-    std::string out;
-    for (size_t i = 0; i < items.size(); ++i) {
-        std::string const item = items[i] + (i + 1 < items.size() ? "," : "");
-        if (i > 0 && at + 1 + item.size() > width) {
-            out += '\n' + indent;
-            at = indent.size();
-        } else if (i > 0) {
-            out += ' ';
-            ++at;
-        }
-        out += item;
-        at += item.size();
-    }
-    return out;
 }
 
 std::string comment(std::string const& head, std::vector<std::string> const& items) {
@@ -75,7 +57,7 @@ std::string verdict(Comparison const& c) {
                            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
                            spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
     }
-    for (auto const& [why, where] : without) out += fmt::format("in {}  use none: {}\n", fmt::join(where, ", "), why);
+    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 4) + '\n';
     return out;
 }
 

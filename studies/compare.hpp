@@ -112,5 +112,6 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
 std::string as_table(Comparison const& comparison, bool colour);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);
+std::string as_page(Comparison const& comparison);
 
 }  // namespace rlslab

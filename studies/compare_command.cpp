@@ -1,6 +1,8 @@
 // rlslab compare: every variant in every arithmetic on a record.
 #include "commands.hpp"
 #include "compare.hpp"
+#include "compare/answer.hpp"
+#include "journal.hpp"
 
 #include <rlslab/doors/open.hpp>
 #include <rlslab/model/lags.hpp>
@@ -8,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace rlslab {
@@ -102,7 +105,15 @@ void run_compare(CompareArguments const& a) {
     Question const question = question_of(a);
     Comparison comparison = compare(question.records, options, progress_after_a_second("comparing"));
     comparison.model = question.model;
-    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour()));
+    if (!a.out.empty()) {
+        std::filesystem::path const out = a.out;
+        create_folder(a.out);
+        replace_file(out / "compare.json", as_json(comparison));
+        replace_file(out / "compare.csv", as_csv(comparison));
+        if (std::string const paste = code(comparison); !paste.empty()) replace_file(out / "filter.cpp", paste);
+        replace_file(out / "compare.html", as_page(comparison));
+    }
+    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour()) + (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
 }
 
 }  // namespace
@@ -143,6 +154,7 @@ Command compare_command(CLI::App& app) {
         ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
     count("--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");
+    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")->type_name("DIR");
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback("--no-timings", [a] { a->options.timings = false; },
                                  "leave out nanoseconds, the only column that differs from run to run");

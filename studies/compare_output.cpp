@@ -1,6 +1,7 @@
 // A comparison as a table for people, as JSON and CSV for programs.
 #include "compare.hpp"
 #include "compare/answer.hpp"
+#include "compare/words.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -34,10 +35,6 @@ std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
                       : fmt::format(" {:>5}{:>5}{:>5} ", "-", "-", "-");
     return out;
 }
-std::string breakdown_text(Result const& r) {
-    if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);
-    return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
-}
 std::string asymmetry_text(std::optional<double> const& asymmetry) {
     if (!asymmetry) return "-";
     return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
@@ -52,21 +49,6 @@ std::string storage_text(Storage const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
                        s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
                                       : "no exact theta: the problem leaves the range");
-}
-
-/// The prior, and what it does to theta.
-std::string prior_text(Comparison const& c) {
-    std::string out = "prior       theta0 = 0, P0 = ";
-    if (c.scaled_prior) {
-        auto const [least, largest] = std::minmax_element(c.scaled_prior->s.begin(), c.scaled_prior->s.end());
-        out += fmt::format("diag((c / s_i)^2), c = {}, s_i = {} to {}: the regressors' root mean squares in powers of two;\n            ", c.scaled_prior->c, *least,
-                           *largest);
-    } else {
-        out += fmt::format("{} I: ", *c.options.p0);
-    }
-    out += fmt::format("moves theta by {:.1e} of itself", c.prior_bias);
-    if (c.scaled_prior && c.scaled_prior->reached) out += ", by construction at most 1e-3";
-    return out + '\n';
 }
 
 std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.substr(0, x.size() - 2) + "  " : x; }
@@ -113,7 +95,7 @@ std::string as_table(Comparison const& c, bool colour) {
     std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n", c.model.file.empty() ? "" : c.model.file + ": ", c.rows,
                                   c.skipped, c.size, c.size == 1 ? "" : "s", std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
                                   c.options.forgetting);
-    out += prior_text(c) + paint("31", prior_warning(c)) + '\n' + paint("32", verdict(c));
+    out += "prior       " + wrapped(prior_text(c), 12) + '\n' + paint("31", prior_warning(c)) + '\n' + paint("32", verdict(c));
     if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(paste);
     out += '\n' + theta_text(c);
     out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);
