@@ -59,12 +59,12 @@ concept TakesUnreported = RecursiveLeastSquares<F> && requires(F f, Regressor<ty
     { f.take(psi, y) } -> std::same_as<void>;
 };
 
-/// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row.
+/// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row; says how it stands after the last.
 template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> &&
                       requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
                           { F::block } -> std::convertible_to<Index>;
-                          f.absorb(psi, y);
+                          { f.absorb(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
                       };
 
 /// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,

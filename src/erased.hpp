@@ -16,7 +16,7 @@ public:
     virtual ~AnyFilter() = default;
     /// One row. A step's numbers are rounded to binary64.
     virtual Step<double> update(Regressor<double> psi, double y) = 0;
-    /// One row, with K_i (1 + relative_i) in place of K_i where the variant TakesGainError; elsewhere as above.
+    /// One row, with K_i (1 + relative_i) in place of K_i. Throws std::invalid_argument unless Entry::takes_gain_error.
     virtual Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) = 0;
     /// Rows first ... last-1 as the variant likes them best: blocks where it TakesBlocks, else one by one. The step is
     /// the last row's, or for a block its health alone.

@@ -4,7 +4,9 @@
 #include <rlslab/arithmetic/field.hpp>
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,7 +43,9 @@ struct Problem {
 };
 
 /// Breakdown is a result.
-///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow
+///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are finite: looked at
+///                  where they are kept; proven, or else solved for, where they are solved for on request (linalg/finite.hpp). What
+///                  overflows in the store shows at once where a sum of this step has it, at the next step at the latest
 ///   undetermined   without a prior: fewer independent rows than parameters before this one, so that there was no theta
 ///                  to innovate on; the row that determines theta is the last to say so. Read off exact zeros: rounding
 ///                  may leave a tiny pivot where exact arithmetic has none, and such a pivot counts
@@ -88,9 +92,22 @@ Step<T> report(T const& innovation, T const& gamma) {
 /// The same where s is at hand: gamma = lambda / s, and an overflow of s does not pass as a small gamma.
 template <Field T>
 Step<T> report(T const& innovation, T const& lambda, T const& s) {
-    Step<T> step = report(innovation, T(lambda / s));
-    step.health = select(is_finite(s), step.health, PerLane<T, Health>(Health::nonfinite));
+    return if_finite(is_finite(s), report(innovation, T(lambda / s)));
+}
+
+/// The step, but nonfinite where what it leaves behind is not finite.
+template <Field T>
+Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
+    step.health = select(finite, step.health, PerLane<T, Health>(Health::nonfinite));
     return step;
+}
+
+/// The health after rows that were taken without a step: whether they were finite, theta is determined, and what is answered is finite.
+template <Field T>
+PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, Truth<T> const& finite) {
+    using H = PerLane<T, Health>;
+    H const answered = select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
+    return select(taken, answered, H(Health::nonfinite));
 }
 
 /// What is not defined: NaN in every scalar that has one.
@@ -114,7 +131,8 @@ Step<T> report_undetermined(T const& seen) {
 /// on its diagonal before. Where sqrt(gamma) underflows the innovation is lost and said to be: nonfinite.
 template <Field T>
 Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determined) {
-    Step<T> step = report(eta / root_gamma, root_gamma * root_gamma);
+    T const gamma = root_gamma * root_gamma;
+    Step<T> step = report(T(eta / root_gamma), gamma);
     step.residual = eta * root_gamma;
     return select(determined, step, report_undetermined(eta));
 }
@@ -145,20 +163,33 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     return problem;
 }
 
-/// A regressor psi: a view of d contiguous numbers, from an Eigen vector, a std::vector, a std::array, a row of data.
+namespace detail {
+template <class C>
+concept OfEigen = requires(C const& c) { []<class Derived>(Eigen::DenseBase<Derived> const&) {}(c); };
+
+/// Numbers one after another in memory, for all that is known when compiling: of Eigen a vector, a map, a column; of the standard
+/// library what std::span takes. The row of a matrix by columns, a reversed or a strided map, an expression are not.
+template <class C, class T>
+concept Contiguous = (OfEigen<C> && requires(C const& c) {
+                         { c.data() } -> std::convertible_to<T const*>;
+                         requires bool(C::IsVectorAtCompileTime) && C::InnerStrideAtCompileTime == 1;
+                     }) || (!OfEigen<C> && std::convertible_to<C const&, std::span<T const>>);
+}  // namespace detail
+
+/// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of
+/// data, numbers in braces. What is not contiguous does not compile: update(X.row(k).eval(), y) copies it.
 template <Field T>
 class Regressor {
     T const* data_;
     Index size_;
 
 public:
-    Regressor(T const* data, Index size) : data_(data), size_(size) {}
-    template <class Container>
-        requires requires(Container const& c) {
-            { c.data() } -> std::convertible_to<T const*>;
-            { c.size() } -> std::convertible_to<Index>;
-        }
-    Regressor(Container const& c) : data_(c.data()), size_(Index(c.size())) {}
+    /// A pointer and a size. The literal 0 is no pointer: {0, 2} are two numbers.
+    template <std::same_as<T> Number>
+    Regressor(Number const* data, Index size) : data_(data), size_(size) {}
+    Regressor(std::initializer_list<T> numbers) : Regressor(numbers.begin(), Index(numbers.size())) {}
+    template <detail::Contiguous<T> Container>
+    Regressor(Container const& c) : Regressor(std::data(c), Index(std::size(c))) {}
     T const* data() const { return data_; }
     Index size() const { return size_; }
     T const& operator[](Index i) const { return data_[i]; }

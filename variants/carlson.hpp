@@ -43,7 +43,7 @@ public:
         sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_);                                              // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
-        return report(e, lambda_, s);
+        return report(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

@@ -40,7 +40,7 @@ public:
         disturb(K_);
         subtract_rank_one(P_, K_, f_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_, s);
+        return report(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

@@ -53,26 +53,21 @@ public:
     }
     Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
         if constexpr (TakesGainError<F>) {
+            expects(relative.size() == psi.size(), "an error for each number of the gain");
             Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&datum<T>);
             Draws<T> const draws(seed_);
             return step_in_double(filter_.update(row, datum<T>(y), [&relative](auto& K) {
                 for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
             }));
         } else {
-            return update(psi, y);
+            throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
         }
     }
     Step<double> absorb(Records const& records, Index first, Index last) override {
         Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
         Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&datum<T>);
         Draws<T> const draws(seed_);
-        Step<T> step = feed(filter_, psi, y);
-        if constexpr (TakesBlocks<F>) {
-            Vector<T> const theta = filter_.theta();
-            for (Index i = 0; i < theta.size(); ++i)
-                if (!is_finite(theta[i])) step.health = Health::nonfinite;
-        }
-        return step_in_double(step);
+        return step_in_double(feed(filter_, psi, y));
     }
     // Reports draw from a copy of the seed: asking does not change what follows.
     Vector<Reference> theta() const override {

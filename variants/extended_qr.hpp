@@ -38,14 +38,16 @@ public:
         keep_regressor(psi, x_);
         T eta = y, root_gamma = T(1);
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
+        Truth<T> finite = true;    // a pivot may be none that nothing was rotated into
         for (Index i = 0; i < x_.size(); ++i) {
+            finite = finite && is_finite(L_(i, i));
             root_gamma *= c_[i];
             s_[i] = -s_[i];    // W's row is the first of the pair, v the second
         }
         sweep_rotations(V_, c_, s_, by_root_lambda_, v_);
         for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
         add_scaled(theta_, -eta, v_);
-        return report_rotated(eta, root_gamma, true);
+        return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, true));
     }
 
     auto theta() const { return theta_.view(); }

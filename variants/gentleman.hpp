@@ -24,6 +24,7 @@ class Gentleman {
     T lambda_;
     Column<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
     Square<T, N> L_;    // R'
+    Lengths<T, N> lengths_;
 
 public:
     using scalar = T;
@@ -32,15 +33,15 @@ public:
 
     explicit Gentleman(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), D_(problem.size), z_(problem.size), psi_(problem.size),
-          x_(problem.size), rest_(problem.size), before_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size) {
+          x_(problem.size), rest_(problem.size), before_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size),
+          lengths_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
+        lengths_.start(L_, D_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
-        keep_regressor(psi, psi_);
-        keep_regressor(psi, x_);
-        keep_regressor(psi, rest_);
+        keep_regressor(psi, psi_, x_, rest_);
         eliminate(L_, x_);                                                                               // (1)
         scale(D_, lambda_, before_);
         Truth<T> determined = true;
@@ -59,11 +60,12 @@ public:
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
         T eta = y;
         for (Index i = 0; i < d; ++i) {
-            T const t = z_[i];
-            z_[i] = c_[i] * t + s_[i] * eta;
+            T const t = z_[i], turned = s_[i] * eta;
+            z_[i] = c_[i] * t + turned;
             eta -= x_[i] * t;
         }
-        return select(determined, report(eta, w), report_undetermined(eta));                               // (5)
+        Step<T> const step = select(determined, report(eta, w), report_undetermined(eta));               // (5)
+        return if_finite(lengths_.take(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
     }
 
     Vector<T, N> theta() const {
@@ -75,9 +77,7 @@ public:
     }
     Vector<T, N> gain() const {
         Vector<T, N> K = psi_.view();
-        solve_lower(L_, K);
-        for (Index i = 0; i < K.size(); ++i) K[i] /= D_[i];
-        solve_lower_transposed(L_, K);
+        solve_outer(L_, D_, K);
         return K;
     }
     Matrix<T, N> information() const { return outer(L_, D_); }

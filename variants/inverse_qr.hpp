@@ -43,7 +43,7 @@ public:
         sweep_rotations(S_, c_, s_, by_root_lambda_, g_);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
-        return report(e, T(1) / (b * b));
+        return if_finite(all_finite(theta_) && is_finite(b), report(e, T(T(1) / (b * b))));
     }
 
     auto theta() const { return theta_.view(); }

@@ -16,7 +16,7 @@ template <Field T, int N = Dynamic>
 class Joseph {
     T lambda_;
     DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, K_;
+    Column<T, N> theta_, psi_, f_, K_;
     Square<T, N> P_, A_, AP_;
 
 public:
@@ -25,12 +25,13 @@ public:
 
     explicit Joseph(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
+          psi_(problem.size), f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
           AP_(problem.size) {}
 
     /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
     template <class Disturb = Undisturbed>
     Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
+        keep_regressor(psi, psi_);    // which may be K's own numbers
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
@@ -38,15 +39,18 @@ public:
         disturb(K_);
         Index const d = f_.size();
         for (Index j = 0; j < d; ++j) {
-            for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi[j]);                                  // (4)
+            for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi_[j]);                                  // (4)
             A_(j, j) += T(1);
         }
         multiply(A_, P_, AP_);                                                                           // (5)
         multiply_by_transposed(AP_, A_, P_);
         for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i < d; ++i) P_(i, j) = by_lambda_(P_(i, j)) + K_[i] * K_[j];
+            for (Index i = 0; i < d; ++i) {
+                T const square = K_[i] * K_[j];
+                P_(i, j) = by_lambda_(P_(i, j)) + square;
+            }
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, lambda_, s);
+        return report(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

@@ -52,7 +52,7 @@ public:
         divide(f_, s, K_);                                                                               // (4)
         subtract_rank_one(P_, K_, f_, DividedBy<T>(T(1)));                                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, T(1), s);
+        return report(e, T(1), s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

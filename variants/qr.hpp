@@ -19,9 +19,10 @@ namespace rlslab {
 /// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <Real T, int N = Dynamic>
 class Qr {
-    T root_lambda_;
+    T lambda_, root_lambda_;
     Column<T, N> z_, psi_, x_, c_, s_;
     Square<T, N> L_;    // R'
+    Lengths<T, N> lengths_;
 
 public:
     using scalar = T;
@@ -29,23 +30,24 @@ public:
     static constexpr bool starts_without_prior = true;
 
     explicit Qr(Problem<T> const& problem)
-        : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), x_(problem.size),
-          c_(problem.size), s_(problem.size), L_(problem.size) {
+        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
+          x_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size), lengths_(problem.size) {
         start_information_root(problem, L_, z_);
+        lengths_.start(L_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
-        keep_regressor(psi, psi_);
-        keep_regressor(psi, x_);
+        keep_regressor(psi, psi_, x_);
         T eta = y, root_gamma = T(1);
-        Truth<T> const determined = nonsingular(L_);
+        Truth<T> const determined = lengths_.determined();
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
         for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
-        return report_rotated(eta, root_gamma, determined);                                                          // (2)
+        Step<T> const step = report_rotated(eta, root_gamma, determined);                                // (2)
+        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !determined, step);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
-    Vector<T, N> gain() const { return solve_outer(L_, psi_); }
+    Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
 };

@@ -20,9 +20,10 @@ namespace rlslab {
 /// Sources: Golub, Numer. Math. 7, 1965; Demmel, Grigori, Hoemmen & Langou (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
-    T root_lambda_;
+    T lambda_, root_lambda_;
     Column<T, N> z_, psi_, x_, tau_;
     Square<T, N> L_;                                  // R'
+    Lengths<T, N> lengths_;
     Index rows_ = 0;                                  // taken so far
     bool prior_;                                      // started with one
     Rows<T> A_;                                       // a block, with y as its last column
@@ -34,13 +35,14 @@ public:
     static constexpr Index block = 64;
 
     explicit QrBlock(Problem<T> const& problem)
-        : root_lambda_(square_root(checked(problem, N).forgetting)), z_(problem.size), psi_(problem.size), x_(problem.size), tau_(problem.size),
-          L_(problem.size), prior_(problem.prior.has_value()) {
+        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
+          x_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size), prior_(problem.prior.has_value()) {
         start_information_root(problem, L_, z_);
+        lengths_.start(L_, z_);
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
+    PerLane<T, Health> absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         A_.resize(rows, d + 1);
@@ -51,32 +53,41 @@ public:
             weight *= root_lambda_;
         }
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
+        lengths_.take_rows(weight, A_);
         fold(weight, L_, z_, A_);
         rows_ += rows;
+        Truth<T> seen = all_finite(z_);    // and what a row of zeros does not let into z
+        for (Index k = 0; k < rows; ++k) seen = seen && is_finite(A_(k, d));
+        Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
+        return health_of<T>(seen, lengths_.determined(), finite);
     }
 
     /// Puts after the rows here those of `newer`, a filter of this problem that started without prior.
     void merge(QrBlock const& newer) {
         Index const d = z_.size();
-        expects(newer.z_.size() == d && all(newer.root_lambda_ == root_lambda_) && !newer.prior_, "a part of this problem, no prior");
+        expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_, "a part of this problem, no prior");
         if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1);
         A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
-        fold(power(root_lambda_, newer.rows_), L_, z_, A_);                                              // (3)
+        T const weight = power(root_lambda_, newer.rows_);
+        lengths_.take_rows(weight, A_);
+        fold(weight, L_, z_, A_);                                                                        // (3)
+        lengths_.finite(L_, z_, psi_, x_);
         rows_ += newer.rows_;
     }
 
     Step<T> update(Regressor<T> psi, T y) {
-        keep_regressor(psi, psi_);
-        keep_regressor(psi, x_);
+        keep_regressor(psi, psi_, x_);
         ++rows_;
-        Truth<T> const determined = nonsingular(L_);
-        T const root_gamma = fold(root_lambda_, L_, z_, x_, y, tau_);
-        return report_rotated(y, root_gamma, determined);
+        Truth<T> const determined = lengths_.determined();
+        T eta = y;
+        T const root_gamma = fold(root_lambda_, L_, z_, x_, eta, tau_);
+        Step<T> const step = report_rotated(eta, root_gamma, determined);
+        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !determined, step);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
-    Vector<T, N> gain() const { return solve_outer(L_, psi_); }
+    Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
 };

@@ -34,9 +34,9 @@ public:
         z_ = R * theta_;
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries.
-    void absorb(Matrix<double> const& psi, Vector<double> const& y) { absorb(SparseRows(psi.sparseView()), y); }
-    void absorb(SparseRows const& psi, Vector<double> const& y) {
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
+    Health absorb(Matrix<double> const& psi, Vector<double> const& y) { return absorb(SparseRows(psi.sparseView()), y); }
+    Health absorb(SparseRows const& psi, Vector<double> const& y) {
         Index const rows = y.size();
         expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         psi_ = column(psi, rows - 1);
@@ -61,6 +61,8 @@ public:
             z_.setConstant(undefined<double>());
             theta_ = z_;
         }
+        bool const sound = finite && theta_.allFinite() && gain().allFinite() && Eigen::Map<Vector<double> const>(R_.valuePtr(), R_.nonZeros()).allFinite();
+        return sound ? Health::sound : Health::nonfinite;
     }
 
     Step<double> update(Regressor<double> psi, double y) { return update(sparse(psi), y); }
@@ -69,11 +71,11 @@ public:
         Vector<double> f = psi;                                                                          // (2)
         double const e = y - dot(psi, theta_);
         R_.transpose().triangularView<Eigen::Lower>().solveInPlace(f);
-        double const gamma = lambda_ / (lambda_ + dot(f.data(), f.data(), f.size()));
+        double const s = lambda_ + dot(f.data(), f.data(), f.size());
         SparseRows row(psi.size(), 1);
         row.col(0) = psi;
-        absorb(row, Vector<double>::Constant(1, y));
-        return report(e, gamma);
+        bool const finite = absorb(row, Vector<double>::Constant(1, y)) == Health::sound;
+        return if_finite(finite, report(e, lambda_, s));
     }
 
     Vector<double> const& theta() const { return theta_; }

@@ -46,7 +46,7 @@ public:
         sweep_ud(U_, g_, mu_, K_);                                                                       // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
-        return report(e, lambda_, s);
+        return report(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

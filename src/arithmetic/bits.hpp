@@ -92,6 +92,10 @@ struct ArithmeticTraits<Bits> {
     static constexpr std::string_view name = "bits";
     static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
 };
+template <>
+inline int significand_bits<Bits>() {
+    return Precision::bits();
+}
 
 }  // namespace rlslab
 

@@ -24,7 +24,9 @@ public:
     StochasticStream(StochasticStream const&) = delete;
     StochasticStream& operator=(StochasticStream const&) = delete;
 
-    /// The thread's seed; throws std::logic_error when no stream is installed.
+    /// This thread's seed; null when no stream is installed.
+    static Seed* installed() { return current_; }
+    /// The same; throws std::logic_error when no stream is installed.
     static Seed& current() {
         if (!current_) throw std::logic_error("stochastic rounding needs a StochasticStream in this thread");
         return *current_;
@@ -104,6 +106,19 @@ struct Carried<Chopped<F, Rounding::stochastic>> {
     public:
         Part(Carried const& carried, std::uint64_t part) : seed_{Seed{carried.drawn + part}.next()}, stream_(seed_) {}
     };
+};
+
+/// The stream goes back to where it was.
+template <Format F>
+struct Aside<Chopped<F, Rounding::stochastic>> {
+    Seed* const stream = StochasticStream::installed();
+    Seed const before = stream ? *stream : Seed{};
+    Aside() = default;
+    ~Aside() {
+        if (stream) *stream = before;
+    }
+    Aside(Aside const&) = delete;
+    Aside& operator=(Aside const&) = delete;
 };
 
 using Half = Chopped<binary16>;

@@ -94,6 +94,16 @@ public:
     friend bool operator>=(Counted const& a, Counted const& b) { return a.value_ >= b.value_; }
 };
 
+/// The tally goes back to what it was.
+template <class T>
+struct Aside<Counted<T>> {
+    Tally const before = detail::operations_so_far;
+    Aside() = default;
+    ~Aside() { detail::operations_so_far = before; }
+    Aside(Aside const&) = delete;
+    Aside& operator=(Aside const&) = delete;
+};
+
 template <class T>
 struct ArithmeticTraits<Counted<T>> : ArithmeticTraits<T> {
     static constexpr std::string_view name = "counted";

@@ -105,6 +105,19 @@ struct ArithmeticTraits<long double> {
     static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1, max_exp = Limits::max_exponent - 1;
 };
 
+/// p, also where it changes at run time.
+template <class T>
+constexpr int significand_bits() {
+    return ArithmeticTraits<T>::digits;
+}
+
+/// While one is alive something is looked at that is no part of the algorithm: it draws nothing and counts nothing. Scalars that keep
+/// such accounts specialise it.
+template <class T>
+struct Aside {
+    Aside() {}
+};
+
 /// The distance from 1 to the next larger number, 2^(1-p) = 2u: the unit in which error budgets are stated.
 template <class T>
 double epsilon() {

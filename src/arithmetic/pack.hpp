@@ -105,8 +105,8 @@ public:
         return *this;
     }
     /// The same number in every lane.
-    [[gnu::always_inline]] explicit Pack(T x) {
-        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = Numbers{} + x; });
+    [[gnu::always_inline]] explicit Pack(T x) {    // x - 0 is x, also where x is -0
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = x - Numbers{}; });
     }
     [[gnu::always_inline]] explicit Pack(int x) : Pack(T(x)) {}
     [[gnu::always_inline]] explicit Pack(double x)

@@ -121,15 +121,24 @@ public:
         return sum;
     }
 
-    /// x = X^-1 x: column by column of L, then of L' from the last, each sum from its diagonal downwards.
-    void solve(Vector<double>& x) const {
-        solve_lower(x);
+    /// a = X^-1 a and b = X^-1 b: column by column of L, then of L' from the last, each sum from its diagonal downwards. False where a
+    /// pivot is not finite.
+    bool solve(Vector<double>& a, Vector<double>& b) const {
+        solve_lower(a);
+        solve_lower(b);
+        bool finite = true;
         for (Index j = size() - 1; j >= 0; --j) {
             ColumnOfL const L = column(j);
-            double xj = x[j] / L.pivot;
-            for (int k = 0; k < L.count; ++k) xj -= L.value[k] * x[L.row[k]];
-            x[j] = xj;
+            finite = finite && std::isfinite(L.pivot);
+            double aj = a[j] / L.pivot, bj = b[j] / L.pivot;
+            for (int k = 0; k < L.count; ++k) {
+                aj -= L.value[k] * a[L.row[k]];
+                bj -= L.value[k] * b[L.row[k]];
+            }
+            a[j] = aj;
+            b[j] = bj;
         }
+        return finite;
     }
 
     /// Dense copies of L and D.

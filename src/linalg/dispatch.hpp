@@ -67,6 +67,10 @@ struct PrefixSums : OverColumn<T> {
     T* before;
     T* s;
 };
+template <class T>
+struct AllFinite : OverColumn<T> {
+    Truth<T>* finite;
+};
 template <class K>
 concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
 

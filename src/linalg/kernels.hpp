@@ -135,11 +135,14 @@ T innovation(T const& y, Regressor<T> const& psi, Column<T, N> const& theta) {
     return y - dot(psi, theta);
 }
 
-/// Copies psi: the door of the updates that rotate it away.
-template <Field T, int N>
-void keep_regressor(Regressor<T> const& psi, Column<T, N>& copy) {
+/// Copies psi, as often as asked for: the door of the updates that rotate it away.
+template <Field T, int N, class... More>
+void keep_regressor(Regressor<T> const& psi, Column<T, N>& copy, More&... more) {
     expects(psi.size() == copy.size(), "a regressor of the problem's size");
-    for (Index i = 0; i < copy.size(); ++i) copy[i] = psi[i];
+    for (Index i = 0; i < copy.size(); ++i) {
+        copy[i] = psi[i];
+        ((more[i] = copy[i]), ...);
+    }
 }
 
 }  // namespace rlslab

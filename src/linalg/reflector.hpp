@@ -19,8 +19,12 @@ template <Real T>
         if (as_it_is) return largest;
     }
     T const most = select(largest < absolute(a), absolute(a), largest);
-    T scaled = (a / most) * (a / most);
-    for (Index k = 0; k < n; ++k) scaled += (x[k] / most) * (x[k] / most);
+    auto const square = [&most](T const& number) {
+        T const right = number / most, left = number / most;
+        return T(left * right);
+    };
+    T scaled = square(a);
+    for (Index k = 0; k < n; ++k) scaled += square(x[k]);
     T const size = most * square_root(scaled);
     if constexpr (std::same_as<Truth<T>, bool>)
         return size;

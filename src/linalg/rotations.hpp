@@ -42,7 +42,7 @@ template <Real T>
 [[gnu::always_inline]] inline Rotation<T> givens(T const& a, T const& b) {
     Truth<T> const nothing = b == T(0);
     if (all(nothing)) return {T(1), T(0), a};
-    T const sum = a * a + b * b;
+    T const square = b * b, sum = a * a + square;
     Truth<T> const in_range = is_finite(sum) && least_sum_of_squares<T>() < sum;
     if constexpr (std::same_as<Truth<T>, bool>) {
         if (!in_range) return givens_scaled(a, b);

@@ -1,7 +1,7 @@
 // From a prior to the state each family of variants starts with.
 #pragma once
 
-#include <rlslab/linalg/triangles.hpp>
+#include <rlslab/linalg/finite.hpp>
 
 namespace rlslab {
 

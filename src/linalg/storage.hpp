@@ -18,7 +18,7 @@ concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
 template <class T, int N>
 constexpr Index padded(Index size) {
     if (!Hardware<T>) return size;
-    return N != Dynamic && N <= 4 ? 4 : (size + 7) / 8 * 8;
+    return N != Dynamic && N <= 4 ? 4 : (size + 7) & ~Index(7);
 }
 
 namespace detail {

@@ -94,12 +94,22 @@ Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> const& 
     return x;
 }
 
-/// The solution x of L L'x = b.
-template <Field T, int N>
-Vector<T, N> solve_outer(Square<T, N> const& L, Column<T, N> const& b) {
-    Vector<T, N> x = b.view();
+/// Solves L L'x = x and L diag(D) L'x = x in place.
+template <Field T, int N, class X>
+void solve_outer(Square<T, N> const& L, X& x) {
     solve_lower(L, x);
     solve_lower_transposed(L, x);
+}
+template <Field T, int N, class X>
+void solve_outer(Square<T, N> const& L, Column<T, N> const& D, X& x) {
+    solve_lower(L, x);
+    for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
+    solve_lower_transposed(L, x);
+}
+template <Field T, int N>
+Vector<T, N> solved_outer(Square<T, N> const& L, Column<T, N> const& b) {
+    Vector<T, N> x = b.view();
+    solve_outer(L, x);
     return x;
 }
 

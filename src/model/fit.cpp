@@ -75,7 +75,7 @@ Matrix<double> inverse_gram(Square<double> const& L) {
     for (Index j = 0; j < d; ++j) {
         Column<double> unit(d);
         unit[j] = 1;
-        out.col(j) = solve_outer(L, unit);
+        out.col(j) = solved_outer(L, unit);
     }
     return out;
 }

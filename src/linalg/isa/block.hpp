@@ -130,6 +130,28 @@ struct Simd {
             (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
         }(std::make_integer_sequence<int, registers>());
     }
+    /// x - x: zero for a number, NaN for an infinity or a NaN.
+    [[gnu::always_inline]] void add_difference(Simd const& x, Present p) {
+        for (int m = 0; m < registers; ++m) {
+            V difference = x.v[m] - x.v[m];
+            if (p.last < Rows) leave_out(difference, p.last, m);
+            v[m] = v[m] + difference;
+        }
+    }
+    [[gnu::always_inline]] bool all_zero() const {
+        V sum = v[0];
+        for (int m = 1; m < registers; ++m) sum = sum + v[m];
+        Mask const zero = sum == V{};
+#ifdef __x86_64__
+        if constexpr (Bytes == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(zero)) == 15;
+        if constexpr (Bytes == 32 && sizeof(T) == 4) return _mm256_movemask_ps(__m256(zero)) == 255;
+        if constexpr (Bytes == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(zero)) == 3;
+        if constexpr (Bytes == 16 && sizeof(T) == 4) return _mm_movemask_ps(__m128(zero)) == 15;
+#endif
+        bool out = true;
+        for (int i = 0; i < W; ++i) out = out && zero[i] != 0;
+        return out;
+    }
     /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
     [[gnu::always_inline]] void start_sum_all(Simd const& a, Simd const& b) {
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];

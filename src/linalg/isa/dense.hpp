@@ -71,6 +71,22 @@ template <class B, class T>
     *k.s = s;
 }
 
+/// Whether every number of a column is finite.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void run(AllFinite<T> const& k) {
+    *k.finite = true;
+    for (Index i = 0; i < k.d; ++i) *k.finite = *k.finite && is_finite(k.x[i]);
+}
+template <class B, class T>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void run(AllFinite<T> const& k) {
+    B differences;
+    differences.zero({});
+    for (Index i0 = 0; i0 < k.d; i0 += B::rows) differences.add_difference(block_of<B>(k.x, i0, k.d), rows_of<B>(i0, k.d));
+    *k.finite = differences.all_zero();
+}
+
 // --- dot products, four columns at once -------------------------------------------------------------------------------
 
 /// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
@@ -88,6 +104,7 @@ template <class B, class T, Shape shape>
     constexpr bool upper = shape == Shape::upper;
     Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
     B x_tail;
+    x_tail.zero({});    // or g++ 12 warns in whoever includes this
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
     for (Index j0 = 0; j0 < k.d; j0 += 4) {
         Index const count = k.d - j0 < 4 ? k.d - j0 : 4;

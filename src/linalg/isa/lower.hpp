@@ -63,6 +63,13 @@ template <class T>
     T const* const row = s.L + (i0 + i) * s.ld + i0;
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
+/// (a, b) times the rotation.
+template <class T>
+[[gnu::always_inline]] inline void rotate(Rotation<T> const& turn, T& a, T& b) {
+    T const up = turn.s * b, turned = turn.c * a + up, down = turn.s * a;
+    b = turn.c * b - down;
+    a = turned;
+}
 template <class T>
 [[gnu::always_inline]] inline void settle(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
@@ -71,13 +78,13 @@ template <class T>
     s.c[i0 + i] = turn.c;
     s.s[i0 + i] = turn.s;
     for (Index j = i + 1; j < m; ++j) {
-        T const t = s.root_lambda * row[j], xj = x[j];
-        row[j] = turn.c * t + turn.s * xj;
-        x[j] = turn.c * xj - turn.s * t;
+        T t = s.root_lambda * row[j];
+        rotate(turn, t, x[j]);
+        row[j] = t;
     }
-    T const t = s.root_lambda * s.z[i0 + i], eta = *s.eta;
-    s.z[i0 + i] = turn.c * t + turn.s * eta;
-    *s.eta = turn.c * eta - turn.s * t;
+    T t = s.root_lambda * s.z[i0 + i];
+    rotate(turn, t, *s.eta);
+    s.z[i0 + i] = t;
 }
 /// The step above in one number; where there is no reflection, in lanes alone.
 template <class T>

@@ -25,7 +25,7 @@ struct Packed {
 /// v'a for fewer than eight numbers: the lanes that are there, and of the tree what they leave.
 template <class T>
 T short_dot(T const* v, T const* a, Index n) {
-    T lane[8];
+    T lane[8]{};    // or g++ 12 warns in whoever includes this
     for (Index i = 0; i < n; ++i) lane[i] = v[i] * a[i];
     for (Index half = 4; half >= 1; half /= 2)
         for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];
