@@ -13,7 +13,7 @@ void run_lockstep(benchmark::State& state, Index size) {
     using P = typename F::scalar;
     using T = typename P::lane_type;
     Scenario const& scenario = tapped_delay_line(size);
-    Eigen::Matrix<P, Dynamic, Dynamic> const psi = scenario.records.psi.unaryExpr([](double x) { return P(T(x)); });
+    Matrix<P> const psi = scenario.records.psi.unaryExpr([](double x) { return P(T(x)); });
     Vector<P> const y = scenario.records.y.unaryExpr([](double x) { return P(T(x)); });
     Problem<double> const& p = scenario.problem;
     F scored(Problem<P>{.size = size, .forgetting = P(T(p.forgetting)), .prior = Prior<P>{.variance = P(T(p.prior->variance))}});

@@ -45,20 +45,24 @@ using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
 /// and max n_j. A factor of 2^10 is left for e, for sums of d terms, and for rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
 template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
-    using Traits = ArithmeticTraits<T>;
-    Bound q(1), least(1), most = right;
-    for (Index j = 0; j < d; ++j) {
-        Bound const length = n2(j), pivot = r2(j);
-        q *= pivot / length;
-        if constexpr (!std::same_as<Bound, T>) {
-            least = select(pivot < least, pivot, least);
-            most = select(most < length, length, most);
+    if constexpr (!Real<T>) {    // the rationals are finite
+        return true;
+    } else {
+        using Traits = ArithmeticTraits<T>;
+        Bound q(1), least(1), most = right;
+        for (Index j = 0; j < d; ++j) {
+            Bound const length = n2(j), pivot = r2(j);
+            q *= pivot / length;
+            if constexpr (!std::same_as<Bound, T>) {
+                least = select(pivot < least, pivot, least);
+                most = select(most < length, length, most);
+            }
         }
+        constexpr int exponent = std::same_as<Bound, T> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
+        Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
+        Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
+        return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);    // q: a pivot may be infinite
     }
-    constexpr int exponent = std::same_as<Bound, T> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
-    Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
-    Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
-    return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);    // q: a pivot may be infinite
 }
 
 /// The n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, z = R theta: for the forms that keep R and z alone.
@@ -124,7 +128,6 @@ public:
     }
     Truth<T> take(T const& lambda, Column<T, N> const& psi, T const& y, Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& z,
                   Column<T, N>& x) {
-        if constexpr (!Real<T>) return true;    // the rationals are finite
         Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
     }
