@@ -33,16 +33,6 @@ class Information {
         return *this;
     }
     Information solved() const { return Information(*this).solve(); }
-    Truth<T> finite() {
-        Truth<T> const in_range = solved_in_range<T>(f_.size(), [&](Index j) { return BoundOf<T>(X_(j, j)); },
-                                                     [&](Index j) { return BoundOf<T>(D_[j]); }, BoundOf<T>(1));
-        Truth<T> const answers = all_finite(theta_) && all_finite(D_);
-        if (all(in_range)) return answers;
-        Aside<T> const aside;
-        f_ = psi_;
-        solve_outer(L_, D_, f_);
-        return answers && all_finite(f_);
-    }
 
 public:
     using scalar = T;
@@ -71,21 +61,14 @@ public:
         T seen = y;    // spoilt by data that are not finite
         for (Index j = 0; j < f_.size(); ++j) seen = select(is_finite(X_(j, j)), seen, X_(j, j));
         Step<T> step = select(known, report(e, lambda_, s), report_undetermined(seen));
-        step = if_finite(!known || !positive_ || finite(), step);
+        step = if_finite(!known || !positive_ || answers_finite(X_, L_, D_, theta_, psi_, f_), step);
         Truth<T> const broken = (started && !known) || (started_ && !positive_);
         step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
         return step;
     }
     void take(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        for (Index j = 0; j < psi_.size(); ++j) {
-            for (Index i = 0; i < psi_.size(); ++i) {
-                T const square = psi_[i] * psi_[j];
-                X_(i, j) = lambda_ * X_(i, j) + square;                                                  // (2)
-            }
-            T const product = psi_[j] * y;
-            b_[j] = lambda_ * b_[j] + product;
-        }
+        accumulate(X_, b_, lambda_, psi_, y);                                                            // (2)
         ++rows_;
         solved_ = false;
         if (!all(started_)) solve();    // breakdown is told from a start by X having factored once

@@ -28,6 +28,17 @@ class QrBlock {
     bool prior_;                                      // started with one
     Rows<T> A_;                                       // a block, with y as its last column
 
+    /// Rounding can leave a pivot where there is none; fewer rows than parameters prove it.
+    Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
+    /// A under weight [R z], the sum of `rows` rows.
+    PerLane<T, Health> fold_in(T const& weight, Index rows) {
+        lengths_.take_rows(weight, A_);
+        fold(weight, L_, z_, A_);
+        rows_ += rows;
+        Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_), taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
+        return health_of<T>(taken, determined(), finite);
+    }
+
 public:
     using scalar = T;
     static constexpr std::string_view name = "qr_block";
@@ -45,21 +56,8 @@ public:
     PerLane<T, Health> absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
-        A_.resize(rows, d + 1);
-        T weight = T(1);
-        for (Index k = rows - 1; k >= 0; --k) {                                                          // (1)
-            for (Index i = 0; i < d; ++i) A_(k, i) = weight * psi(i, k);
-            A_(k, d) = weight * y[k];
-            weight *= root_lambda_;
-        }
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        lengths_.take_rows(weight, A_);
-        fold(weight, L_, z_, A_);
-        rows_ += rows;
-        Truth<T> seen = all_finite(z_);    // and what a row of zeros does not let into z
-        for (Index k = 0; k < rows; ++k) seen = seen && is_finite(A_(k, d));
-        Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
-        return health_of<T>(seen, lengths_.determined(), finite);
+        return fold_in(weigh(psi, y, root_lambda_, A_), rows);                                           // (1)
     }
 
     /// Puts after the rows here those of `newer`, a filter of this problem that started without prior.
@@ -69,21 +67,17 @@ public:
         if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1);
         A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
-        T const weight = power(root_lambda_, newer.rows_);
-        lengths_.take_rows(weight, A_);
-        fold(weight, L_, z_, A_);                                                                        // (3)
-        lengths_.finite(L_, z_, psi_, x_);
-        rows_ += newer.rows_;
+        fold_in(power(root_lambda_, newer.rows_), newer.rows_);                                          // (3)
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_, x_);
+        Truth<T> const before = determined();
         ++rows_;
-        Truth<T> const determined = lengths_.determined();
         T eta = y;
         T const root_gamma = fold(root_lambda_, L_, z_, x_, eta, tau_);
-        Step<T> const step = report_rotated(eta, root_gamma, determined);
-        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !determined, step);
+        Step<T> const step = report_rotated(eta, root_gamma, before);
+        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !before, step);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

@@ -15,6 +15,13 @@ Truth<T> all_finite(Column<T, N> const& x) {
     return out;
 }
 
+template <Field T, class X>
+Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
+    Truth<T> out = true;
+    for (Index i = 0; i < x.size(); ++i) out = out && is_finite<T>(x(i));
+    return out;
+}
+
 /// The report of a form that keeps theta. K is finite where theta + K e is.
 template <Field T, int N>
 Step<T> report(T const& innovation, T const& lambda, T const& s, Column<T, N> const& theta) {
@@ -63,6 +70,20 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
         Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
         return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);    // q: a pivot may be infinite
     }
+}
+
+/// Whether theta, which is kept, is finite, and K, solved for from X = L diag(D) L', and the pivots. x is workspace.
+template <Field T, int N>
+Truth<T> answers_finite(Square<T, N> const& X, Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& theta, Column<T, N> const& psi,
+                        Column<T, N>& x) {
+    if constexpr (!Real<T>) return true;    // the rationals are finite
+    using Bound = BoundOf<T>;
+    Truth<T> const kept = all_finite(theta) && all_finite(D);
+    if (all(solved_in_range<T>(x.size(), [&](Index j) { return Bound(X(j, j)); }, [&](Index j) { return Bound(D[j]); }, Bound(1)))) return kept;
+    Aside<T> const aside;
+    x = psi;
+    solve_outer(L, D, x);
+    return kept && all_finite(x);
 }
 
 /// The n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, z = R theta: for the forms that keep R and z alone.

@@ -128,6 +128,19 @@ void subtract_rank_two(Square<T, N>& A, Column<T, N> const& x, Column<T, N> cons
     run<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.excess()});
 }
 
+/// A = weight A + x x' and b = weight b + x y: a row of normal equations.
+template <Field T, int N>
+void accumulate(Square<T, N>& A, Column<T, N>& b, T const& weight, Column<T, N> const& x, T const& y) {
+    for (Index j = 0; j < x.size(); ++j) {
+        for (Index i = 0; i < x.size(); ++i) {
+            T const square = x[i] * x[j];
+            A(i, j) = weight * A(i, j) + square;
+        }
+        T const product = x[j] * y;
+        b[j] = weight * b[j] + product;
+    }
+}
+
 /// e = y - psi' theta: the door of every update.
 template <Field T, int N>
 T innovation(T const& y, Regressor<T> const& psi, Column<T, N> const& theta) {

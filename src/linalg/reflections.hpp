@@ -19,6 +19,20 @@ T power(T x, Index n) {
     return out;
 }
 
+/// A = the rows [psi' y], the oldest first, row k times root^(B-1-k). Returns root^B.
+template <Field T>
+T weigh(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
+    Index const d = psi.rows();
+    A.resize(y.size(), d + 1);
+    T weight = T(1);
+    for (Index k = y.size() - 1; k >= 0; --k) {
+        for (Index i = 0; i < d; ++i) A(k, i) = weight * psi(i, k);
+        A(k, d) = weight * y[k];
+        weight *= root;
+    }
+    return weight;
+}
+
 /// Folds the B x (d + 1) block A = [psi' y] into weight [R z], R = L', one reflection for each column i:
 ///
 ///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
