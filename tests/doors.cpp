@@ -160,13 +160,17 @@ TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
     auto const good = read(whole, {"u", "y"}).values;
     for (std::size_t length = 129; length < whole.size(); ++length) {    // between variables nothing shows what is missing behind
         std::string const told = refusal(whole.substr(0, length), {"u", "y"});
-        if (told == "no error") EXPECT_EQ(read(whole.substr(0, length), {"u", "y"}).values, good);
+        if (told == "no error") {
+            EXPECT_EQ(read(whole.substr(0, length), {"u", "y"}).values, good);
+        }
     }
     for (std::size_t at = 128; at < whole.size(); ++at)
         for (int bit = 0; bit < 8; bit += 3) {
             std::string damaged = whole;
             damaged[at] = char(damaged[at] ^ (1 << bit));
-            if (refusal(damaged, {"u", "y"}) == "no error") EXPECT_EQ(read(damaged, {"u", "y"}).values, good) << at;
+            if (refusal(damaged, {"u", "y"}) == "no error") {
+                EXPECT_EQ(read(damaged, {"u", "y"}).values, good) << at;
+            }
         }
 }
 TEST(Matlab, EitherEndFirst) {

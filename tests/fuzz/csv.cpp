@@ -48,7 +48,7 @@ std::string written(Columns const& data) {
     auto const cell = [&](std::size_t j, std::string const& x) { text += (j == 0 ? "\"" : ";\"") + x + '"'; };
     if (data.header) {
         for (std::size_t j = 0; j < data.names.size(); ++j) {
-            std::string name = "n" + data.names[j];    // neither a number nor "sep=;"
+            std::string name = "name " + data.names[j];    // neither a number nor missing nor "sep=;"
             for (auto at = name.find('"'); at != name.npos; at = name.find('"', at + 2)) name.insert(at, 1, '"');
             cell(j, name);
         }
@@ -82,7 +82,7 @@ void take(std::string_view bytes) {
     Outcome again = read(text, text.size() + 1, {.separator = ';', .decimal = '.'});
     again.data.lines = whole.data.lines;
     if (whole.data.header)
-        for (std::string& name : again.data.names) name.erase(0, 1);
+        for (std::string& name : again.data.names) name.erase(0, 5);
     expect(again == whole, "read again as it was written");
 }
 
