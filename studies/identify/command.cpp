@@ -125,7 +125,8 @@ int run_excitation(ExcitationArguments const& a) {
                                    printable(a.file, 200), printable(a.input), u.size(), e.resolution);
     nlohmann::ordered_json orders = nlohmann::ordered_json::array();
     for (ExcitationOrder const& n : e.orders) {
-        text += fmt::format("  {:>5}  {:>24.4g}  {:>9.3g}   {:<8}  {}\n", n.order, n.least, n.condition, n.definite ? "yes" : "no", n.resolved ? "yes" : "no");
+        text += fmt::format("  {:>5}  {:>24.4g}  {:>9}   {:<8}  {}\n", n.order, n.least, std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-",
+                            n.definite ? "yes" : "no", n.resolved ? "yes" : "no");
         orders.push_back({{"order", n.order}, {"least_eigenvalue", n.least}, {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
                           {"definite", n.definite}, {"resolved", n.resolved}});
     }

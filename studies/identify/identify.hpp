@@ -17,7 +17,7 @@ namespace rlslab {
 /// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors.
 struct IdentifyOptions {
     std::vector<std::string> inputs = {};      ///< with a list of regressors: none
-    std::string output;
+    std::string output = {};
     int order = 0, max_order = 0;              ///< order 0: chosen among 1 ... max_order; max_order 0: 10
     std::optional<int> na = {};
     std::vector<int> nb = {};                  ///< with na; one for all inputs, or one for each
