@@ -9,9 +9,9 @@
 
 namespace rlslab {
 
-namespace {
-
 using namespace balls;
+
+namespace {
 
 /// The prior's part of M and b, at row 0: the upper triangle of [M b], (d+1) x (d+1).
 BallMatrix prior_part(Problem<double> const& problem, long bits) {
@@ -55,27 +55,6 @@ bool solve(Exact::Enclosure& to, BallMatrix const& normal) {
     arb_mat_solve_ldl_precomp(to.theta, L, b, to.bits);
     arb_mat_inv_ldl_precomp(to.covariance, L, to.bits);
     return true;
-}
-
-/// The criterion of `certified`, with 2^-t <= 10^-digits and 2^-133 <= 10^-40: every step below rounds against us.
-bool theta_is_accurate(Exact::Enclosure const& x) {
-    long const t = bits_for(x.digits);
-    Magnitude const largest = size_and_radius(x.theta).first;
-    for (Index i = 0; i < x.theta.rows(); ++i) {
-        Magnitude floor, allowed;
-        arb_get_mag_lower(allowed, x.theta(i, 0));
-        mag_mul_2exp_si(floor, largest, -133);
-        mag_max(allowed, allowed, floor);
-        mag_mul_2exp_si(allowed, allowed, -t);
-        if (mag_cmp(arb_radref(x.theta(i, 0)), allowed) > 0) return false;
-    }
-    return true;
-}
-bool covariance_is_accurate(Exact::Enclosure const& x) {
-    auto const [size, radius] = size_and_radius(x.covariance);
-    Magnitude allowed;
-    mag_mul_2exp_si(allowed, size, -bits_for(x.digits));
-    return mag_cmp(radius, allowed) <= 0;
 }
 
 /// A zero of radius 0 has no relative radius that precision could make small: it is decided exactly.
@@ -139,6 +118,28 @@ public:
 };
 
 }  // namespace
+
+// 2^-t <= 10^-digits and 2^-133 <= 10^-40; every step rounds against us.
+bool theta_is_accurate(Exact::Enclosure const& x) {
+    long const t = bits_for(x.digits);
+    Magnitude const largest = size_and_radius(x.theta).first;
+    for (Index i = 0; i < x.theta.rows(); ++i) {
+        Magnitude floor, allowed;
+        arb_get_mag_lower(allowed, x.theta(i, 0));
+        mag_mul_2exp_si(floor, largest, -133);
+        mag_max(allowed, allowed, floor);
+        mag_mul_2exp_si(allowed, allowed, -t);
+        if (mag_cmp(arb_radref(x.theta(i, 0)), allowed) > 0) return false;
+    }
+    return true;
+}
+
+bool covariance_is_accurate(Exact::Enclosure const& x) {
+    auto const [size, radius] = size_and_radius(x.covariance);
+    Magnitude allowed;
+    mag_mul_2exp_si(allowed, size, -bits_for(x.digits));
+    return mag_cmp(radius, allowed) <= 0;
+}
 
 std::vector<Exact> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
                              int digits) {

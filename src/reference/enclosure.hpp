@@ -13,4 +13,10 @@ struct Exact::Enclosure {
     int digits;                      ///< asked for
 };
 
+/// What `certified` promises of theta, and of P, read off the balls:
+///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
+/// False also for some that are less than twice as accurate as promised.
+bool theta_is_accurate(Exact::Enclosure const& enclosure);
+bool covariance_is_accurate(Exact::Enclosure const& enclosure);
+
 }  // namespace rlslab
