@@ -86,14 +86,16 @@ Ticks Axis::linear(int about) const {
     Step const step = step_from(wished);
     double const unit = std::ldexp(step.value(), -exponent_);
     constexpr double slack = 1e-9;         // of a step: an end that is a tick but for rounding shows it
-    auto const first = static_cast<long long>(std::ceil(low_ / unit - slack)), last = static_cast<long long>(std::floor(high_ / unit + slack));
+    auto const first = static_cast<long long>(std::ceil(low_ / unit - slack)),
+               last = static_cast<long long>(std::floor(high_ / unit + slack));
     long long const most = std::max(std::abs(first), std::abs(last));
     int const order = most == 0 ? 0 : step.power + int(std::to_string(most * step.digit).size()) - 1;    // of the largest label
     if (order > 5 || order < -3) out.left_out = order;
     int const decimals = std::max(0, out.left_out - step.power);
     for (long long i = first; i <= last; ++i) {
         double const value = scaled(i * step.digit, step.power);
-        if (std::isfinite(value)) out.all.push_back({value, tick_text(fmt::format("{:.{}f}", scaled(i * step.digit, step.power - out.left_out), decimals))});
+        if (std::isfinite(value))
+            out.all.push_back({value, tick_text(fmt::format("{:.{}f}", scaled(i * step.digit, step.power - out.left_out), decimals))});
     }
     return out;
 }
@@ -173,7 +175,10 @@ double text_width(std::string_view text) {
     for (char const c : text) {
         if ((static_cast<unsigned char>(c) & 0xc0) == 0x80) continue;    // goes on with a character of UTF-8
         constexpr std::string_view slim = "iljtfrI.,:;'|!()[] /", wide = "mwMW%@";
-        out += slim.find(c) != std::string_view::npos ? 0.37 : wide.find(c) != std::string_view::npos ? 0.95 : c >= 'A' && c <= 'Z' ? 0.7 : 0.62;
+        out += slim.find(c) != std::string_view::npos   ? 0.37
+               : wide.find(c) != std::string_view::npos ? 0.95
+               : c >= 'A' && c <= 'Z'                   ? 0.7
+                                                        : 0.62;
     }
     return out;
 }

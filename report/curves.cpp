@@ -129,14 +129,16 @@ std::string stems(Curve const& curve, Axes const& axes) {
     std::string path;
     double const foot = inside(0, axes);
     for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
-        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i])) path += fmt::format("M{} {}V{}", fixed(axes.x(curve.x[i])), fixed(foot), fixed(inside(curve.y[i], axes)));
+        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i]))
+            path += fmt::format("M{} {}V{}", fixed(axes.x(curve.x[i])), fixed(foot), fixed(inside(curve.y[i], axes)));
     return path.empty() ? "" : fmt::format("<path d=\"{}\" {}/>", path, line_style({curve.look.colour}, 1.6));
 }
 
 std::string says(Figure const& figure, Curve const& curve, size_t i) {
     if (i < curve.says.size()) return curve.says[i];
     size_t const place = static_cast<size_t>(std::clamp(curve.x[i], 0.0, 1e6));
-    std::string const x = place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
+    std::string const x =
+        place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
     std::string out = fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
     if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.low[i]), number_text(curve.high[i]));
     return out;
@@ -160,7 +162,8 @@ std::string marks(Figure const& figure, Curve const& curve, Axes const& axes) {
             bool const end = k == 0 || k + 1 == all.size();
             if (!end && (k % stride || (std::abs(p.x - last.x) < apart && std::abs(p.y - last.y) < apart))) continue;
             last = p;
-            out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark_path(curve.look.mark, p.x, p.y), escaped_xml(says(figure, curve, i)));
+            out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark_path(curve.look.mark, p.x, p.y),
+                               escaped_xml(says(figure, curve, i)));
         }
     } else {
         std::set<std::pair<long, long>> taken;
@@ -216,9 +219,11 @@ std::string curve_group(Figure const& figure, Curve const& curve, size_t series,
     if (!guide && curve.stems) out += stems(curve, axes);
     std::string path;
     if (curve.line)
-        for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; })) path += path_of(thinned(run), axes.box);
+        for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; }))
+            path += path_of(thinned(run), axes.box);
     if (!path.empty())
-        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path, line_style(curve.look, guide ? 1.4 : 1.8), escaped_xml(curve.name));
+        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path, line_style(curve.look, guide ? 1.4 : 1.8),
+                           escaped_xml(curve.name));
     if (curve.marks && !guide && !curve.look.mark.empty()) out += marks(figure, curve, axes);
     return fmt::format("<g class=\"s\" data-s=\"{}\">{}</g>\n", series, out);
 }
@@ -231,13 +236,15 @@ std::string event_group(Event const& event, Look const& look, size_t series, Axe
     if (std::isnan(event.y) || !axes.y.shows(event.y)) {
         bool const left = x > (axes.box.left + axes.box.right) / 2;
         std::string const text = shortened(event.text, tick_size, (left ? x - axes.box.left : axes.box.right - x) - 6);
-        out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\">{}</text>", fixed(x),
-                          fixed(axes.box.top), fixed(axes.box.bottom), line_style({look.colour, true}, 1.3), fixed(left ? x - 5 : x + 5),
-                          fixed(axes.box.top + 14), left ? "end" : "start", look.colour, escaped_xml(text));
+        out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\">{}</text>",
+                          fixed(x), fixed(axes.box.top), fixed(axes.box.bottom), line_style({look.colour, true}, 1.3),
+                          fixed(left ? x - 5 : x + 5), fixed(axes.box.top + 14), left ? "end" : "start", look.colour, escaped_xml(text));
     } else {
         double const y = std::clamp(axes.y(event.y), axes.box.top, axes.box.bottom);
-        out = fmt::format("<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" fill=\"{2}\"/>"
-                          "<title>{4}</title>", fixed(x), fixed(y), look.colour, mark_path("x", x, y), escaped_xml(event.text));
+        out = fmt::format(
+            "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" fill=\"{2}\"/>"
+            "<title>{4}</title>",
+            fixed(x), fixed(y), look.colour, mark_path("x", x, y), escaped_xml(event.text));
     }
     return fmt::format("<g class=\"s event\" data-s=\"{}\">{}</g>\n", series, out);
 }

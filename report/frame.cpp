@@ -62,7 +62,9 @@ Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vect
     Bottom out;
     if (!figure.x_names.empty()) {
         double widest = 0;
-        for (size_t i = 0; i < figure.x_names.size(); ++i) out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 120)}), widest = std::max(widest, width_of(out.ticks.back()));
+        for (size_t i = 0; i < figure.x_names.size(); ++i)
+            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 120)}),
+                widest = std::max(widest, width_of(out.ticks.back()));
         out.slanted = (widest + 8) * double(figure.x_names.size()) > width;
         out.height = out.slanted ? 0.6 * widest + 16 : 20;
     } else if (!figure.x_ticks.empty()) {
@@ -95,11 +97,13 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     int const about = std::max(2, int((height - 60) / 42));
 
     // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the labels.
-    Frame out{.axes = {x, y, {}}, .left = {}, .bottom = {}, .x_lines = wrapped(figure.x, label_size, width - 90, 3), .y_lines = {}, .widest = 0};
+    Frame out{
+        .axes = {x, y, {}}, .left = {}, .bottom = {}, .x_lines = wrapped(figure.x, label_size, width - 90, 3), .y_lines = {}, .widest = 0};
     Box& box = out.axes.box = {0, 18, width - std::max(names, 20.0), 0};    // half a label of x stands beyond either side
     for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
         out.left = figure.cells ? Ticks{} : y.ticks(about);
-        for (size_t r = 0; r < cells.rows.size(); ++r) out.left.all.push_back({double(r), shortened(cells.rows[r], tick_size, 0.35 * width)});
+        for (size_t r = 0; r < cells.rows.size(); ++r)
+            out.left.all.push_back({double(r), shortened(cells.rows[r], tick_size, 0.35 * width)});
         for (Tick const& tick : out.left.all) out.widest = std::max(out.widest, width_of(tick));
         Bottom const guess = bottom_of(figure, x, width - 90, out.x_lines);
         out.y_lines = wrapped(figure.cells ? figure.series : figure.y, label_size, height - box.top - guess.height, 3);
@@ -108,7 +112,8 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
         out.bottom = bottom_of(figure, x, box.right - box.left, out.x_lines);
         box.bottom = std::max(box.top + 20, height - out.bottom.height);
         if (!square) break;
-        double const per_x = std::ldexp(x.length() / (box.right - box.left), x.exponent() - y.exponent()), per_y = y.length() / (box.bottom - box.top);
+        double const per_x = std::ldexp(x.length() / (box.right - box.left), x.exponent() - y.exponent()),
+                     per_y = y.length() / (box.bottom - box.top);
         per_x > per_y ? y.lengthen(per_x / per_y) : x.lengthen(per_y / per_x);
     }
     if (square) out.left = y.ticks(about), out.bottom.ticks = bottom_of(figure, x, box.right - box.left, out.x_lines).ticks;
@@ -135,35 +140,42 @@ std::string grid_group(Figure const& figure, Frame const& frame) {
 }
 
 namespace {
-std::string power_note(int power) { return power == 0 ? "" : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", tick_text(fmt::format("{}", power))); }
+std::string power_note(int power) {
+    return power == 0 ? "" : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", tick_text(fmt::format("{}", power)));
+}
 }  // namespace
 
 std::string labels_group(Frame const& frame, double height) {
     auto const& [x, y, box] = frame.axes;
-    std::string out = fmt::format("<path d=\"M{0} {1}H{2}V{3}H{0}Z\" fill=\"none\" stroke=\"#888\"/>\n<g font-size=\"{4}\">", fixed(box.left), fixed(box.top),
-                                  fixed(box.right), fixed(box.bottom), tick_size);
+    std::string out = fmt::format("<path d=\"M{0} {1}H{2}V{3}H{0}Z\" fill=\"none\" stroke=\"#888\"/>\n<g font-size=\"{4}\">",
+                                  fixed(box.left), fixed(box.top), fixed(box.right), fixed(box.bottom), tick_size);
     for (Tick tick : frame.bottom.ticks) {
         double const at = x(tick.value);
         if (tick.text.empty() || at < box.left - 0.05 || at > box.right + 0.05) continue;
         if (frame.bottom.slanted) {
             tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);    // cos 35 degrees
-            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\">{}</text>", fixed(at + 4), fixed(box.bottom + 14), tspans(tick));
+            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\">{}</text>", fixed(at + 4),
+                               fixed(box.bottom + 14), tspans(tick));
         } else
             out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", fixed(at), fixed(box.bottom + 16), tspans(tick));
     }
     for (Tick const& tick : frame.left.all)
         if (!tick.text.empty())
-            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.left - 7), fixed(y(tick.value) + 4.2), tspans(tick));
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.left - 7), fixed(y(tick.value) + 4.2),
+                               tspans(tick));
     if (frame.bottom.left_out)
-        out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.right), fixed(box.bottom + 32), power_note(frame.bottom.left_out));
-    if (frame.left.left_out) out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>", fixed(box.left), fixed(box.top - 5), power_note(frame.left.left_out));
+        out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.right), fixed(box.bottom + 32),
+                           power_note(frame.bottom.left_out));
+    if (frame.left.left_out)
+        out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>", fixed(box.left), fixed(box.top - 5), power_note(frame.left.left_out));
     out += "</g>\n";
     for (size_t i = 0; i < frame.x_lines.size(); ++i)
         out += text_at((box.left + box.right) / 2, height - 5 - line_height * double(frame.x_lines.size() - 1 - i), frame.x_lines[i],
                        fmt::format("font-size=\"{}\" text-anchor=\"middle\"", label_size));
     for (size_t i = 0; i < frame.y_lines.size(); ++i)
-        out += fmt::format("<text transform=\"translate({} {}) rotate(-90)\" font-size=\"{}\" text-anchor=\"middle\">{}</text>\n", fixed(13 + line_height * double(i)),
-                           fixed((box.top + box.bottom) / 2), label_size, escaped_xml(frame.y_lines[i]));
+        out +=
+            fmt::format("<text transform=\"translate({} {}) rotate(-90)\" font-size=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                        fixed(13 + line_height * double(i)), fixed((box.top + box.bottom) / 2), label_size, escaped_xml(frame.y_lines[i]));
     return out;
 }
 

@@ -98,15 +98,35 @@ std::string names_at_ends(Panel const& panel, double width, std::vector<Curve co
     std::string out;
     for (size_t i = 0; i < ends.size(); ++i) {
         auto const& [curve, x, y] = ends[i];
-        out += fmt::format("<g class=\"s name\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" stroke-opacity=\".6\"/>",
-                           series_number(legend, curve->name), fixed(x + 6), fixed(y), fixed(axes.box.right + 8), fixed(y), fixed(axes.box.right + 24),
-                           fixed(heights[i]), curve->look.colour);
-        out += text_at(axes.box.right + 28, heights[i] + 4.3, shortened(curve->name, tick_size, width - 30), fmt::format("font-size=\"{}\"", tick_size)) + "</g>";
+        out += fmt::format(
+            "<g class=\"s name\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" "
+            "stroke-opacity=\".6\"/>",
+            series_number(legend, curve->name), fixed(x + 6), fixed(y), fixed(axes.box.right + 8), fixed(y), fixed(axes.box.right + 24),
+            fixed(heights[i]), curve->look.colour);
+        out += text_at(axes.box.right + 28, heights[i] + 4.3, shortened(curve->name, tick_size, width - 30),
+                       fmt::format("font-size=\"{}\"", tick_size)) +
+               "</g>";
     }
     return out;
 }
 
-/// Each name beside its last point, in the first of eight places that is free; none where there is no room.
+bool apart(Box const& a, Box const& b) { return a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom; }
+
+/// Places for a name of this width about a point, the nearest first: on eight sides, then farther out.
+std::vector<Box> places_about(double x, double y, double width) {
+    constexpr double half = 6.5;    // of a line of text
+    std::vector<Box> out;
+    for (double const r : {0.0, 14.0, 28.0, 44.0, 62.0}) {
+        double const right = x + 8 + r, left = x - 8 - r - width, middle = x - width / 2, near = 0.7 * r;
+        for (auto const& [begin, height] : {std::pair{right, y}, {left, y}, {middle, y - 13 - r}, {middle, y + 14 + r}, {x + 6 + near, y - 12 - near},
+                                            {x + 6 + near, y + 12 + near}, {x - 6 - near - width, y - 12 - near}, {x - 6 - near - width, y + 12 + near}})
+            out.push_back({begin, height - half, begin + width, height + half});
+    }
+    return out;
+}
+
+/// Each name beside its last point, in the first place that is free, with a line to it where that is not near; none where there
+/// is no room.
 std::string names_beside(Panel const& panel, std::vector<Curve const*> const& legend, Axes const& axes) {
     std::vector<Box> taken;
     for (Curve const& curve : panel.curves)
@@ -114,28 +134,27 @@ std::string names_beside(Panel const& panel, std::vector<Curve const*> const& le
             if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i])) {
                 double const x = axes.x(curve.x[i]), y = axes.y(curve.y[i]);
                 taken.push_back({x - 5, y - 5, x + 5, y + 5});
+                if (curve.bars && i < curve.low.size() && i < curve.high.size() && axes.y.shows(curve.low[i]) && axes.y.shows(curve.high[i]))
+                    taken.push_back({x - 3, axes.y(curve.high[i]), x + 3, axes.y(curve.low[i])});
             }
-    auto const free = [&](Box const& b) {
-        return b.left >= axes.box.left && b.right <= axes.box.right && b.top >= axes.box.top && b.bottom <= axes.box.bottom &&
-               std::ranges::none_of(taken, [&](Box const& o) { return b.left < o.right && o.left < b.right && b.top < o.bottom && o.top < b.bottom; });
-    };
     std::string out;
     for (Curve const& curve : panel.curves) {
         auto const at = last_place(curve, axes);
         if (!at) continue;
         auto const [x, y] = *at;
-        double const width = tick_size * text_width(curve.name), height = 13;
-        struct Side {
-            double dx, dy;    // of the left end and the middle
-        };
-        for (auto const& [dx, dy] : {Side{8, 0}, {-8 - width, 0}, {-width / 2, -13}, {-width / 2, 14}, {6, -12}, {6, 12}, {-6 - width, -12}, {-6 - width, 12}}) {
-            Box const box{x + dx, y + dy - height / 2, x + dx + width, y + dy + height / 2};
-            if (!free(box)) continue;
-            taken.push_back(box);
-            out += fmt::format("<g class=\"s name\" data-s=\"{}\">{}</g>", series_number(legend, curve.name),
-                               text_at(box.left, y + dy + 4.3, curve.name, fmt::format("font-size=\"{}\"", tick_size)));
-            break;
-        }
+        std::vector<Box> const places = places_about(x, y, tick_size * text_width(curve.name));
+        auto const place = std::ranges::find_if(places, [&](Box const& b) {
+            return axes.box.holds(b.left, b.top) && axes.box.holds(b.right, b.bottom) &&
+                   std::ranges::all_of(taken, [&](Box const& other) { return apart(b, other); });
+        });
+        if (place == places.end()) continue;
+        taken.push_back(*place);
+        std::string const line = place - places.begin() < 8 ? ""
+                                 : fmt::format("<path d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\".8\" stroke-opacity=\".7\"/>", fixed(x), fixed(y),
+                                               fixed(std::clamp(x, place->left, place->right)), fixed(std::clamp(y, place->top, place->bottom)),
+                                               curve.look.colour);
+        out += fmt::format("<g class=\"s name\" data-s=\"{}\">{}{}</g>", series_number(legend, curve.name), line,
+                           text_at(place->left, place->bottom - 2.2, curve.name, fmt::format("font-size=\"{}\"", tick_size)));
     }
     return out;
 }

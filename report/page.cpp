@@ -43,8 +43,8 @@ std::string figure_html(Figure const& figure) {
         for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;
     if (figure.cells) {
         Range const shades = plot::shades_of(figure);
-        out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low), plot::number_text(shades.high),
-                           escaped(figure.y));
+        out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low),
+                           plot::number_text(shades.high), escaped(figure.y));
     } else if (auto const legend = legend_of(figure); legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
         out += fmt::format("<p class=\"legend{}\">", at_ends ? " ends" : "");
         for (size_t i = 0; i < legend.size(); ++i) 
@@ -58,7 +58,8 @@ std::string figure_html(Figure const& figure) {
         out += "<div class=\"panel\">";
         if (!name.empty()) out += fmt::format("<h3>{}</h3>", escaped(name));
         if (panels == 1)
-            out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>", panel_svg(figure, i, 1040, figure.square ? 620 : 440, true),
+            out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
+                               panel_svg(figure, i, 1040, figure.square ? 620 : 440, true),
                                panel_svg(figure, i, 400, figure.square ? 400 : 330, !at_ends));
         else
             out += figure.cells && panels > 4 ? panel_svg(figure, i, 400, 300, true) : panel_svg(figure, i, 520, 350, true);
@@ -111,9 +112,11 @@ std::string table_html(std::vector<std::string> const& head, std::vector<std::ve
 }
 
 std::string page(std::string_view title, std::string_view body) {
-    return fmt::format("<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-                       "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
-                       escaped(title), page_style, body, page_script);
+    return fmt::format(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, "
+        "initial-scale=1\">\n"
+        "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
+        escaped(title), page_style, body, page_script);
 }
 
 }  // namespace rlslab

@@ -47,7 +47,8 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
 /// What a screen reader says of it.
 std::string description(Figure const& figure, Panel const& panel) {
     std::string out = fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
-    if (figure.log_x || figure.log_y) out += fmt::format(" ({} logarithmic)", figure.log_x && figure.log_y ? "both" : figure.log_x ? "x" : "y");
+    if (figure.log_x || figure.log_y)
+        out += fmt::format(" ({} logarithmic)", figure.log_x && figure.log_y ? "both" : figure.log_x ? "x" : "y");
     out += ":";
     for (Curve const& curve : panel.curves) {
         Range y;
@@ -88,15 +89,18 @@ std::vector<Curve const*> legend_of(Figure const& figure) {
 std::string key_svg(Curve const& curve) {
     std::string out = "<svg class=\"key\" viewBox=\"0 0 34 12\" width=\"34\" height=\"12\" aria-hidden=\"true\">";
     if (curve.line) out += fmt::format("<path d=\"M1 6H33\" {}/>", line_style(curve.look, 1.8));
-    if (curve.marks && !curve.look.mark.empty()) out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve.look.mark, 17, 6), mark_style(curve.look));
+    if (curve.marks && !curve.look.mark.empty())
+        out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve.look.mark, 17, 6), mark_style(curve.look));
     return out + "</svg>";
 }
 
 std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named) {
     Panel const& drawn = figure.panels.at(panel);
-    return fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
-                       fixed(width), fixed(height), font, ink, escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
-                       escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height, named));
+    return fmt::format(
+        "<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} "
+        "fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
+        fixed(width), fixed(height), font, ink, escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
+        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height, named));
 }
 
 std::string svg(Figure const& figure) {
@@ -113,14 +117,19 @@ std::string svg(Figure const& figure) {
     for (size_t i = 0; i < panels; ++i) {
         Panel const& panel = figure.panels[i];
         double const x = double(i % columns) * (cell + gap);
-        if (!panel.name.empty()) out += text_at(x + cell / 2, y + 8, shortened(panel.name, 13, cell), "font-size=\"13\" font-weight=\"600\" text-anchor=\"middle\"");
-        out += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", fixed(x), fixed(y + 8), panel_body(figure, panel, cell, panel_height, true));
+        if (!panel.name.empty())
+            out += text_at(x + cell / 2, y + 8, shortened(panel.name, 13, cell),
+                           "font-size=\"13\" font-weight=\"600\" text-anchor=\"middle\"");
+        out += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", fixed(x), fixed(y + 8),
+                           panel_body(figure, panel, cell, panel_height, true));
         if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22;
     }
     if (figure.cells) {
         Range const shades = shades_of(figure);
         std::string bar;
-        for (int i = 0; i < 40; ++i) bar += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"4.2\" height=\"12\" fill=\"{}\"/>", fixed(120 + 4 * i), fixed(y), shade((i + 0.5) / 40));
+        for (int i = 0; i < 40; ++i)
+            bar += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"4.2\" height=\"12\" fill=\"{}\"/>", fixed(120 + 4 * i), fixed(y),
+                               shade((i + 0.5) / 40));
         out += text_at(112, y + 11, number_text(shades.low), "font-size=\"12\" text-anchor=\"end\"") + bar +
                text_at(288, y + 11, shortened(number_text(shades.high) + "  " + figure.y, 12, width - 300), "font-size=\"12\"");
         y += 24;
@@ -131,15 +140,17 @@ std::string svg(Figure const& figure) {
             double const room = 44 + tick_size * text_width(name) + 14;
             if (x > 20 && x + room > width) x = 20, y += 20;
             if (curve->line) out += fmt::format("<path d=\"M{} {}h32\" {}/>", fixed(x), fixed(y + 6), line_style(curve->look, 1.8));
-            if (curve->marks && !curve->look.mark.empty()) out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve->look.mark, x + 16, y + 6), mark_style(curve->look));
+            if (curve->marks && !curve->look.mark.empty())
+                out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve->look.mark, x + 16, y + 6), mark_style(curve->look));
             out += text_at(x + 39, y + 10.3, name, fmt::format("font-size=\"{}\"", tick_size));
             x += room;
         }
         y += 24;
     }
-    return fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" {2} fill=\"{3}\">\n"
-                       "<title>{4}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n{5}</svg>\n",
-                       fixed(width), fixed(y), font, ink, escaped_xml(figure.title), out);
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" {2} fill=\"{3}\">\n"
+        "<title>{4}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n{5}</svg>\n",
+        fixed(width), fixed(y), font, ink, escaped_xml(figure.title), out);
 }
 
 }  // namespace rlslab

@@ -51,7 +51,8 @@ testing::AssertionResult well_formed(std::string const& xml) {
         bool const closes = tag.starts_with('/'), alone = tag.ends_with('/');
         if (alone) tag.pop_back();
         std::string const name = tag.substr(closes, std::min(tag.find(' '), tag.size()) - closes);
-        if (name.empty() || !attributes(std::string_view(tag).substr(closes + name.size()))) return testing::AssertionFailure() << "a tag: " << tag.substr(0, 200);
+        if (name.empty() || !attributes(std::string_view(tag).substr(closes + name.size())))
+            return testing::AssertionFailure() << "a tag: " << tag.substr(0, 200);
         if (closes) {
             if (open.empty() || open.back() != name) return testing::AssertionFailure() << "closed: " << tag;
             open.pop_back();
@@ -60,7 +61,8 @@ testing::AssertionResult well_formed(std::string const& xml) {
     }
     for (size_t at = 0; (at = xml.find('&', at)) != std::string::npos; ++at) {
         std::string_view const rest = std::string_view(xml).substr(at + 1, 6);
-        if (std::ranges::none_of(std::array{"amp;", "lt;", "gt;", "quot;", "#39;", "ensp;"}, [&](char const* known) { return rest.starts_with(known); }))
+        if (std::ranges::none_of(std::array{"amp;", "lt;", "gt;", "quot;", "#39;", "ensp;"},
+                                 [&](char const* known) { return rest.starts_with(known); }))
             return testing::AssertionFailure() << "a bare &: " << rest;
     }
     return open.empty() ? testing::AssertionSuccess() : testing::AssertionFailure() << "not closed: " << open.back();
@@ -201,10 +203,12 @@ TEST(Ticks, AscendInsideTheRangeEachWithItsOwnLabel) {
         ticks_are_lawful({size, size * std::ldexp(1 + seed.uniform(), int(seed.uniform() * seed.uniform() * 60))}, true, about);
     }
     for (bool const logarithmic : {false, true})
-        for (Range const& range : {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)}, Range{1e9, 1e9 + 1},
-                                   Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101}, Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
+        for (Range const& range : {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)},
+                                   Range{1e9, 1e9 + 1}, Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101},
+                                   Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
             ticks_are_lawful(range, logarithmic, 6);
-    for (Range const& range : {Range{0, 0}, Range{-1.7e308, 1.7e308}, Range{-5e-324, 5e-324}, Range{-1, 1e-300}}) ticks_are_lawful(range, false, 6);
+    for (Range const& range : {Range{0, 0}, Range{-1.7e308, 1.7e308}, Range{-5e-324, 5e-324}, Range{-1, 1e-300}})
+        ticks_are_lawful(range, false, 6);
 }
 TEST(Ticks, AreWhatPeopleWouldChoose) {
     auto const texts = [](Range range, bool logarithmic, int about) {
@@ -301,7 +305,8 @@ TEST(Drawing, NamesAtTheEndsOfManyCurvesStayInside) {
     figure.names = true;
     for (int n = 0; n < 40; ++n) {
         lawful(figure);
-        figure.panels[0].curves.push_back({.name = "curve " + std::to_string(n), .look = look_of("", size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
+        figure.panels[0].curves.push_back(
+            {.name = "curve " + std::to_string(n), .look = look_of("", size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
     }
 }
 TEST(Drawing, HoldsEveryTextHoweverLong) {
@@ -370,7 +375,8 @@ TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
     figure.panels[0].curves.push_back({.name = "other", .look = look_of("", 1), .x = {1}, .y = {2}});
     figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
     std::string const html = figure_html(figure);
-    for (char const* name : {"curve", "other", "guide"}) EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve") ? 0 : name == std::string("other") ? 1 : 2]->name), name);
+    for (char const* name : {"curve", "other", "guide"})
+        EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve") ? 0 : name == std::string("other") ? 1 : 2]->name), name);
     for (char const* number : {"0", "1", "2"}) {
         EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::string(number) + "\">"));
         EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::string(number) + "\">"));

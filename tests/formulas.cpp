@@ -16,7 +16,8 @@ TEST(Formulas, OfEveryStudyAreMathML) {
         std::string const text = readable(study->formula);
         EXPECT_EQ(text.find_first_of("\\{}&\n"), std::string::npos) << study->name << ": " << text;
         if (has_mathml()) {
-            EXPECT_TRUE(mathml(study->formula).starts_with("<math")) << study->name << ": pandoc does not understand it, or it is not marked R\"tex(...)tex\"";
+            EXPECT_TRUE(mathml(study->formula).starts_with("<math"))
+                << study->name << ": pandoc does not understand it, or it is not marked R\"tex(...)tex\"";
         }
     }
 }

@@ -71,6 +71,15 @@ TEST(House, NoFileIsLongerThanFourHundredLines) {
     for (char const* folder : {"src", "variants", "tests", "bench", "studies", "compare", "program", "report"})
         for (fs::path const& file : sources(folder)) EXPECT_LE(lines(file), 400) << file;
 }
+TEST(House, TheRendererStandsOnTheCoreAlone) {
+    for (fs::path const& file : sources("report")) {
+        std::ifstream lines(file);
+        for (std::string line; std::getline(lines, line);) {
+            if (line.starts_with("#include \"")) { EXPECT_TRUE(line.starts_with("#include \"report/") || line.find("page_assets.hpp") != line.npos) << file << ": " << line; }
+            if (line.starts_with("#include <rlslab/")) { EXPECT_TRUE(line.starts_with("#include <rlslab/core/")) << file << ": " << line; }
+        }
+    }
+}
 TEST(House, EveryFileSaysWhatItIs) {
     for (char const* folder : {"src", "variants", "tests", "bench", "studies", "compare", "program", "report"})
         for (fs::path const& file : sources(folder)) EXPECT_EQ(text(file).substr(0, 3), "// ") << file;

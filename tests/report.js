@@ -24,6 +24,17 @@ for (const box of document.querySelectorAll('.formula')) {
   if (box.querySelector('merror')) wrong.push(`not typeset: ${box.textContent}`);
 }
 for (const image of document.images) if (!image.complete || !image.naturalWidth) wrong.push(`a broken image: ${image.src}`);
+// A click on a legend hides its series in every panel, a second one shows it again.
+for (const key of document.querySelectorAll('.legend span[data-s]')) {
+  if (key.parentElement.querySelectorAll('span[data-s]').length < 2) continue;
+  const mine = [...key.closest('figure').querySelectorAll(`g.s[data-s="${key.dataset.s}"]`)];
+  const hidden = () => mine.filter(g => getComputedStyle(g).display === 'none').length;
+  key.click();
+  if (hidden() !== mine.length) wrong.push(`a click on ${key.textContent} does not hide it`);
+  key.click();
+  if (hidden()) wrong.push(`a second click on ${key.textContent} does not show it`);
+  if (!mine.length) wrong.push(`nothing is drawn of ${key.textContent} in ${key.closest('figure').id}`);
+}
 const seen = `width ${window.innerWidth}, figures ${document.querySelectorAll('figure').length}, formulas ${
   document.querySelectorAll('.formula').length}, typeset ${document.querySelectorAll('.formula math').length}`;
 window.parent.postMessage({ wrong: wrong.join(' | '), seen }, '*');
