@@ -6,16 +6,13 @@
 #include <sstream>
 
 namespace rlslab {
-namespace {
 
-constexpr size_t full_width = 79, column = 24;    // of a line; where the text beside an option begins
-
-/// The text broken at spaces, from column `at` on, further lines indented. A word longer than a line is left whole.
-std::string wrapped(std::string_view text, size_t at, size_t indent, size_t width = full_width) {
+std::string wrapped(std::string_view text, size_t at, size_t indent, size_t width) {
     std::string out;
     while (at + text.size() > width) {
-        size_t end = text.rfind(' ', width - at);
-        if (end == text.npos || text.find_first_not_of(' ') > end) end = text.find(' ', width - at);
+        size_t const room = width - std::min(width, at);
+        size_t end = text.rfind(' ', room);
+        if (end == text.npos || text.find_first_not_of(' ') > end) end = text.find(' ', room);
         if (end == text.npos) break;
         out += text.substr(0, text.find_last_not_of(' ', end) + 1);
         text.remove_prefix(std::min(text.size(), text.find_first_not_of(' ', end)));
@@ -24,6 +21,10 @@ std::string wrapped(std::string_view text, size_t at, size_t indent, size_t widt
     }
     return out + std::string(text) + '\n';
 }
+
+namespace {
+
+constexpr size_t column = 24;    // where the text beside an option begins
 
 /// "  --order N           ARX order", or the text a line below where the name is too long.
 std::string entry(std::string const& name, std::string const& text, size_t beside = column) {
@@ -74,7 +75,7 @@ std::string help_text(CLI::App const& command) {
         for (Meaning const& code : exit_codes()) out += entry(code.name, code.text, 8);
         out += '\n';
     }
-    return out + notes(command.get_footer(), full_width);
+    return out + notes(command.get_footer(), 79);
 }
 
 }  // namespace rlslab

@@ -1,5 +1,6 @@
 // rlslab list: what there is to choose from.
 #include "commands.hpp"
+#include "described.hpp"
 #include "study.hpp"
 
 #include <rlslab/core/rounding.hpp>
@@ -14,7 +15,7 @@ void run_list(bool json) {
     nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
                                   {"arithmetics", nlohmann::ordered_json::array()},
                                   {"studies", nlohmann::ordered_json::array()}};
-    std::string text = "variants                  propagates    no prior  rows at once  in\n";
+    std::string text = "variants                  propagates    a prior   rows at once  in\n";
     std::vector<Entry const*> variants;
     for (Entry const& e : catalogue())
         if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
@@ -24,7 +25,7 @@ void run_list(bool json) {
         for (Entry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
         text += fmt::format("  {:<23} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
-                            v->starts_without_prior ? "yes" : "no", v->block,
+                            v->starts_without_prior ? "optional" : "needed", v->block,
                             in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
         out["variants"].push_back({{"name", v->variant},
                                    {"propagates", v->propagates},
@@ -45,11 +46,11 @@ void run_list(bool json) {
     }
     auto const faults = rounding_faults();
     out["rounding_faults"] = faults;
-    text += "\nrounding of this program  " +
+    text += "\nrounding of this program\n  " +
             (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n" : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
     text += "\nstudies\n";
     for (Study const* study : studies()) {
-        text += fmt::format("  {:<23} {}\n", study->name, study->question);
+        text += fmt::format("  {:<23} {}", study->name, wrapped(study->question, 26, 26));
         out["studies"].push_back({{"name", study->name}, {"question", study->question}});
     }
     print(json ? out.dump(2) + '\n' : text);
@@ -60,6 +61,7 @@ void run_list(bool json) {
 Command list_command(CLI::App& app) {
     auto const json = std::make_shared<bool>(false);
     CLI::App* const listing = app.add_subcommand("list", "What there is: variants, arithmetics, studies.");
+    listing->footer("Example:  rlslab list --json\n\nExit code: 0.");
     listing->add_flag("--json", *json, "JSON instead of the tables");
     return {listing, [json] {
                 run_list(*json);

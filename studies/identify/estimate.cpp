@@ -2,7 +2,7 @@
 #include "estimate.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/model/suggestion.hpp>
 #include <rlslab/probes.hpp>
 #include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
@@ -15,12 +15,10 @@ namespace rlslab {
 
 Entry const& entry_of(std::string const& variant) {
     std::vector<std::string_view> known;
-    for (Entry const& e : catalogue()) {
-        if (e.arithmetic->name != "double") continue;
-        if (e.variant == variant) return e;
-        known.push_back(e.variant);
-    }
-    throw InputError(fmt::format("--variant: expected one of {}, found \"{}\"", fmt::join(known, ", "), printable(variant)));
+    for (Entry const& e : catalogue())
+        if (e.arithmetic->name == "double") known.push_back(e.variant);
+    expect_one_of(known, variant, "--variant", "variant");
+    return *std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.arithmetic->name == "double" && e.variant == variant; });
 }
 
 namespace {
