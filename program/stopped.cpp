@@ -13,11 +13,12 @@ namespace {
 
 char advice[512];
 std::atomic<size_t> length = 0;
+std::atomic<bool> terminal = false;
 
 /// Only what a handler may call: unlink, write, raise.
 void clean_up(int signal) {
     remove_unfinished_file();
-    if (::isatty(STDERR_FILENO)) (void)!::write(STDERR_FILENO, "\n", 1);    // progress and ^C stand on this line
+    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);    // progress and ^C stand on this line
     if (length > 0) (void)!::write(STDERR_FILENO, advice, length);
     ::raise(signal);    // the handler is gone (SA_RESETHAND): its default comes when this one returns
 }
@@ -25,6 +26,7 @@ void clean_up(int signal) {
 }  // namespace
 
 void when_stopped(std::string const& text) {
+    terminal = ::isatty(STDERR_FILENO) == 1;
     length = 0;
     size_t const fits = std::min(text.size(), sizeof advice);
     std::memcpy(advice, text.data(), fits);
