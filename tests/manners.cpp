@@ -43,7 +43,7 @@ TEST_F(Program, SaysWhatAnOptionWants) {
     refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order: expected once, found again");
     refused("study --threads", "--threads: expected N, found nothing");
     refused("list list", "\"list\" is one word too many (rlslab list --help)");
-    EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 3").code, 0) << "a number may begin with a minus";
+    EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 30").code, 0) << "a number may begin with a minus";
 }
 TEST(Suggestion, IsTheNearestNameOrNone) {
     std::vector<std::string_view> const names{"conventional", "joseph", "qr", "ud", "extended_qr", ""};
@@ -160,7 +160,7 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
     for (std::string const format : {"--json", "--csv"}) EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
     EXPECT_TRUE(coloured(shell("rlslab study gain_identities --out out --color=always").out));
     refused("list --color=sometimes", "--color: expected auto, always or never, found \"sometimes\"");
-    for (std::string const command : {"list", "simulate --samples 3", "excitation ok.csv --input u", "--version"})
+    for (std::string const command : {"list", "simulate --samples 30", "excitation ok.csv --input u", "--version"})
         for (std::string const option : {"--quiet", "--color=never"}) {
             EXPECT_EQ(shell("rlslab " + option + " " + command).code, 0) << option << " " << command;
             EXPECT_EQ(shell("rlslab " + command + " " + option).code, 0) << command << " " << option;

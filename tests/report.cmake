@@ -16,6 +16,11 @@ if(failed)
   message(FATAL_ERROR "identify failed: ${failed}")
 endif()
 
+execute_process(COMMAND ${PROGRAM} compare ${DATA}/sales.csv --input lead --output sales --order 2 --no-timings --out ${WORK_DIR} RESULT_VARIABLE failed OUTPUT_QUIET)
+if(failed)
+  message(FATAL_ERROR "compare failed: ${failed}")
+endif()
+
 file(READ ${CMAKE_CURRENT_LIST_DIR}/report.js check)
 # look_at(FILE FIGURES FORMULAS): as many of them as are in the page, or more.
 function(look_at file figures formulas)
@@ -47,3 +52,4 @@ function(look_at file figures formulas)
 endfunction()
 look_at(report.html 6 4)
 look_at(model.html 6 0)
+look_at(compare.html 5 0)
