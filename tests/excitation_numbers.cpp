@@ -58,6 +58,7 @@ TEST(ExcitationNumbers, EndAtTheFirstOrderThatIsSingular) {
     EXPECT_EQ(e.orders[1].condition, INFINITY);
     EXPECT_EQ(e.orders[1].least, 0);
     EXPECT_EQ(excitation({1, 2, 4}, 9).orders.size(), 2u) << "3 samples are 2 windows of 2, too few for 3";
+    EXPECT_EQ(excitation({1, 2, 4, 3}, 9).orders.size(), 2u);
     EXPECT_EQ(excitation({1, 2, 4, 3, 1}, 9).orders.size(), 3u);
     EXPECT_THROW(excitation({}, 1), std::invalid_argument);
     EXPECT_THROW(excitation({1, 2}, 0), std::invalid_argument);
@@ -79,7 +80,7 @@ TEST(ExcitationNumbers, AStandstillIsCountedFromTheStart) {
 Signal levels(size_t n, double unit, size_t repeat = 3) {
     Signal out;
     for (size_t r = 0; r < repeat; ++r)
-        for (size_t k = 0; k < n; ++k) out.push_back(unit * double((7 * k) % n));
+        for (size_t k = 0; k < n; ++k) out.push_back(unit * double((11 * k) % n));
     return out;
 }
 double resolution(Signal const& x) { return excitation(x, 1).resolution; }
@@ -182,7 +183,8 @@ TEST(SignalNumbers, AMultisineIsItsSum) {
     int const H = 7;
     Signal const u = multisine(n, H);
     for (Index k : {0, 1, 13, 49}) {
-        long double sum = 0, const pi = std::acos(-1.0L);
+        long double sum = 0;
+        long double const pi = std::acos(-1.0L);
         for (int h = 1; h <= H; ++h) sum += std::cos(2 * pi * (long double)(h * k) / n - pi * (long double)(h * (h - 1)) / H);
         EXPECT_NEAR(u[size_t(k)], double(sum * std::sqrt(2.0L / H)), 1e-15);
     }
@@ -204,8 +206,13 @@ TEST(SignalNumbers, StepsLastAsLongAsTheyMay) {
     double least = 1, most = -1, mean = 0;
     for (size_t k = 1; k < x.size(); ++k) {
         least = std::min(least, x[k]), most = std::max(most, x[k]), mean += x[k] / 6000;
-        if (x[k] == x[k - 1]) ++run;
-        else ASSERT_LT(run, 10u), ++lengths[run], run = 1;
+        if (x[k] == x[k - 1]) {
+            ++run;
+            continue;
+        }
+        ASSERT_LT(run, 10u);
+        ++lengths[run];
+        run = 1;
     }
     for (size_t n = 0; n < 10; ++n) EXPECT_EQ(lengths[n] > 0, 3 <= n && n <= 6) << n;
     EXPECT_LT(least, -0.98);
