@@ -15,7 +15,7 @@ void run_list(bool json) {
     nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
                                   {"arithmetics", nlohmann::ordered_json::array()},
                                   {"studies", nlohmann::ordered_json::array()}};
-    std::string text = "variants                  propagates    a prior   rows at once  in\n";
+    std::string text = "variants                  propagates   a prior   rows at once  in\n";
     std::vector<Entry const*> variants;
     for (Entry const& e : catalogue())
         if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
@@ -24,7 +24,7 @@ void run_list(bool json) {
         std::vector<std::string_view> in;
         for (Entry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
-        text += fmt::format("  {:<23} {:<13} {:<9} {:<13} {}\n", v->variant, v->propagates,
+        text += fmt::format("  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates,
                             v->starts_without_prior ? "optional" : "needed", v->block,
                             in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
         out["variants"].push_back({{"name", v->variant},
