@@ -33,10 +33,10 @@ void run_list(bool json) {
                                    {"rows_at_once", v->block},
                                    {"arithmetics", in}});
     }
-    text += "\narithmetics               bits  digits  exponents                      rounding\n";
+    text += "\narithmetics               bits  digits  exponents                    rounding\n";
     for (Arithmetic const& s : arithmetics()) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
-        text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<29}  {}\n", s.name, s.digits, s.decimal_digits(),
+        text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<27}  {}\n", s.name, s.digits, s.decimal_digits(),
                             fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
         out["arithmetics"].push_back({{"name", s.name},
                                       {"digits", s.digits},
