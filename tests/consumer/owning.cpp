@@ -8,7 +8,7 @@
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/reference/definiteness.hpp>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
@@ -76,7 +76,7 @@ void exact_solutions() {
 void eigens_own() {
     for (int n : {3, 8, 50}) {
         Eigen::MatrixXd A = Eigen::MatrixXd::Random(n, n);
-        expect(passed_on(A).eigenvalues().size() == n, "as many eigenvalues as rows");
+        expect(passed_on(A).partialPivLu().matrixLU().rows() == n, "a factorisation of its size");
         A.resize(n + 1, n);
         expect((A.setOnes() * Eigen::MatrixXd::Ones(n, n))(0, 0) == n, "a product");
         expect(roots(std::vector<double>(size_t(n), 0.5)).size() == size_t(n), "as many roots as the degree");
