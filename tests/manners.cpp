@@ -71,7 +71,7 @@ TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
             EXPECT_EQ(run.code, 128 + SIGPIPE) << command;
             EXPECT_EQ(run.err, "") << command;
         }
-    EXPECT_EQ(shell("rlslab list | head -1").out, "variants                  propagates    a prior   rows at once  in\n");
+    EXPECT_EQ(shell("rlslab list | head -1").out, "variants                  propagates   a prior   rows at once  in\n");
 }
 TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
     for (std::string const command : {"list", "list --json", "--help", "--version", "compare ok.csv --input u --output y --order 1 --arithmetic double",
