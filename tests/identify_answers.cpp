@@ -1,4 +1,5 @@
 // What identify answers where the record or the variant is bad: words, never a NaN, and the exit code to match.
+#include "exact_fit.hpp"
 #include "files.hpp"
 #include "identify.hpp"
 
@@ -81,34 +82,11 @@ TEST(IdentifyAnswers, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
     Columns const columns = read_columns(file, {"u", "y"});
     Records const records = arx_records(columns, "u", "y", arx_of_order(6));
     Index const d = records.size(), N = records.rows();
-    Matrix<Rational> A(d, 2 * d + 1);    // [Phi'Phi, Phi'Y, I], reduced to [I, theta, inverse]
-    for (Index i = 0; i < d; ++i) {
-        for (Index j = 0; j < 2 * d + 1; ++j) A(i, j) = j == d + 1 + i ? 1 : 0;
-        for (Index k = 0; k < N; ++k) {
-            Rational const x(records.psi(i, k));
-            for (Index j = 0; j < d; ++j) A(i, j) += x * Rational(records.psi(j, k));
-            A(i, d) += x * Rational(records.y[k]);
-        }
-    }
-    for (Index i = 0; i < d; ++i) {    // positive definite: no pivoting
-        Rational const pivot = A(i, i);
-        for (Index j = i; j < 2 * d + 1; ++j) A(i, j) /= pivot;
-        for (Index r = 0; r < d; ++r) {
-            if (r == i) continue;
-            Rational const factor = A(r, i);
-            for (Index j = i; j < 2 * d + 1; ++j) A(r, j) -= factor * A(i, j);
-        }
-    }
-    Rational J = 0;
-    for (Index k = 0; k < N; ++k) {
-        Rational e(records.y[k]);
-        for (Index i = 0; i < d; ++i) e -= Rational(records.psi(i, k)) * A(i, d);
-        J += e * e;
-    }
+    exact_fit::Fit const exact = exact_fit::of(records);
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {N}).front();
-    EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(J));
+    EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(exact.J));
     EXPECT_DOUBLE_EQ(s.scatter.freedom, double(N - d));
-    for (Index i = 0; i < d; ++i) EXPECT_DOUBLE_EQ(s.scatter.sd[i], std::sqrt(static_cast<double>(A(i, d + 1 + i)))) << i;
+    for (Index i = 0; i < d; ++i) EXPECT_DOUBLE_EQ(s.scatter.sd[i], std::sqrt(static_cast<double>(exact.inverse(i, i)))) << i;
     EXPECT_GT(condition(records, 1), 1e4);
 }
 
