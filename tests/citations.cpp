@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"tests/a.cpp", "// the theo~ry\n// lines 12 to 19", "without its page"},
         Planted{"studies/a.cpp", "Verhaegen 1989 (reca~lled)", "no word of"},
         Planted{"src/a.hpp", "// see DESI~GN.md", "not in the tree"},
-        Planted{"src/a.hpp", "// Verhaegen 19~98", "not in docs/literature.md 6"},
+        Planted{"src/a.hpp", "// Source: Verhaegen 19~98.", "not in docs/literature.md 6"},
         Planted{"src/a.hpp", "// Golub & Kah~an 1965", "not in docs/literature.md 6"},
         Planted{"src/a.hpp", "// Bo~ehme 1992", "not in docs/literature.md 6"},
         Planted{"README.md", "[page](docs/none.svg)", "no file for"},

@@ -188,7 +188,7 @@ inline Faults papers(Tree const& tree, std::string const& path, std::string cons
     if (path == "docs/literature.md") flat.resize(std::min(flat.size(), flat.find("<a id=\"6\">")));
     std::set<std::string> const no_name{"January", "February", "March",     "April",   "May",      "June",
                                         "July",    "August",   "September", "October", "November", "December"};
-    char const* const cited = "([A-Z\\x80-\\xff][a-zA-Z\\x80-\\xff]{2,})(?: et al\\.)? ((?:19|20)[0-9][0-9])(?![\\w.-])";
+    char const* const cited = "([A-Z\\x80-\\xff][a-zA-Z\\x80-\\xff]{2,})(?: et al\\.)? ((?:19|20)[0-9][0-9])(?!\\w|[.-]\\w)";
     each(flat, cited, [&](std::smatch const& m) {
         bool const in_capitals = std::ranges::none_of(m[1].str(), [](char c) { return c >= 'a' && c <= 'z'; });    // RFC 1952
         if (in_capitals || no_name.contains(m[1])) return;

@@ -1,4 +1,4 @@
-// Published examples with their numbers: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
+// Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
 #include "laws.hpp"
 
 #include <rlslab/model/regression.hpp>
@@ -70,7 +70,7 @@ TEST(Bierman, JosephAndUdKeepThirtyUnitRoundoffsAndPotterFourEps) {
     }
 }
 
-// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep: H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I -------------
+// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep (docs/literature.md 3.4): H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I
 //
 // P is scaled by 1/delta^2, so that the noise is 1. The reference is the exact P for the stored 1 + delta and 1/delta^2.
 
