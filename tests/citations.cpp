@@ -21,8 +21,10 @@ TEST(Citations, OfEveryFileResolve) {
 }
 TEST(Citations, AreLookedForInAllRoomsAndFound) {
     std::map<std::string, size_t> cited;
-    for (auto const& [path, text] : tree().texts)
-        each(flattened(text), "docs/(?:theory|literature)\\.md [0-9]", [&](auto const&) { ++cited[path.substr(0, path.find('/'))]; });
+    for (auto const& [path, text] : tree().texts) {
+        size_t& count = cited[path.substr(0, path.find('/'))];
+        each(flattened(text), "docs/(?:theory|literature)\\.md [0-9]", [&](auto const&) { ++count; });
+    }
     for (char const* room : {"src", "variants", "studies", "tests", "docs", "README.md", "CONTRIBUTING.md"})
         EXPECT_TRUE(std::ranges::any_of(tree().texts, [&](auto const& file) { return file.first.starts_with(room); })) << room;
     EXPECT_GE(cited["studies"], 60u);
