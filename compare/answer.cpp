@@ -2,6 +2,7 @@
 #include "answer.hpp"
 #include "words.hpp"
 
+#include <rlslab/core/text.hpp>
 #include <rlslab/model/input_error.hpp>
 
 #include <algorithm>
@@ -57,7 +58,7 @@ std::string verdict(Comparison const& c) {
                            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
                            spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
     }
-    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 4) + '\n';
+    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
     return out;
 }
 
