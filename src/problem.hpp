@@ -49,7 +49,7 @@ struct Problem {
 ///   undetermined   without a prior: fewer independent rows than parameters before this one, so that there was no theta
 ///                  to innovate on; the row that determines theta is the last to say so. Read off exact zeros: rounding
 ///                  may leave a tiny pivot where exact arithmetic has none, and such a pivot counts
-///   indefinite     the update saw psi'P psi < 0, or a factorisation met a pivot <= 0
+///   indefinite     the computed psi'P psi is negative, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 /// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
 enum class Health { sound, undetermined, indefinite, nonfinite };

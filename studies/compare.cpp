@@ -30,18 +30,29 @@ std::vector<std::string> printable_names(Records const& records) {
 Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Exact const& given, Vector<double> const& scales) {
     Problem<double> problem = stored.problem;
     problem.prior.reset();
-    Storage out{arithmetic.name, problem.forgetting, 0, stored.in_range, {}, std::numeric_limits<double>::quiet_NaN()};
+    Storage out{arithmetic.name, problem.forgetting, 0, stored.in_range, {}, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     Exact const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
     if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
         Exact const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
-        if (exact) out.prior_bias = relative_change(*exact, without, scales);
+        if (exact) out.prior_bias = relative_change(*exact, without, scales), out.component_bias = largest_relative_change(*exact, without, scales);
     }
     if (exact) {
         double const digits = -correctly::log10(relative_change(*exact, given));
         if (!std::isnan(digits)) out.theta_digits = std::min(digits, 15.9);
     }
     return out;
+}
+
+/// |mean of y| in standard deviations of y; 0 where a regressor is constant, and infinite where y is.
+double offset(Records const& records) {
+    for (Index i = 0; i < records.size(); ++i)
+        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) return 0;
+    Index const N = records.rows();
+    double mean = 0, squares = 0;
+    for (Index k = 0; k < N; ++k) mean += records.y[k] / double(N);
+    for (Index k = 0; k < N; ++k) squares += (records.y[k] - mean) * (records.y[k] - mean) / double(N);
+    return mean == 0 ? 0 : std::abs(mean) / std::sqrt(squares);
 }
 
 /// Digits in which two exact solutions agree, component by component.
@@ -105,7 +116,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     Comparison out{.rows = rows, .skipped = records.skipped, .size = records.size(), .names = printable_names(records), .model = {},
                    .theta = with.theta_strings(30), .least_squares = without.theta_strings(30), .agreement = agreement(with, without),
                    .radius = with.radius(), .bits = with.bits(), .condition = condition(records, options.forgetting), .scaled_prior = scaled,
-                   .prior_bias = relative_change(with, without, scales), .options = options, .checkpoints = checkpoints_of(rows), .storage = {},
+                   .prior_bias = relative_change(with, without, scales), .component_bias = largest_relative_change(with, without, scales),
+                   .offset = offset(records), .options = options, .checkpoints = checkpoints_of(rows), .storage = {},
                    .results = {}, .recommendations = {}};
     out.model.regressors = out.names;
 

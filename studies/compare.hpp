@@ -14,7 +14,7 @@
 namespace rlslab {
 
 /// A prior that moves theta by more than this: which variant computes that theta best is then not the question.
-inline constexpr double most_prior_bias = 0.01;
+inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 
 struct CompareOptions {
     double forgetting = 1;                      ///< lambda
@@ -71,6 +71,7 @@ struct Storage {
     bool in_range;                           ///< whether lambda and every entry of P0 are positive and finite there
     std::optional<double> theta_digits;      ///< in which the exact solutions for the given and for the stored data agree
     double prior_bias;                       ///< of the stored problem; NaN when the prior alone makes it one
+    double component_bias;                   ///< likewise
 };
 
 struct Recommendation {
@@ -98,6 +99,8 @@ struct Comparison {
     double condition;                          ///< kappa_2 of the weighted data matrix
     std::optional<DefaultPrior> scaled_prior;  ///< absent: options.p0 was given
     double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
+    double component_bias;                     ///< the same of the worst component (largest_relative_change)
+    double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
     CompareOptions options;                    ///< as asked for
     std::vector<Index> checkpoints;
     std::vector<Storage> storage;

@@ -32,8 +32,8 @@ Json spread_json(Spread const& s) { return {{"low", tenths_json(s.low)}, {"media
 std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? fmt::format(" {:>5}{:>5}{:>5} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
-                      : fmt::format(" {:>5}{:>5}{:>5} ", "-", "-", "-");
+        out += spread ? fmt::format(" {:>4} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
+                      : fmt::format(" {:>4} {:>4} {:>4} ", "-", "-", "-");
     return out;
 }
 std::string asymmetry_text(std::optional<double> const& asymmetry) {
@@ -65,13 +65,6 @@ std::string theta_text(Comparison const& c) {
     return out;
 }
 
-/// "warning ..." when the prior, not the data, decides theta; or nothing.
-std::string prior_warning(Comparison const& c) {
-    if (c.prior_bias <= most_prior_bias) return "";
-    return fmt::format("warning     the prior moves theta by {:.2g} of itself: {}\n", c.prior_bias,
-                       c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns");
-}
-
 std::string indented(std::string const& text) {
     std::string out;
     for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
@@ -96,7 +89,9 @@ std::string as_table(Comparison const& c, bool colour) {
     std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n", c.model.file.empty() ? "" : c.model.file + ": ", c.rows,
                                   c.skipped, c.size, c.size == 1 ? "" : "s", std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
                                   c.options.forgetting);
-    out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n' + paint("31", prior_warning(c)) + '\n' + paint("32", verdict(c));
+    out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n';
+    for (std::string const& warning : warnings(c)) out += paint("31", "warning     " + wrapped(warning, 12, 12, text_width) + '\n');
+    out += '\n' + paint("32", verdict(c));
     if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(paste);
     out += '\n' + theta_text(c);
     out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);
@@ -150,7 +145,9 @@ std::string as_json(Comparison const& c) {
                         {"radius", short_json(c.radius)},
                         {"bits", c.bits},
                         {"condition", short_json(c.condition)},
-                        {"prior_bias", short_json(c.prior_bias)}};
+                        {"prior_bias", short_json(c.prior_bias)},
+                        {"component_bias", short_json(c.component_bias)}};
+    out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
     out["storage"] = Json::array();
     for (Storage const& s : c.storage)
@@ -159,7 +156,8 @@ std::string as_json(Comparison const& c) {
                                   {"rank", s.rank},
                                   {"in_range", s.in_range},
                                   {"theta_digits", digits_json(s.theta_digits)},
-                                  {"prior_bias", short_json(s.prior_bias)}});
+                                  {"prior_bias", short_json(s.prior_bias)},
+                                  {"component_bias", short_json(s.component_bias)}});
     out["results"] = Json::array();
     for (Result const& r : c.results) {
         Json spread, path;

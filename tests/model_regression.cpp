@@ -78,7 +78,7 @@ TEST(ArxRecords, AreTheEquation) {
 TEST(ArxRecords, TakeADelayAndAnInterceptLast) {
     Numbers const u{1, 2, 3, 4, 5, 6, 7}, y{10, 20, 30, 40, 50, 60, 70};
     auto const records = arx_records(u, y, {.na = 1, .nb = 1, .delay = 2, .intercept = true});
-    EXPECT_EQ(records.names, (Names{"a1", "b0", "b1", "1"}));
+    EXPECT_EQ(records.names, (Names{"a1", "b0", "b1", "c"}));
     EXPECT_EQ(records.psi, rows({{-30, 2, 1, 1}, {-40, 3, 2, 1}, {-50, 4, 3, 1}, {-60, 5, 4, 1}}));
     EXPECT_EQ(numbers(records.y), (Numbers{40, 50, 60, 70}));
     EXPECT_EQ(records.lead_in, 3);

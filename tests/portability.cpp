@@ -67,6 +67,20 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
         }
 }
 
+/// clang++ has no macro for this part of -ffast-math: the program tells when it runs.
+TEST(Rounding, TellsOfReciprocals) {
+    if (!there_is("clang++")) GTEST_SKIP() << "needs clang++";
+    files::Folder const folder;
+    std::string const source = (folder.path / "app.cpp").string(), app = (folder.path / "app").string();
+    std::ofstream(source) << "#include <rlslab/core/rounding.hpp>\n#include <cstdio>\n"
+                             "int main() { for (auto fault : rlslab::rounding_faults()) std::puts(fault.data()); }\n";
+    for (auto const& [option, expected] : {std::pair("", ""), {"-freciprocal-math", "quotients are products with a reciprocal"}}) {
+        Outcome const built = shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
+        ASSERT_EQ(built.code, 0) << built.text;
+        EXPECT_THAT(shell(app).text, StartsWith(expected)) << option;
+        EXPECT_EQ(shell(app).text.empty(), *expected == '\0') << option;
+    }
+}
 TEST(Rounding, IsAsDefinedHere) { EXPECT_THAT(rounding_faults(), IsEmpty()); }
 TEST(Rounding, TellsOfAnotherMode) {
     for (int const mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {

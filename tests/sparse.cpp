@@ -109,5 +109,15 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     EXPECT_EQ(cholesky.gain().size(), size);
 }
 
+/// SuiteSparseQR leaves out what is zero, the pivot too: then nothing is solved for, by whatever entry stands last in the column.
+TEST(QrSparse, APivotThatUnderflowedIsNotSound) {
+    QrSparse f({.size = 2, .forgetting = 0x1p-1000});
+    for (int k = 0; k < 8; ++k) {
+        Step<double> const step = k < 4 ? f.update(Vector<double>{{1.0, 0.0}}, 1.0) : f.update(Vector<double>{{1.0, 1.0}}, 1.0);
+        EXPECT_EQ(step.health == Health::sound, k < 2) << k << ' ' << name_of(step.health);
+        EXPECT_EQ(f.theta().allFinite() && f.gain().allFinite(), k < 2) << k;
+    }
+}
+
 }  // namespace
 }  // namespace rlslab

@@ -21,7 +21,7 @@ struct Border {
 ///           [    -beta g'       beta  ]         (5) J = J - t^2 / beta
 ///
 /// (4) uses the residual of the order before, which is (5)'s x'Y - g'Phi'Y without its cancellation. After a border that is not sound
-/// theta and P are NaN. Storage N d + d^2; N d + d^2 + O(N) multiplications a column, against N d^2 for fitting anew.
+/// theta and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications a column, against N d^2 for fitting anew.
 /// Loses digits as the fourth power of the condition number (study order_recursion); OrderRecursiveQr as the first.
 /// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4; docs/theory.md 10.
 template <Field T>

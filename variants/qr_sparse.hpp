@@ -21,6 +21,16 @@ class QrSparse {
     SparseRow psi_;
     SparseTriangle R_;
 
+    /// x = R^-1 x and R^-T x; NaN where R has lost a pivot.
+    void solve(Vector<double>& x) const {
+        if (has_pivots(R_)) R_.triangularView<Eigen::Upper>().solveInPlace(x);
+        else x.setConstant(undefined<double>());
+    }
+    void solve_transposed(Vector<double>& x) const {
+        if (has_pivots(R_)) R_.transpose().triangularView<Eigen::Lower>().solveInPlace(x);
+        else x.setConstant(undefined<double>());
+    }
+
 public:
     using scalar = double;
     static constexpr std::string_view name = "qr_sparse";
@@ -56,7 +66,7 @@ public:
         if (finite && right.allFinite() && z_.allFinite()) {
             fold(R_, z_, weighted, right);
             theta_ = z_;
-            R_.triangularView<Eigen::Upper>().solveInPlace(theta_);
+            solve(theta_);
         } else {
             z_.setConstant(undefined<double>());
             theta_ = z_;
@@ -70,7 +80,7 @@ public:
         expects(psi.size() == z_.size(), "a regressor of the problem's size");
         Vector<double> f = psi;                                                                          // (2)
         double const e = y - dot(psi, theta_);
-        R_.transpose().triangularView<Eigen::Lower>().solveInPlace(f);
+        solve_transposed(f);
         double const s = lambda_ + dot(f.data(), f.data(), f.size());
         SparseRows row(psi.size(), 1);
         row.col(0) = psi;
@@ -81,8 +91,8 @@ public:
     Vector<double> const& theta() const { return theta_; }
     Vector<double> gain() const {
         Vector<double> K = psi_;
-        R_.transpose().triangularView<Eigen::Lower>().solveInPlace(K);
-        R_.triangularView<Eigen::Upper>().solveInPlace(K);
+        solve_transposed(K);
+        solve(K);
         return K;
     }
     Matrix<double> information() const { return Matrix<double>(R_.transpose() * R_); }

@@ -31,6 +31,17 @@ template <class T>
     T const a = unknown(T(1)), t = unknown(tiny);
     return (a + t) - a != T(0);
 }
+/// 5 / 49 and 7 / 49: one product with 1 / 49 instead of a quotient changes one of the two.
+template <class T>
+[[gnu::noinline, maybe_unused]] static bool multiplies_by_reciprocals() {
+    T const by = unknown(T(49));
+    T numerators[8], at_once[8];
+    for (int i = 0; i < 8; ++i) numerators[i] = unknown(T(2 * i + 1));
+    for (int i = 0; i < 8; ++i) at_once[i] = numerators[i] / by;
+    for (int i = 0; i < 8; ++i)
+        if (at_once[i] != unknown(numerators[i]) / unknown(by)) return true;
+    return false;
+}
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool rounds_to_nearest(T quarter_ulp) {
     T const one = unknown(T(1)), t = unknown(quarter_ulp);
@@ -65,6 +76,8 @@ template <class T>
     } else {
         note(fuses(0x1p-30) || fuses(0x1p-13f),
              "products and sums are contracted into one rounding: compile with -ffp-contract=off (rlslab::headers brings it)");
+        note(multiplies_by_reciprocals<double>() || multiplies_by_reciprocals<float>(),
+             "quotients are products with a reciprocal: compile without -freciprocal-math and -ffast-math");
         note(reorders(0x1p-60) || reorders(0x1p-30f), "sums are reordered: compile without -ffast-math and -funsafe-math-optimizations");
     }
     note(loses_subnormal_results<double>() || loses_subnormal_results<float>(),

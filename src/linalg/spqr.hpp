@@ -12,6 +12,15 @@ namespace rlslab {
 /// An upper triangular R, d x d, as SuiteSparseQR takes and gives it.
 using SparseTriangle = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
 
+/// Whether R has its d pivots: one that underflowed to zero SuiteSparseQR leaves out, and Eigen then divides by another entry.
+inline bool has_pivots(SparseTriangle const& R) {
+    for (Index j = 0; j < R.cols(); ++j) {
+        SparseTriangle::ReverseInnerIterator const last(R, j);
+        if (!last || last.index() != j || last.value() == 0) return false;
+    }
+    return true;
+}
+
 /// Folds the rows psi' with right-hand sides y into [R z]: R and the rows are stacked and factored, columns in their order,
 /// none dropped. Memory and time follow the fill of R and of the reflections.
 inline void fold(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace rlslab {
@@ -49,16 +50,31 @@ struct Buffer<T, Dynamic> {
 };
 }  // namespace detail
 
+namespace detail {
+/// A size that goes away with what it is the size of: a filter that was moved from has none, and refuses every row.
+struct MovedSize {
+    Index value;
+    explicit MovedSize(Index size) : value(size) {}
+    MovedSize(MovedSize const&) = default;
+    MovedSize(MovedSize&& other) noexcept : value(std::exchange(other.value, 0)) {}
+    MovedSize& operator=(MovedSize const&) = default;
+    MovedSize& operator=(MovedSize&& other) noexcept {
+        value = std::exchange(other.value, 0);
+        return *this;
+    }
+};
+}  // namespace detail
+
 /// d numbers, zero at first.
 template <class T, int N = Dynamic>
 class Column {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    Index size_;
+    detail::MovedSize size_;
 
 public:
     explicit Column(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_ : N; }
+    Index size() const { return N == Dynamic ? size_.value : N; }
     T* data() { return buffer_.values.data(); }
     T const* data() const { return buffer_.values.data(); }
     T& operator[](Index i) { return data()[i]; }
@@ -71,11 +87,11 @@ template <class T, int N = Dynamic>
 class Square {
     static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    Index size_;
+    detail::MovedSize size_;
 
 public:
     explicit Square(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_ : N; }
+    Index size() const { return N == Dynamic ? size_.value : N; }
     Index stride() const { return padded<T, N>(size()); }    ///< from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }

@@ -49,7 +49,7 @@ Prior<double> DefaultPrior::prior() const {
 
 DefaultPrior default_prior(Records const& records, double forgetting) {
     expects(records.psi.allFinite() && records.y.allFinite(), "finite data");
-    DefaultPrior out{regressor_scales(records), std::ldexp(1.0, least_exponent), 0, false};
+    DefaultPrior out{regressor_scales(records), std::ldexp(1.0, least_exponent), 0, 0, false};
     std::vector<double> lambdas{1.0};
     if (forgetting != 1) lambdas.push_back(forgetting);
     for (double const lambda : lambdas) {
@@ -66,10 +66,19 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
             bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;    // t in [2^(e-1), 2^e)
             out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room));
         }
+        // No such law holds for a component: c is doubled until it does.
+        double worst;
+        for (;; out.c *= 2) {
+            problem.prior = out.prior();
+            Exact const with = certified(problem, records, {records.rows()}).front();
+            bias = relative_change(with, without, out.s), worst = largest_relative_change(with, without, out.s);
+            if (!(worst > most_bias) || out.c / out.s.minCoeff() >= std::ldexp(1.0, largest_exponent)) break;
+        }
         out.bias = std::isnan(bias) ? bias : std::max(out.bias, bias);
+        out.worst = std::isnan(worst) ? worst : std::max(out.worst, worst);
         if (std::isnan(bias)) break;
     }
-    out.reached = out.bias <= most_bias;
+    out.reached = out.bias <= most_bias && out.worst <= most_bias;
     return out;
 }
 

@@ -107,7 +107,7 @@ Records arx_records(std::vector<std::span<double const>> const& inputs, std::vec
     for (int i = 1; i <= model.na; ++i) names.push_back(fmt::format("a{}", i));
     for (std::string const& input : input_names)
         for (int i = 0; i <= model.nb; ++i) names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
-    if (model.intercept) names.push_back("1");
+    if (model.intercept) names.push_back("c");
     return collected(file, y, std::move(names), model.lead_in(), [&](Index k, std::span<double> psi) {
         auto next = psi.begin();
         for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];

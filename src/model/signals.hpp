@@ -24,8 +24,8 @@ Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index se
 Signal prbs(int m, Index n, Index hold = 1);
 
 /// sum over h = 1 ... harmonics of cos(2 pi h k / n + phi_h), Schroeder's phases phi_h = -pi h (h - 1) / harmonics: a small
-/// crest factor. One period, scaled to variance 1; every number rounded once from 113 bits. Exciting of order
-/// 2 harmonics. Throws std::invalid_argument unless 1 <= harmonics < n / 2. Source: Schroeder 1970.
+/// crest factor. One period, scaled to variance 1; every number rounded once from 113 bits. Repeated, exciting of
+/// order 2 harmonics. Throws std::invalid_argument unless 1 <= harmonics < n / 2. Source: Schroeder 1970.
 Signal multisine(Index n, int harmonics);
 
 /// Levels uniform in [-1, 1), each held for a number of samples uniform in [shortest, longest].

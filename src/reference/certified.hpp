@@ -108,5 +108,8 @@ double condition(Records const& data, double forgetting);
 double relative_change(Exact const& theta, Exact const& from);
 /// The same in the norm |x|^2 = sum (s_i x_i)^2, s_i > 0: with s_i the size of regressor i it does not depend on units.
 double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s);
+/// The largest change of a component, max_i |x_i - from_i| / max(|from_i|, 2^-20 |from| / s_i) in the same norm: a component that
+/// adds less than a millionth to the prediction is not asked for its own digits.
+double largest_relative_change(Exact const& theta, Exact const& from, Vector<double> const& s);
 
 }  // namespace rlslab

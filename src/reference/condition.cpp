@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace rlslab {
 
@@ -96,24 +97,55 @@ double relative_change(Exact const& theta, Exact const& from) {
     return relative_change(theta, from, Vector<double>::Ones(theta.size()));
 }
 
-double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+namespace {
+
+/// The change, and what it is a change of, in units of s.
+struct Scaled {
+    long bits;
+    BallMatrix change, size;
+};
+std::optional<Scaled> scaled(Exact const& theta, Exact const& from, Vector<double> const& s) {
     expects(theta.size() == from.size() && s.size() == from.size(), "two solutions of one size");
-    if (!theta.enclosure() || !from.enclosure()) return std::numeric_limits<double>::quiet_NaN();
+    if (!theta.enclosure() || !from.enclosure()) return std::nullopt;
     auto const &a = *theta.enclosure(), &b = *from.enclosure();
-    long const bits = std::max(a.bits, b.bits);
-    BallMatrix difference(a.theta.rows(), 1), scaled = b.theta;
-    arb_mat_sub(difference, a.theta, b.theta, bits);
+    Scaled out{std::max(a.bits, b.bits), BallMatrix(a.theta.rows(), 1), b.theta};
+    arb_mat_sub(out.change, a.theta, b.theta, out.bits);
     for (Index i = 0; i < s.size(); ++i) {
         Ball const unit(s[i]);
-        arb_mul(difference(i, 0), difference(i, 0), unit, bits);
-        arb_mul(scaled(i, 0), scaled(i, 0), unit, bits);
+        arb_mul(out.change(i, 0), out.change(i, 0), unit, out.bits);
+        arb_mul(out.size(i, 0), out.size(i, 0), unit, out.bits);
     }
-    Ball change = norm(difference, bits);
-    Ball const size = norm(scaled, bits);
+    return out;
+}
+/// |change| / |size|: 0 for no change, infinity for a change of zero.
+double ratio(Ball change, Ball const& size, long bits) {
     if (arb_is_zero(change)) return 0;
     if (arb_is_zero(size)) return std::numeric_limits<double>::infinity();
     arb_div(change, change, size, bits);
-    return arf_get_d(arb_midref(static_cast<arb_srcptr>(change)), ARF_RND_NEAR);
+    return std::abs(arf_get_d(arb_midref(static_cast<arb_srcptr>(change)), ARF_RND_NEAR));
+}
+
+}  // namespace
+
+double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+    auto const x = scaled(theta, from, s);
+    return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double largest_relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+    auto const x = scaled(theta, from, s);
+    if (!x) return std::numeric_limits<double>::quiet_NaN();
+    Ball least = norm(x->size, x->bits);
+    arb_mul_2exp_si(least, least, -20);
+    double out = 0;
+    for (Index i = 0; i < s.size(); ++i) {
+        Ball size, change;
+        arb_abs(size, x->size(i, 0));
+        arb_set(change, x->change(i, 0));
+        if (arf_cmp(arb_midref(static_cast<arb_srcptr>(size)), arb_midref(static_cast<arb_srcptr>(least))) < 0) size = least;
+        out = std::max(out, ratio(change, size, x->bits));
+    }
+    return out;
 }
 
 }  // namespace rlslab

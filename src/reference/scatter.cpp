@@ -50,11 +50,12 @@ BallMatrix leading(BallMatrix const& A, Index d) {
     return out;
 }
 
-/// sum_i w_i = (1 - lambda^k) / (1 - lambda).
-Ball weight(double lambda, Index k, long bits) {
+/// sum_i w_i^p = (1 - lambda^pk) / (1 - lambda^p).
+Ball weight(double lambda, ulong p, Index k, long bits) {
     if (lambda == 1) return Ball(double(k));
-    Ball const one(1.0), l(lambda);
-    Ball power, below;
+    Ball const one(1.0);
+    Ball l(lambda), power, below;
+    arb_pow_ui(l, l, p, bits);
     arb_pow_ui(power, l, ulong(k), bits);
     arb_sub(power, one, power, bits);
     arb_sub(below, one, l, bits);
@@ -82,28 +83,49 @@ double residual_sum(BallMatrix const& gram, BallMatrix const& theta, long bits, 
 }
 
 Scatter without(Index d, bool last) {
-    return {nan, nan, Vector<double>::Constant(d, nan), last ? Matrix<double>(Matrix<double>::Constant(d, d, nan)) : Matrix<double>()};
+    return {nan, nan, nan, Vector<double>::Constant(d, nan), last ? Matrix<double>(Matrix<double>::Constant(d, d, nan)) : Matrix<double>()};
 }
 
+/// tr A B.
+Ball trace_of_product(BallMatrix const& A, BallMatrix const& B, long bits) {
+    Ball out;
+    for (Index i = 0; i < A.rows(); ++i)
+        for (Index j = 0; j < A.rows(); ++j) arb_addmul(out, A(i, j), B(j, i), bits);
+    return out;
+}
+
+/// Of the weighted Gram matrices with w, w^2, w^3: the last two are the first where lambda = 1.
+struct Weighted {
+    BallMatrix const &gram, &squared, &cubed;
+    Ball sum, sum_of_squares;
+};
+
 /// The numbers of one step; `good` becomes false where one is not sharp.
-Scatter scatter(BallMatrix const& theta, BallMatrix const& P, BallMatrix const& gram, BallMatrix const& squared, Ball const& weights, bool last, long bits, bool& good) {
+Scatter scatter(BallMatrix const& theta, BallMatrix const& P, Weighted const& w, bool last, long bits, bool& good) {
     Index const d = P.rows();
-    bool const same = &gram == &squared;
-    BallMatrix PM(d, d), other;
-    arb_mat_mul(PM, P, leading(squared, d), bits);
-    if (!same) {
-        other = BallMatrix(d, d);
-        arb_mat_mul(other, P, leading(gram, d), bits);
-    }
-    BallMatrix const& PG = same ? PM : other;
-    Scatter out{residual_sum(gram, theta, bits, good), nan, Vector<double>(d), {}};                      // (2)
-    Ball freedom(weights), trace;
-    arb_mat_trace(trace, PM, bits);
-    arb_submul_si(freedom, trace, 2, bits);
-    for (Index i = 0; i < d; ++i)
-        for (Index j = 0; j < d; ++j) arb_addmul(freedom, PG(i, j), PM(j, i), bits);                     // (3)
-    good = good && mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(freedom)), -sharp_bits) <= 0;
+    BallMatrix PM(d, d), PG(d, d), Q(d, d), QM(d, d);
+    arb_mat_mul(PM, P, leading(w.squared, d), bits);
+    arb_mat_mul(PG, P, leading(w.gram, d), bits);
+    arb_mat_mul(Q, PG, P, bits);
+    arb_mat_neg(Q, Q);
+    for (int twice = 0; twice < 2; ++twice) arb_mat_add(Q, Q, P, bits);
+    arb_mat_mul(QM, Q, leading(w.squared, d), bits);
+    Scatter out{residual_sum(w.gram, theta, bits, good), nan, nan, Vector<double>(d), {}};               // (2)
+    Ball freedom, trace, variance, student;
+    arb_mat_trace(trace, QM, bits);
+    arb_sub(freedom, w.sum, trace, bits);                                                                // (3)
+    arb_submul_si(variance, trace_of_product(Q, leading(w.cubed, d), bits), 2, bits);
+    arb_add(variance, variance, w.sum_of_squares, bits);
+    arb_add(variance, variance, trace_of_product(QM, QM, bits), bits);
+    arb_mul(student, freedom, freedom, bits);
+    arb_div(student, student, variance, bits);                                                           // (4)
+    auto const settled = [](Ball const& x) { return mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(x)), -sharp_bits) <= 0; };
+    good = good && settled(freedom);
     out.freedom = rounded(freedom);
+    if (out.freedom > 0x1p-30) {    // none are left: neither has a quantile
+        good = good && settled(student);
+        out.student = rounded(student);
+    }
     Ball entry;
     auto const PMP = [&](Index i, Index j) { arb_dot(entry, nullptr, 0, PM(i, 0), 1, P(j, 0), 1, d, bits); };    // (1), P is symmetric
     std::vector<Ball> sd(static_cast<size_t>(d));
@@ -139,17 +161,18 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
             out.push_back({std::move(exact), without(d, out.size() + 1 == steps.size())});
         }
         if (bits == 0) return out;
-        WeightedGram gram(data, problem.forgetting, steps.back(), 1, bits), squared(data, problem.forgetting, steps.back(), 2, bits);
+        double const lambda = problem.forgetting;
+        WeightedGram gram(data, lambda, steps.back(), 1, bits), squared(data, lambda, steps.back(), 2, bits), cubed(data, lambda, steps.back(), 3, bits);
         bool all = true;
         for (Scattered& s : out) {
             if (!s.exact.enclosure()) continue;
             Index const k = s.exact.step();
             bool good = true;
             BallMatrix const G = gram.at(k, d + 1);
-            BallMatrix const M = problem.forgetting == 1 ? BallMatrix() : squared.at(k, d + 1);
+            BallMatrix const M = lambda == 1 ? BallMatrix() : squared.at(k, d + 1), C = lambda == 1 ? BallMatrix() : cubed.at(k, d + 1);
             bool const last = &s == &out.back();
-            s.scatter = scatter(s.exact.enclosure()->theta, s.exact.enclosure()->covariance, G, problem.forgetting == 1 ? G : M,
-                                weight(problem.forgetting, k, bits), last, bits, good);
+            Weighted const weighted{G, lambda == 1 ? G : M, lambda == 1 ? G : C, weight(lambda, 1, k, bits), weight(lambda, 2, k, bits)};
+            s.scatter = scatter(s.exact.enclosure()->theta, s.exact.enclosure()->covariance, weighted, last, bits, good);
             if (!good) s.scatter = without(d, last), all = false;
         }
         if (all || digits >= most_digits) return out;

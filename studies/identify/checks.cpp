@@ -114,6 +114,9 @@ std::string listed(std::vector<Index> const& lags) {
 
 }  // namespace
 
+/// A coefficient of more standard deviations than this divides the others to first order.
+constexpr double surely = 3;
+
 std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation, double confidence) {
     std::vector<double> a{1};
     a.insert(a.end(), model.a.begin(), model.a.end());
@@ -125,7 +128,12 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
         std::vector<double> b = model.b[j];
         int const lead = int(std::ranges::find_if(b, [](double x) { return x != 0; }) - b.begin());
         b.erase(b.begin(), b.begin() + lead);
-        for (size_t i = 0; i < terms.size(); ++i) at[i] = terms[i].input == int(j) ? terms[i].lag - model.delay - lead : -1;
+        bool leads = true;    // a first coefficient that may be 0 puts a zero anywhere: none is judged by its sd
+        for (size_t i = 0; i < terms.size(); ++i) {
+            at[i] = terms[i].input == int(j) ? terms[i].lag - model.delay - lead : -1;
+            if (at[i] == 0 && !(std::abs(b[0]) > surely * estimation.sd[Index(i)])) leads = false;
+        }
+        if (!leads) b.clear();
         pairs.push_back(paired(ps, b.empty() ? std::vector<Root>{} : roots_of(b, at, zeros(model, j)), estimation, confidence));
     }
     std::vector<Cancellation> out;
@@ -183,13 +191,16 @@ void advise_of_cancellations(Identified& m, bool chosen) {
     if (fit == m.choice.fits.end())
         m.warnings.push_back(apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether the residuals stay white");
     else if (!(fit->whiteness >= white_level))
-        m.hints.push_back(fmt::format("{}. If they cancel, order {} describes the path from input to output, and the rest models the noise: order {} alone leaves "
-                                      "residuals that are not white", apart, lower, lower));
+        m.hints.push_back(fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white", m.order,
+                                      apart, lower));
     else if (!chosen && lower > 0)
         m.warnings.push_back(fmt::format("{}: they may cancel, and the residuals of order {} pass for white, too: --order {}", apart, lower, lower));
 }
 
 }  // namespace
+
+/// What is left unexplained held out, over what is left in the fit, before it is told of.
+constexpr double falls_by = 1.5;
 
 void advise(Identified& m, int most) {
     IdentifyOptions const& o = m.options;
@@ -199,15 +210,20 @@ void advise(Identified& m, int most) {
     else if (at_limit)
         m.warnings.push_back(fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better", m.order));
     if (m.failure && m.poles.empty() && m.model.b.empty()) return;
-    if (!m.whiteness.white()) {
+    if (!m.whiteness.white() && o.forgetting != 1) {
+        m.hints.push_back("judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white");
+    } else if (!m.whiteness.white()) {
         std::vector<std::string> what;
+        bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
         for (size_t j = 0; j < m.cross_correlation.size(); ++j)
             if (auto const lags = beyond(m.cross_correlation[j], m.bound, 0); lags.size() > 1)
                 what.push_back(fmt::format("they follow past {} (lags {}): more of its past is needed (a higher order or nb), or the system is not linear", printable(o.inputs[j]),
                                            listed(lags)));
         if (what.empty()) what.push_back("they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes it up), or an input is missing");
-        m.warnings.push_back(fmt::format("the residuals are not white (p = {:.2g}): the estimate is biased, and its standard deviations are too small; {}{}", m.whiteness.p,
-                                         fmt::join(what, "; "), o.forgetting == 1 ? "; if the system drifts: --forgetting 0.99" : ""));
+        m.warnings.push_back(fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.whiteness.p,
+                                         past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                                                      : "the standard deviations of the estimate do not hold",
+                                         fmt::join(what, "; ")));
     }
     if (m.held_out_one_step < 0)
         m.warnings.push_back(fmt::format("held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from the first, or the order "
@@ -217,6 +233,9 @@ void advise(Identified& m, int most) {
         m.warnings.push_back(fmt::format("held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for prediction only; "
                                          "for simulation try another order, or remove a drift of y",
                                          std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated) : "the simulation grows beyond all numbers"));
+    else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
+        m.warnings.push_back(fmt::format("one step ahead the fit falls from {:.3g} % to {:.3g} % held out: the system or its level changed, or the order is too high", m.fit_one_step,
+                                         m.held_out_one_step));
     if (std::ranges::any_of(m.poles, [](Complex p) { return std::abs(p) >= 1; }))
         m.warnings.push_back("a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high");
     for (size_t j = 0; j < o.inputs.size(); ++j)

@@ -95,7 +95,7 @@ int run_simulate(SimulateArguments const& s) {
             throw InputError(fmt::format("{}: the {} grows beyond 2^500: expected a stable filter, and moderate numbers", option, what));
     };
     check("--input", u, "input");
-    check("--noise-colour", xi, "noise");
+    check(s.noise_colour.empty() ? "--noise" : "--noise-colour, --noise", xi, "noise");
     Signal const y = simulate(model, {u}, xi);
     check("--a, --b", y, "output");
     if (y.size() > 1 && std::ranges::all_of(y, [&](double v) { return v == y[0]; }))
@@ -174,7 +174,7 @@ Command identify_command(CLI::App& app) {
     c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
         ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))->type_name("PART");
     c->add_option("--confidence", a->options.confidence, "of the intervals; default 0.95")
-        ->check(real("a number in (0, 1)", [](double x) { return 0 < x && x < 1; }))->type_name("P");
+        ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))->type_name("P");
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
@@ -187,7 +187,7 @@ Command simulate_command(CLI::App& app) {
     CLI::App* const c = app.add_subcommand("simulate", "A record of a known system: columns u and y as CSV.");
     c->footer("The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
               "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
-              "Exit code: 0 a record; 2 a system that is not stable, or options that make no sense.");
+              "Exit code: 0 a record; 2 one that grows beyond 2^500, or options that make no sense.");
     c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
     c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
     c->add_option("--delay", s->delay, "samples from input to output; default 0")->check(whole(0, 100000))->type_name("N");

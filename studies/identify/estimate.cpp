@@ -117,7 +117,7 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
     std::string const& variant = out.options.variant;
     Vector<double> const allowed = tolerance(sd, best, 1e-9);
     bool const rounded = !(excess(theta, best, allowed) <= 1), biased = !(excess(best, free, allowed) <= 1);
-    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input (kappa = {:.2g})", out.condition);
+    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})", std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
     std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "";
     std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
                                                : fmt::format("--variant {} keeps enough of them on this record", better);
@@ -143,7 +143,7 @@ Estimation estimate(Identified& out, Records const& records) {
     Index const d = records.size(), rows = records.rows();
     Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
     Scattered const free = scattered(without, records, {rows}).front();
-    if (free.scatter.freedom < 1)
+    if (!(free.scatter.freedom >= 1))
         throw InputError(fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more", options.forgetting,
                                      1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
     Problem<double> const problem = with_prior(out, records, free);
@@ -157,7 +157,7 @@ Estimation estimate(Identified& out, Records const& records) {
     out.condition = condition(records, options.forgetting);
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
-    out.quantile = out.freedom > 0 ? correctly::student_quantile(out.freedom, 0.5 + options.confidence / 2) : std::nan("");
+    out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : std::nan("");
     for (size_t i = 0; i < exact.size(); ++i)
         out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
                                   std::sqrt(out.sigma2) * exact[i].scatter.sd});

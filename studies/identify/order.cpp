@@ -107,11 +107,12 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
     out.fpe = least(&OrderFit::fpe, any);
     for (OrderFit const& fit : out.fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
-    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.whiteness >= white_level; });
+    // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
+    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.whiteness >= white_level; });
     out.order = white > 0 ? white : out.bic;
     out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
               : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)
-                               : "the least BIC; at no order do the residuals pass for white";
+                               : "the least BIC; neither there nor above do the residuals pass for white";
     return out;
 }
 

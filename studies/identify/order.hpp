@@ -28,8 +28,9 @@ struct OrderFit {
     double held_out;                       ///< percent of one-step fit on the rows held out; NaN where none are
 };
 
-/// What each criterion suggests, and the choice: of the orders whose residuals pass for white the least BIC; if none
-/// does, the least BIC of all. `why` says which.
+/// What each criterion suggests, and the choice: from the order of the least BIC on, the least BIC of those whose residuals pass for
+/// white; if none does, the least BIC of all. `why` says which. Below that order residuals may pass for white only because what the
+/// model lacks makes them large.
 struct OrderChoice {
     Index rows = 0;
     std::vector<OrderFit> fits = {};

@@ -85,7 +85,7 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
         correlations.panels.push_back(std::move(p));
     };
     panel("with itself, lags from 1", m.auto_correlation, 1);
-    for (size_t j = 0; j < m.cross_correlation.size(); ++j) panel("with past " + m.options.inputs[j], m.cross_correlation[j], 0);
+    for (size_t j = 0; j < m.cross_correlation.size(); ++j) panel("with past " + printable(m.options.inputs[j]), m.cross_correlation[j], 0);
     out.push_back(std::move(correlations));
 }
 

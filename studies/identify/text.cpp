@@ -42,8 +42,9 @@ Json complexes(std::vector<std::complex<double>> const& values) {
 std::string residual_line(Identified const& m) {
     Whiteness const& w = m.whiteness;
     if (std::isnan(w.p)) return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers", number_text(m.sigma2, 4));
-    std::string const verdict = w.Q == 0 ? "nothing is left beyond rounding"
-                                         : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white", tail(w.p), w.white() ? ">=" : "<", white_level);
+    std::string const verdict = w.Q == 0                    ? "nothing is left beyond rounding"
+                                : m.options.forgetting != 1 ? "no verdict on those of the last theta over all rows"
+                                                            : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white", tail(w.p), w.white() ? ">=" : "<", white_level);
     return fmt::format("residuals: sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)", number_text(m.sigma2, 4), verdict,
                        number_text(w.Q, 4), w.lags, w.freedom);
 }
@@ -86,15 +87,17 @@ std::vector<std::string> data_lines(Identified const& m) {
 std::vector<std::string> input_lines(Identified const& m) {
     std::vector<std::string> out;
     for (size_t i = 0; i < m.excitation.size(); ++i)
-        out.push_back(fmt::format("input {}: exciting of order {}{}", printable(m.options.inputs[i]), m.excitation[i].order,
-                                  m.excitation[i].order == Index(m.excitation[i].orders.size()) ? " at least" : ""));
+        out.push_back(m.excitation[i].order == Index(m.excitation[i].orders.size())
+                          ? fmt::format("input {}: excites enough for every order tried (exciting of order {} at least)", printable(m.options.inputs[i]), m.excitation[i].order)
+                          : fmt::format("input {}: exciting of order {}", printable(m.options.inputs[i]), m.excitation[i].order));
     return out;
 }
 
 std::vector<std::string> order_lines(Identified const& m) {
-    std::string const said = m.choice.fits.empty() ? "" : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", criterion_text(m.choice.aic), criterion_text(m.choice.bic),
+    std::string const said = m.choice.fits.empty() || structure_given(m.options) ? "" : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", criterion_text(m.choice.aic), criterion_text(m.choice.bic),
                                                                       criterion_text(m.choice.fpe), criterion_text(m.choice.f_test));
-    return {fmt::format("{} ({}){}", m.structure, m.why, said), equation_text(m.terms, m.options.output)};
+    std::string const how = structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
+    return {fmt::format("{} ({}{}){}", m.structure, m.why, how, said), equation_text(m.terms, m.options.output)};
 }
 
 std::vector<std::string> result_lines(Identified const& m) {
@@ -116,7 +119,8 @@ std::vector<std::string> result_lines(Identified const& m) {
         for (size_t j = 0; j < m.cross_correlation.size(); ++j) line += largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
         out.push_back(line + fmt::format(" (99 % bound {:.2g})", m.bound));
     }
-    if (std::isfinite(m.aic)) out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe, m.terms.size(), m.fitted));
+    if (m.options.forgetting != 1) out.push_back("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here");
+    else if (std::isfinite(m.aic)) out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe, m.terms.size(), m.fitted));
     out.push_back(arithmetic_line(m));
     for (std::string const& hint : m.hints) out.push_back("next: " + hint);
     return out;
@@ -130,6 +134,13 @@ std::string as_table(Identified const& m) {
     for (std::string const& words : order_lines(m)) out += '\n' + words;
     size_t name = 9, of = 4;
     for (Parameter const& p : m.parameters) name = std::max(name, printable(p.name).size()), of = std::max(of, p.of.size());
+    if (!structure_given(m.options) && !m.choice.fits.empty()) {
+        out += "\n\n  order  parameters        AIC        BIC        FPE  residuals white: p  held out, one step\n";
+        for (OrderFit const& fit : m.choice.fits)
+            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order, fit.parameters, number_text(fit.aic, 5),
+                               number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.whiteness, 2), percent(fit.held_out));
+        out.pop_back();
+    }
     out += fmt::format("\n\n  {:<{}}  {:<{}} {:>14} {:>12}   {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd", 100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
         out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6), number_text(p.sd, 2), number_text(p.low, 5),
