@@ -1,5 +1,5 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/reference/definiteness.hpp>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "studies/compare.hpp"
+#include "compare/compare.hpp"
 
 namespace rlslab {
 namespace {

@@ -1,5 +1,5 @@
 // The identities of recursive least squares (theory lines 12 to 19), exactly in rationals, to 2^-220 in Reference.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
 

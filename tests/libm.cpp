@@ -1,5 +1,5 @@
 // Which libm the processor gets does not show: no byte of a table differs, and no source calls it for a number.
-#include "program.hpp"
+#include "tests/program.hpp"
 
 #include <regex>
 #include <sstream>

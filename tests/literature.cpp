@@ -1,5 +1,5 @@
 // Published examples with their numbers: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
 #include <rlslab/variants/conventional.hpp>

@@ -1,8 +1,8 @@
 // The manners of the program: what it says to who mistypes, closes its pipe, interrupts it, or asks for help.
-#include "program.hpp"
-#include "terminal.hpp"
+#include "tests/program.hpp"
+#include "tests/terminal.hpp"
 
-#include <rlslab/model/suggestion.hpp>
+#include <rlslab/core/suggestion.hpp>
 
 #include <csignal>
 #include <set>

@@ -1,8 +1,8 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
-#include "journal.hpp"
-#include "program.hpp"
+#include "studies/engine/journal.hpp"
+#include "tests/program.hpp"
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // What the report says. Its page, figures and formulas are report/'s.
-#include "report.hpp"
+#include "studies/engine/report.hpp"
 
 #include "report/page.hpp"
 
