@@ -1,4 +1,5 @@
 // The catalogue: the instances of every arithmetic, in the order of the two lists; and the operation counts.
+#include "catalogue/catalogue.hpp"
 #include "catalogue/instances.hpp"
 
 #include <rlslab/arithmetic/arithmetics.hpp>
@@ -10,7 +11,7 @@
 namespace rlslab {
 namespace {
 
-static_assert(std::tuple_size_v<Arithmetics> == RLSLAB_ARITHMETICS, "variants/CMakeLists.txt counts the arithmetics");
+static_assert(std::tuple_size_v<Arithmetics> == RLSLAB_ARITHMETICS, "catalogue/CMakeLists.txt counts the arithmetics");
 
 struct Lists {
     std::vector<Arithmetic> arithmetics;

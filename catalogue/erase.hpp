@@ -2,9 +2,9 @@
 // than one, because the adapter, its clock and the entry are read together.
 #pragma once
 
-#include <rlslab/lab/round_to.hpp>
-#include <rlslab/lab/any_filter.hpp>
 #include <rlslab/core/process.hpp>
+#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/lab/round_to.hpp>
 #include <rlslab/lab/timing.hpp>
 
 namespace rlslab {

@@ -1,6 +1,7 @@
 // Runs the comparison: each entry of the catalogue over the records, each step's stored P decided exactly, the last
 // step's theta and P scored against the reference for the very bits the arithmetic was given.
 #include "compare/compare.hpp"
+#include "catalogue/catalogue.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
 

@@ -1,6 +1,6 @@
 // A comparison as a table for people, as JSON and CSV for programs.
-#include "compare/compare.hpp"
 #include "compare/answer.hpp"
+#include "compare/compare.hpp"
 #include "compare/words.hpp"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // The variant's recursion beside the certified minimiser.
 #include "identify/estimate.hpp"
 
+#include "catalogue/catalogue.hpp"
+
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/suggestion.hpp>
 #include <rlslab/lab/breakdown.hpp>

@@ -4,10 +4,10 @@
 #include "identify/order.hpp"
 #include "report/progress.hpp"
 
-#include <rlslab/model/doors/open.hpp>
 #include <rlslab/lab/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/model/difference.hpp>
+#include <rlslab/model/doors/open.hpp>
 #include <rlslab/model/excitation.hpp>
 
 #include <optional>

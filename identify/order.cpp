@@ -2,8 +2,8 @@
 #include "identify/order.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/reference/distributions.hpp>
 #include <rlslab/model/order_recursive_qr.hpp>
+#include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

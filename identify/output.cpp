@@ -1,6 +1,6 @@
 // An identified model as a page.
-#include "report/page.hpp"
 #include "identify/text.hpp"
+#include "report/page.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,9 +1,9 @@
 // rlslab compare: every variant in every arithmetic on a record.
-#include "program/commands.hpp"
-#include "compare/compare.hpp"
 #include "compare/answer.hpp"
-#include "studies/engine/journal.hpp"
+#include "compare/compare.hpp"
+#include "program/commands.hpp"
 
+#include <rlslab/core/files.hpp>
 #include <rlslab/model/doors/open.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>

@@ -1,4 +1,5 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
+#include "catalogue/catalogue.hpp"
 #include "program/described.hpp"
 
 #include "studies/engine/study.hpp"

@@ -1,7 +1,8 @@
 // rlslab identify, simulate and excitation: from a record to a model, and from a model to a record.
-#include "program/commands.hpp"
 #include "identify/identify.hpp"
-#include "studies/engine/journal.hpp"
+#include "program/commands.hpp"
+
+#include <rlslab/core/files.hpp>
 
 #include <charconv>
 #include <filesystem>

@@ -1,4 +1,5 @@
 // rlslab list: what there is to choose from.
+#include "catalogue/catalogue.hpp"
 #include "program/commands.hpp"
 #include "program/described.hpp"
 #include "studies/engine/study.hpp"

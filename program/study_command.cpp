@@ -1,8 +1,8 @@
 // rlslab study: questions with claims; tables, figures, verdicts, a report.
 #include "program/commands.hpp"
+#include "report/svg.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/report.hpp"
-#include "report/svg.hpp"
 
 #include <rlslab/core/suggestion.hpp>
 

@@ -1,9 +1,10 @@
 // Bits rounds as a format of so many bits does: against float, double, the chopped formats, and exact rationals.
+#include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>

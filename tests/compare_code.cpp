@@ -1,6 +1,7 @@
 // The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
-#include "compare/compare.hpp"
+#include "catalogue/catalogue.hpp"
 #include "compare/answer.hpp"
+#include "compare/compare.hpp"
 #include "tests/files.hpp"
 
 #include <rlslab/model/lags.hpp>

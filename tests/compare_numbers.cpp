@@ -1,4 +1,5 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
+#include "catalogue/catalogue.hpp"
 #include "compare/score.hpp"
 #include "tests/laws.hpp"
 

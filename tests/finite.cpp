@@ -1,4 +1,5 @@
 // What is said of theta and K without solving for them: never more than is so, and enough for ordinary data.
+#include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

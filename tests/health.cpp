@@ -1,4 +1,6 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow.
+#include "catalogue/catalogue.hpp"
+#include "compare/compare.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -6,8 +8,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include "compare/compare.hpp"
 
 namespace rlslab {
 namespace {

@@ -1,5 +1,5 @@
 // The house keeps its rules: one list of variants, files of the size their kind should have.
-#include <rlslab/lab/any_filter.hpp>
+#include "catalogue/catalogue.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

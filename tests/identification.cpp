@@ -1,6 +1,7 @@
 // From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
-#include "tests/files.hpp"
+#include "catalogue/catalogue.hpp"
 #include "identify/identify.hpp"
+#include "tests/files.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/model/order_recursive.hpp>

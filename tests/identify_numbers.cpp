@@ -1,8 +1,8 @@
 // Every number that identify answers with, worked out another way: rationals, finite differences, closed forms, loops of their own.
 #include "identify/checks.hpp"
+#include "identify/structure.hpp"
 #include "tests/exact_fit.hpp"
 #include "tests/files.hpp"
-#include "identify/structure.hpp"
 
 #include <rlslab/reference/certified.hpp>
 

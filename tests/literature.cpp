@@ -1,4 +1,5 @@
 // Published examples with their numbers: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
+#include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>

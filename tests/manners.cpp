@@ -60,7 +60,6 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
 }
 
-
 // ---- pipes, disks -----------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {

@@ -1,8 +1,7 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
+#include "catalogue/catalogue.hpp"
 #include "studies/engine/journal.hpp"
 #include "tests/program.hpp"
-
-#include <rlslab/lab/any_filter.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // What an update takes for a regressor, and what it must not: numbers that do not lie one after another in memory.
+#include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

@@ -1,4 +1,5 @@
 // The map: how many bits each variant needs, against the conditioning of the data.
+#include "catalogue/catalogue.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

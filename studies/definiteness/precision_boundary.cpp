@@ -1,4 +1,5 @@
 // The smallest significand with which each variant survives, against forgetting and conditioning.
+#include "catalogue/catalogue.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

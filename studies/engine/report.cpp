@@ -2,8 +2,7 @@
 #include "studies/engine/report.hpp"
 
 #include "report/page.hpp"
-
-#include <rlslab/revision.hpp>
+#include "studies/engine/revision.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 #include "studies/engine/run.hpp"
 
 #include "studies/engine/journal.hpp"
+#include "studies/engine/revision.hpp"
 
 #include <rlslab/core/input_error.hpp>
-#include <rlslab/revision.hpp>
 
 #include <fmt/format.h>
 #include <fstream>

@@ -1,6 +1,7 @@
 // Runs studies: trials on all cores, bits that do not depend on how many, and nothing lost when it is killed.
 #pragma once
 
+#include "catalogue/catalogue.hpp"
 #include "report/progress.hpp"
 #include "studies/engine/study.hpp"
 

@@ -1,8 +1,8 @@
 // The NIST regressions, one row at a time: how many digits each variant keeps, against the stored data and against the certificates.
 #include "studies/engine/findings.hpp"
+#include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_data.hpp"
 #include "studies/published/nist_table.hpp"
-#include "studies/engine/scenarios.hpp"
 
 namespace rlslab {
 namespace {

@@ -1,7 +1,7 @@
 // A window that slides over an outlier: what downdating keeps of a row long after it has left.
-#include "studies/published/downdates.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
+#include "studies/published/downdates.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

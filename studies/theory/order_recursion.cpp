@@ -2,8 +2,8 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/order_recursive.hpp>
 #include <rlslab/model/order_recursive_qr.hpp>

@@ -2,9 +2,9 @@
 // each, in an object library of its own (variants/CMakeLists.txt counts them).
 #pragma once
 
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/type_list.hpp>
 
 #include <tuple>

@@ -30,18 +30,6 @@ public:
     virtual std::unique_ptr<AnyFilter> clone() const = 0;
 };
 
-/// Which operations one update took, by the Counted scalar.
-struct Operations {
-    long additions = 0, multiplications = 0, divisions = 0, square_roots = 0;
-    long total() const { return additions + multiplications + divisions + square_roots; }
-};
-
-/// What one row costs: the update, and theta() after it where a variant solves for theta on request.
-struct Cost {
-    Operations update, theta;
-    long total() const { return update.total() + theta.total(); }
-};
-
 /// What the lab knows of an arithmetic, as data.
 struct Arithmetic {
     std::string_view name;
@@ -66,16 +54,5 @@ struct Entry {
     /// Nanoseconds per row with theta() after it, the least over stretches of the records; the types are not erased inside.
     double (*time)(Problem<double> const&, Records const&, Seed);
 };
-
-/// Every pair there is: arithmetics from the shortest to the longest, variants in the order of the list.
-std::vector<Entry> const& catalogue();
-/// Every variant in significands of any length: as many bits as the Precision has that is alive in the thread which makes,
-/// feeds and asks the filter (<rlslab/arithmetic/variable_precision.hpp>). Not in the catalogue: it is a question, not an arithmetic.
-std::vector<Entry> const& in_bits();
-/// The arithmetics of the catalogue, in its order.
-std::vector<Arithmetic> const& arithmetics();
-/// The operations a variant of this size takes at steady state (lambda = 0.99), per row; theta once for each block where
-/// rows come in blocks. nullopt where the arithmetic is a library's.
-std::optional<Cost> cost(std::string_view variant, Index size);
 
 }  // namespace rlslab

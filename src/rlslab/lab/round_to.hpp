@@ -1,8 +1,8 @@
 // Data are binary64: how an arithmetic takes them, and from where a stochastic one draws.
 #pragma once
 
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/problem.hpp>
 
 namespace rlslab {

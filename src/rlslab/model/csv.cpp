@@ -2,9 +2,9 @@
 // first rows, and here the columns.
 #include <rlslab/model/csv.hpp>
 
+#include <rlslab/core/suggestion.hpp>
 #include <rlslab/model/csv_number.hpp>
 #include <rlslab/model/csv_text.hpp>
-#include <rlslab/core/suggestion.hpp>
 
 #include <fmt/format.h>
 

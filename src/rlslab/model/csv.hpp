@@ -1,8 +1,8 @@
 // Numbers out of CSV files as people have them, in bounded memory, with errors that say where.
 #pragma once
 
-#include <rlslab/model/bytes.hpp>
 #include <rlslab/core/problem.hpp>
+#include <rlslab/model/bytes.hpp>
 
 #include <memory>
 #include <string>

@@ -1,9 +1,9 @@
 // Regression problems out of columns of data: y on given columns, or ARX models.
 #pragma once
 
+#include <rlslab/core/records.hpp>
 #include <rlslab/model/csv.hpp>
 #include <rlslab/model/lags.hpp>
-#include <rlslab/core/records.hpp>
 
 #include <algorithm>
 #include <span>

@@ -1,8 +1,8 @@
 // Inputs to identify with: each from a seed or from nothing, the same bits everywhere.
 #pragma once
 
-#include <rlslab/core/random.hpp>
 #include <rlslab/core/problem.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <vector>
 
