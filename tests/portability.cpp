@@ -120,7 +120,7 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
             std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
             bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
             if (file.path().extension() == ".hpp" && name.find("linalg/isa/") == name.npos && !library)
-                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(4) : name) + ">\n";
+                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
     Outcome const tried = shell(command + folder.file(all, "all.cpp"));
     EXPECT_EQ(tried.code, 0) << tried.text;

@@ -1,5 +1,5 @@
 // THE list of arithmetics that the catalogue holds, from the shortest to the longest. Variants are compiled once for
-// each, in an object library of its own (variants/CMakeLists.txt counts them).
+// each, in an object library of its own (catalogue/CMakeLists.txt counts them).
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
