@@ -3,6 +3,7 @@
 #include "compare/words.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/core/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -57,7 +58,7 @@ std::string verdict(Comparison const& c) {
                            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
                            spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
     }
-    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 4) + '\n';
+    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
     return out;
 }
 

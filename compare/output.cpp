@@ -3,6 +3,8 @@
 #include "compare/compare.hpp"
 #include "compare/words.hpp"
 
+#include <rlslab/core/text.hpp>
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,11 +29,10 @@ Json short_json(double x) {
 Json tenths_json(double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", x + 0.0)) : Json(nullptr); }
 Json spread_json(Spread const& s) { return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}}; }
 
-std::string tenths_text(double x) { return std::isfinite(x) ? fmt::format("{:5.1f}", x + 0.0) : "    -"; }
 std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? fmt::format(" {}{}{} ", tenths_text(((*spread).*m).low), tenths_text(((*spread).*m).median), tenths_text(((*spread).*m).high))
+        out += spread ? fmt::format(" {:>5}{:>5}{:>5} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
                       : fmt::format(" {:>5}{:>5}{:>5} ", "-", "-", "-");
     return out;
 }
@@ -60,7 +61,7 @@ std::string theta_text(Comparison const& c) {
     std::string out = fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior", "with the prior: what filters are after", "agree");
     for (size_t i = 0; i < c.names.size(); ++i)
         out += fmt::format("{:<{}} {:>37} {:>37}  {:>5}\n", c.names[i], width, plain_exponent(c.least_squares[i]), plain_exponent(c.theta[i]),
-                           std::isfinite(c.agreement[i]) ? fmt::format("{:.1f}", c.agreement[i]) : "-");
+                           tenths(c.agreement[i]));
     return out;
 }
 
@@ -95,7 +96,7 @@ std::string as_table(Comparison const& c, bool colour) {
     std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n", c.model.file.empty() ? "" : c.model.file + ": ", c.rows,
                                   c.skipped, c.size, c.size == 1 ? "" : "s", std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
                                   c.options.forgetting);
-    out += "prior       " + wrapped(prior_text(c), 12) + '\n' + paint("31", prior_warning(c)) + '\n' + paint("32", verdict(c));
+    out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n' + paint("31", prior_warning(c)) + '\n' + paint("32", verdict(c));
     if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(paste);
     out += '\n' + theta_text(c);
     out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);

@@ -125,7 +125,6 @@ Figure costs(Comparison const& c) {
 
 std::string table(Comparison const& c) {
     std::vector<std::vector<std::string>> rows;
-    auto const tenths = [](double x) { return std::isfinite(x) ? fmt::format("{:.1f}", x + 0.0) : std::string("-"); };
     for (Result const& x : c.results) {
         std::vector<std::string> row{std::string(x.entry->variant), std::string(x.entry->arithmetic->name)};
         for (Shown const& of : shown)
@@ -143,7 +142,7 @@ std::string table(Comparison const& c) {
 std::string solutions(Comparison const& c) {
     std::vector<std::vector<std::string>> rows;
     for (size_t i = 0; i < c.names.size(); ++i)
-        rows.push_back({c.names[i], c.model.regressors[i], c.least_squares[i], c.theta[i], std::isfinite(c.agreement[i]) ? fmt::format("{:.1f}", c.agreement[i]) : "-"});
+        rows.push_back({c.names[i], c.model.regressors[i], c.least_squares[i], c.theta[i], tenths(c.agreement[i])});
     return table_html({"parameter", "multiplies", "least squares, without prior", "with the prior", "digits they share"}, rows);
 }
 

@@ -2,33 +2,16 @@
 #include "compare/words.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace rlslab {
-
-constexpr size_t width = 114;
-
-std::string wrapped(std::string const& text, size_t indent) {
-    std::string out;
-    for (size_t begin = 0, end, at = indent; begin < text.size(); begin = end + 1) {
-        end = std::min(text.find(' ', begin), text.size());
-        if (at + end - begin > width) {
-            out += '\n' + std::string(indent, ' ');
-            at = indent;
-        } else if (begin > 0) {
-            out += ' ';
-        }
-        out += text.substr(begin, end - begin);
-        at += end - begin + 1;
-    }
-    return out;
-}
 
 std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
     std::string out;
     for (size_t i = 0; i < items.size(); ++i) {
         std::string const item = items[i] + (i + 1 < items.size() ? "," : "");
-        if (i > 0 && at + 1 + item.size() > width) {
+        if (i > 0 && at + 1 + item.size() > text_width) {
             out += '\n' + indent;
             at = indent.size();
         } else if (i > 0) {
@@ -40,6 +23,8 @@ std::string listed(std::vector<std::string> const& items, std::string const& ind
     }
     return out;
 }
+
+std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("{:.1f}", digits + 0.0) : "-"; }
 
 std::string breakdown_text(Result const& r) {
     if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);

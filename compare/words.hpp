@@ -5,11 +5,14 @@
 
 namespace rlslab {
 
-/// Text broken at spaces before column 114, the width of the table; lines after the first begin at column `indent`, as the first does.
-std::string wrapped(std::string const& text, size_t indent);
+/// The width of the widest table, and of the text around it.
+inline constexpr size_t text_width = 114;
 
-/// "first, second, third", broken likewise; it begins at column `at`, further lines with `indent`.
+/// "first, second, third" in lines of that width; it begins at column `at`, further lines with `indent`.
 std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at);
+
+/// Digits to a tenth; "-" where there are none.
+std::string tenths(double digits);
 
 /// "none", "indefinite at 25", "in 2 of 4 orders".
 std::string breakdown_text(Result const& result);

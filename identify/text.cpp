@@ -4,6 +4,7 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/core/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -62,21 +63,8 @@ std::string arithmetic_line(Identified const& m) {
                        number_text(std::round(10 * m.digits) / 10, 3), number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
 }
 
-/// In lines of at most `width` characters where words allow, all but the first indented.
-std::string wrapped(std::string const& text, size_t width = 120) {
-    std::string out;
-    for (size_t from = 0; from < text.size();) {
-        size_t const room = width - (from > 0 ? 4 : 0);
-        size_t to = text.size();
-        if (to - from > room) {
-            to = text.rfind(' ', from + room);
-            if (to == text.npos || to <= from) to = std::min(text.find(' ', from + room), text.size());
-        }
-        out += (from > 0 ? "    " : "") + text.substr(from, to - from) + '\n';
-        from = to + 1;
-    }
-    return out;
-}
+/// A line, or several of which all but the first are indented.
+std::string in_lines(std::string const& text) { return wrapped(text, 0, 4, 120) + '\n'; }
 
 std::string criterion_text(int order) { return order > 0 ? fmt::format("{}", order) : "none"; }
 
@@ -138,7 +126,7 @@ std::string as_table(Identified const& m) {
     std::string out = printable(m.file, 200) + ": ";
     for (std::string const& words : data_lines(m)) out += words + '\n';
     for (std::string const& words : input_lines(m)) out += words + '\n';
-    for (std::string const& warning : m.warnings) out += wrapped("warning: " + warning);
+    for (std::string const& warning : m.warnings) out += in_lines("warning: " + warning);
     for (std::string const& words : order_lines(m)) out += '\n' + words;
     size_t name = 9, of = 4;
     for (Parameter const& p : m.parameters) name = std::max(name, printable(p.name).size()), of = std::max(of, p.of.size());
@@ -147,7 +135,7 @@ std::string as_table(Identified const& m) {
         out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6), number_text(p.sd, 2), number_text(p.low, 5),
                            number_text(p.high, 5));
     out += '\n';
-    for (std::string const& words : result_lines(m)) out += wrapped(words);
+    for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;
 }
 

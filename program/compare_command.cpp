@@ -97,7 +97,8 @@ Question question_of(CompareArguments const& a) {
     return out;
 }
 
-void run_compare(CompareArguments const& a) {
+/// 0 where some variant is recommended, else 1.
+int run_compare(CompareArguments const& a) {
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
     CompareOptions options = a.options;
     if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
@@ -114,6 +115,7 @@ void run_compare(CompareArguments const& a) {
         replace_file(out / "compare.html", as_page(comparison));
     }
     print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour()) + (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
+    return std::ranges::all_of(comparison.recommendations, [](Recommendation const& r) { return r.variant.empty(); });
 }
 
 }  // namespace
@@ -158,10 +160,7 @@ Command compare_command(CLI::App& app) {
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback("--no-timings", [a] { a->options.timings = false; },
                                  "leave out nanoseconds, the only column that differs from run to run");
-    return {comparing, [a] {
-                run_compare(*a);
-                return 0;
-            }};
+    return {comparing, [a] { return run_compare(*a); }};
 }
 
 }  // namespace rlslab

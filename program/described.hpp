@@ -35,11 +35,9 @@ struct Meaning {
 std::vector<Meaning> const& exit_codes();
 std::vector<Meaning> const& environment();
 
-/// --help: lines of at most 79 letters.
+/// Of --help and `rlslab list`: the letters in a line.
+inline constexpr size_t help_width = 79;
 std::string help_text(CLI::App const& command);
-/// The text broken at spaces where a line of `width` letters would be passed, from column `at` on, further lines indented; ends the line.
-/// A word longer than a line is left whole.
-std::string wrapped(std::string_view text, size_t at, size_t indent, size_t width = 79);
 /// Lines as they were written. One that is too long has what follows its first gap, "Example:  rlslab ...", on a line of its own.
 std::string notes(std::string const& text, size_t width);
 /// man rlslab, in roff.

@@ -1,26 +1,13 @@
 // The help: the definitions in lines of at most 79 letters.
 #include "program/described.hpp"
 
+#include <rlslab/core/text.hpp>
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <sstream>
 
 namespace rlslab {
-
-std::string wrapped(std::string_view text, size_t at, size_t indent, size_t width) {
-    std::string out;
-    while (at + text.size() > width) {
-        size_t const room = width - std::min(width, at);
-        size_t end = text.rfind(' ', room);
-        if (end == text.npos || text.find_first_not_of(' ') > end) end = text.find(' ', room);
-        if (end == text.npos) break;
-        out += text.substr(0, text.find_last_not_of(' ', end) + 1);
-        text.remove_prefix(std::min(text.size(), text.find_first_not_of(' ', end)));
-        out += '\n' + std::string(indent, ' ');
-        at = indent;
-    }
-    return out + std::string(text) + '\n';
-}
 
 namespace {
 
@@ -31,7 +18,7 @@ std::string entry(std::string const& name, std::string const& text, size_t besid
     std::string out = "  " + name;
     if (out.size() + 2 > beside) out += '\n' + std::string(beside, ' ');
     else out.resize(beside, ' ');
-    return out + wrapped(text, beside, beside);
+    return out + wrapped(text, beside, beside, help_width) + '\n';
 }
 
 }  // namespace
@@ -42,15 +29,15 @@ std::string notes(std::string const& text, size_t width) {
     for (std::string line; std::getline(in, line);) {
         size_t const start = std::min(line.size(), line.find_first_not_of(' ')), gap = std::min(line.size(), line.find("  ", start));
         size_t const rest = std::min(line.size(), line.find_first_not_of(' ', gap));
-        if (line.size() <= width || rest == line.size()) out += wrapped(line, 0, start, width);
-        else out += wrapped(line.substr(0, gap), 0, start, width) + "    " + wrapped(line.substr(rest), 4, 8, width);
+        if (line.size() <= width || rest == line.size()) out += wrapped(line, 0, start, width) + '\n';
+        else out += wrapped(line.substr(0, gap), 0, start, width) + "\n    " + wrapped(line.substr(rest), 4, 8, width) + '\n';
     }
     return out;
 }
 
 std::string help_text(CLI::App const& command) {
     bool const whole = command.get_parent() == nullptr;
-    std::string out = wrapped(command.get_description(), 0, 0) + "\n" + wrapped("Usage: " + usage(command), 0, 7) + '\n';
+    std::string out = wrapped(command.get_description(), 0, 0, help_width) + "\n\n" + wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
     std::vector<Described> const all = described(command);
     std::vector<std::string> groups;
     for (Described const& one : all) {

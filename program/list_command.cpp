@@ -5,6 +5,7 @@
 #include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>
+#include <rlslab/core/text.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -51,7 +52,7 @@ void run_list(bool json) {
             (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n" : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
     text += "\nstudies\n";
     for (Study const* study : studies()) {
-        text += fmt::format("  {:<23} {}", study->name, wrapped(study->question, 26, 26));
+        text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));
         out["studies"].push_back({{"name", study->name}, {"question", study->question}});
     }
     print(json ? out.dump(2) + '\n' : text);

@@ -1,0 +1,53 @@
+// A gain error reaches a filter, or is refused: it is never dropped in silence.
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
+
+#include <gmock/gmock.h>
+
+namespace rlslab {
+namespace {
+
+/// theta and P after one row whose gain was `relative` off. Empty and the message where that is refused.
+struct Answer {
+    std::vector<double> numbers;
+    std::string refusal;
+};
+Answer after(Entry const& entry, double relative) {
+    auto const f = entry.make(laws::problem(2), Seed{1});
+    std::vector<double> const row{1.0, 2.0};
+    Answer out;
+    f->update(row, 1.0);
+    try {
+        f->update(std::vector<double>{2.0, -1.0}, 3.0, Vector<double>{{relative, -relative}});
+    } catch (std::invalid_argument const& refused) {
+        out.refusal = refused.what();
+        return out;
+    }
+    for (Reference const& x : Vector<Reference>(f->theta())) out.numbers.push_back(double(x));
+    Stored<double> const stored = f->stored_in_double();
+    out.numbers.insert(out.numbers.end(), stored.F.reshaped().begin(), stored.F.reshaped().end());
+    out.numbers.insert(out.numbers.end(), stored.D.begin(), stored.D.end());
+    return out;
+}
+
+TEST(GainError, ReachesTheFilterOrIsRefused) {
+    int taken = 0, refused = 0;
+    for (Entry const& entry : catalogue()) {
+        if (entry.arithmetic->name != "double") continue;
+        Answer const exact = after(entry, 0), off = after(entry, 0.25);
+        if (entry.takes_gain_error) {
+            ++taken;
+            EXPECT_EQ(off.refusal, "") << entry.variant;
+            EXPECT_NE(off.numbers, exact.numbers) << entry.variant << " dropped the error";
+        } else {
+            ++refused;
+            EXPECT_THAT(off.refusal, testing::HasSubstr(std::string(entry.variant))) << entry.variant;
+            EXPECT_EQ(off.refusal, exact.refusal) << "an error of zero is refused like any other";
+        }
+    }
+    EXPECT_GE(taken, 4);
+    EXPECT_GE(refused, 8);
+}
+
+}  // namespace
+}  // namespace rlslab
