@@ -13,7 +13,7 @@ namespace rlslab {
 ///
 /// (3) is Wald's test of a common root: not rejected, the pair says nothing that a model without it does not say. Judged only
 /// where the first order holds: p and z are known to within half the distance to the next pole, or zero. Each pole goes with the zero of least q; of
-/// several inputs a pole cancels if it does for each. Source: Söderström & Stoica, System Identification, 1989, 11.4 (pole-zero cancellation).
+/// several inputs a pole cancels if it does for each. Source: Söderström & Stoica 1989, 11.4 (pole-zero cancellation).
 std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation, double confidence);
 
 /// Steady-state gain g = B(1)/A(1) of an input and its standard deviation, dg/db_i = 1/A(1), dg/da_i = -g/A(1). NaN where A(1) lies within

@@ -53,7 +53,7 @@ OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, i
 
 /// Orders 0 ... most by appended columns of a QR factorisation, up to the first whose columns depend on one another; the last
 /// held_out rows are not fitted.
-/// Source: Söderström & Stoica, System Identification, 1989, 11.5; Ljung & Box, Biometrika 65, 1978.
+/// Source: Söderström & Stoica 1989, 11.5; Ljung & Box 1978.
 OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
 
 /// How many lags are looked at for an order.

@@ -1,4 +1,4 @@
-// The identities of recursive least squares (theory lines 12 to 19), exactly in rationals, to 2^-220 in Reference.
+// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23), exactly in rationals, to 2^-220 in Reference.
 #include "tests/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>

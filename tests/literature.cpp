@@ -1,4 +1,4 @@
-// Published examples with their numbers: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
+// Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
@@ -21,7 +21,7 @@ Entry const& entry(std::string_view variant, std::string_view arithmetic = "doub
     throw std::logic_error("no such entry");
 }
 
-// --- Bierman 1977, ch. V: psi = (1, eps), (1, 1), P0 = I / eps^2 ------------------------------------------------------
+// --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2 --------------------------------
 
 template <class T>
 Problem<T> bierman(T eps) {
@@ -43,7 +43,7 @@ TEST(Bierman, TheVarianceTurnsNegativeBetween26And27BitsInDouble) {
     for (int power = 20; power <= 26; ++power) EXPECT_GT(first_variance<double>(power), 0) << power;
     for (int power = 27; power <= 40; ++power) EXPECT_LT(first_variance<double>(power), 0) << power;
     Matrix<double> const at_26 = after_two_rows<Conventional<double>>(0x1p-26).covariance();
-    EXPECT_NEAR(at_26(0, 0), 1.0000000298, 1e-10);    // the ten decimals that are published
+    EXPECT_NEAR(at_26(0, 0), 1.0000000298, 1e-10);    // ten decimals of docs/literature.md 3.3
     EXPECT_DOUBLE_EQ(at_26(1, 1), 2.0);
     Matrix<double> const at_27 = after_two_rows<Conventional<double>>(0x1p-27).covariance();
     EXPECT_NEAR(at_27(0, 0), -1.0000000149, 1e-10);
@@ -71,7 +71,7 @@ TEST(Bierman, JosephAndUdKeepThirtyUnitRoundoffsAndPotterFourEps) {
     }
 }
 
-// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep: H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I -------------
+// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep (docs/literature.md 3.4): H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I
 //
 // P is scaled by 1/delta^2, so that the noise is 1. The reference is the exact P for the stored 1 + delta and 1/delta^2.
 
@@ -135,7 +135,7 @@ nlohmann::json solutions() {
 
 TEST(Nist, TheReferenceIsTheExactSolutionOfTheStoredData) {
     auto const published = solutions();
-    // What is stored is not always what was published: digits of agreement that the storage leaves (literature, 3.5).
+    // What is stored is not always what was published: digits of agreement that the storage leaves (docs/literature.md 3.5).
     std::map<std::string, double> const cap{{"longley", 14.6}, {"wampler2", 13.0}};
     for (Set const& set : sets) {
         Records const records = nist(set);
@@ -153,7 +153,7 @@ TEST(Nist, TheReferenceIsTheExactSolutionOfTheStoredData) {
     }
 }
 
-/// Digits of the worst coefficient, literature 3.5, "measured here, recursive".
+/// Digits of the worst coefficient: the recursive table of docs/literature.md 3.5.
 using Row = std::map<std::string, double>;
 std::map<std::string, Row> const table{
     {"longley", {{"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0}, {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
@@ -230,7 +230,7 @@ TEST(Nist, CovarianceFormsKeepNoDigitOfLongleyAndNoMethodMoreThanEightOfFilip) {
     Records const longley = nist(set_named("longley"));
     for (auto variant : {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"})
         EXPECT_LT(worst_digits(variant, longley, with_large_prior(longley)), 1) << variant;
-    // Against the published decimals storage alone costs all but 7.9 digits (literature, 3.5). (qr_sparse is left out: its
+    // Against the published decimals storage alone costs all but 7.9 digits (docs/literature.md 3.5). (qr_sparse is left out: its
     // error happens to point back to the decimals' solution, and 8.5 digits are luck.)
     Records const filip = nist(set_named("filip"));
     auto const published = solutions()["filip"]["theta_decimal"];

@@ -15,7 +15,7 @@ namespace rlslab {
 ///
 /// Not f_j / sqrt(s_{j-1} s_j): the product may overflow.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots.
-/// Source: Carlson, AIAA J. 11(9), 1973.
+/// Source: Carlson 1973.
 template <Real T, int N = Dynamic>
 class Carlson {
     T lambda_;

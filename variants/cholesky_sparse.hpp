@@ -14,7 +14,7 @@ namespace rlslab {
 ///
 /// Storage and time follow the fill of L, not d^2: f and (2) take the columns on psi's path, theta all of them. Columns keep
 /// their order, so a band stays one. Squares the condition number as `information` does. Needs a prior.
-/// Source: Davis & Hager, SIAM J. Matrix Anal. Appl. 20(3), 1999.
+/// Source: Davis & Hager 1999.
 class CholeskySparse {
     double lambda_;
     Vector<double> theta_, b_, f_, K_;

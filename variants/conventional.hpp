@@ -14,7 +14,7 @@ namespace rlslab {
 /// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989): kept as the cautionary form.
 /// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] proves breakdown; P may be
 /// indefinite and gamma inside all the same, where psi does not see it.
-/// Source: Plackett, Biometrika 37, 1950.
+/// Source: Plackett 1950.
 template <Field T, int N = Dynamic>
 class Conventional {
     T lambda_;

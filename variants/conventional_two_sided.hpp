@@ -12,7 +12,7 @@ namespace rlslab {
 ///   (1) f = P psi, h = P'psi       (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P = (P - K h') / lambda    (5) theta += K e
 ///
-/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen, Automatica 25(3), 1989.
+/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen 1989.
 template <Field T, int N = Dynamic>
 class ConventionalTwoSided {
     T lambda_;

@@ -15,7 +15,7 @@ namespace rlslab {
 ///
 /// A rounding error in W is never forgotten (its memory is neutral while R's decays): theta and P are reported from W.
 /// Storage 2 d^2 (half used); per update 5 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
-/// Source: Yang & Boehme, IEEE TSP 40, 1992.
+/// Source: Yang & Böhme 1992.
 template <Real T, int N = Dynamic>
 class ExtendedQr {
     T root_lambda_;

@@ -18,7 +18,7 @@ namespace rlslab {
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
 /// theta (R theta = z) and K are solved for when asked. Storage d^2 (half used); per update 2 d^2 + O(d)
 /// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
-/// undetermined. Sources: Gentleman, AS 75, 1974; Miller, AS 274, 1992.
+/// undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;

@@ -16,7 +16,7 @@ namespace rlslab {
 ///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
 ///
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
-/// Source: Alexander & Ghirnikar, IEEE TSP 41, 1993.
+/// Source: Alexander & Ghirnikar 1993.
 template <Real T, int N = Dynamic>
 class InverseQr {
     T lambda_;

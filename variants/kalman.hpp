@@ -15,7 +15,7 @@ namespace rlslab {
 /// Without a walk (Q = 0, as in the catalogue) K, P and theta are those of `conventional`: bit for bit where lambda = 1, and
 /// exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
 /// Storage 2 d^2; per update 4 d^2 + O(d) multiplications. Antisymmetric errors grow as in `conventional`.
-/// Sources: Kalman 1960; Sayed & Kailath, IEEE SP Magazine 11(3), 1994.
+/// Sources: Kalman 1960; Sayed & Kailath 1994.
 template <Field T, int N = Dynamic>
 class Kalman {
     DividedBy<T> by_lambda_;

@@ -16,7 +16,7 @@ namespace rlslab {
 /// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
 /// zero on its diagonal the innovation is NaN and health undetermined.
-/// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
+/// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <Real T, int N = Dynamic>
 class Qr {
     T lambda_, root_lambda_;

@@ -17,7 +17,7 @@ namespace rlslab {
 ///
 /// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
 /// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior.
-/// Sources: Golub, Numer. Math. 7, 1965; Demmel, Grigori, Hoemmen & Langou (TSQR).
+/// Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
     T lambda_, root_lambda_;

@@ -14,7 +14,7 @@ namespace rlslab {
 ///   (2) e = y - psi'theta,   gamma = lambda / (lambda + |R^-T psi|^2)    with the R of the step before
 ///
 /// Storage and time follow the fill of R, not d^2; each block costs all of R once: with many parameters take as many rows
-/// at once. Needs a prior. Source: Davis, SuiteSparseQR, ACM TOMS 38(1), 2011.
+/// at once. Needs a prior. Source: Davis 2011.
 class QrSparse {
     double lambda_;
     Vector<double> z_, theta_;

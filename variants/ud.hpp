@@ -15,7 +15,7 @@ namespace rlslab {
 ///
 /// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. P is definite exactly while every D_j > 0.
 /// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
-/// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977; Thornton 1976.
+/// Source: Bierman 1977; Thornton 1976.
 template <Field T, int N = Dynamic>
 class Ud {
     T lambda_;

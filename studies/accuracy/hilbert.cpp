@@ -1,4 +1,4 @@
-// Two matrices every author uses: Hilbert's, row by row, and Laeuchli's, whose normal equations lose delta^2.
+// Two matrices every author uses: Hilbert's, row by row, and Läuchli's, whose normal equations lose delta^2.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -10,7 +10,7 @@
 namespace rlslab {
 namespace {
 
-/// Hilbert's matrix of 2n x n, entries rounded once, or Laeuchli's of (1, 1, 1) and delta I; theta = (1, ..., 1) but for y's rounding.
+/// Hilbert's matrix of 2n x n, entries rounded once, or Läuchli's of (1, 1, 1) and delta I; theta = (1, ..., 1) but for y's rounding.
 Records rows_of(std::string const& matrix, double parameter) {
     bool const hilbert = matrix == "hilbert";
     Index const size = hilbert ? Index(parameter) : 3, rows = hilbert ? 2 * size : 4;
@@ -47,16 +47,15 @@ extern Study const hilbert;
 Study const hilbert{
     .name = "hilbert",
     .question = "What do the two classical ill-conditioned matrices leave of theta?",
-    .source = "Laeuchli 1961 (recalled); Sjoe 1992, section 5.2 (abstract read; its table was not at hand); measured (literature 3.6)",
+    .source = "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an earlier "
+              "experiment (docs/literature.md 3.6)",
     .formula = R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
-    .reading = "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 "
-               "kappa u; the forms that store P still find theta of these nearly consistent rows, "
-               "but of their P no digit is left: a prior of 1e20 u is as large as all they know (study large_prior). The normal "
-               "equations lose theta where kappa^2 u > 1. "
-               "Laeuchli's rows are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with "
-               "delta^2 < u. The published table's 5.1 digits at n = 10, "
-               "the same for four variants, are the rounding of y (kappa u = 3e-5), which a reference for the stored data does not "
-               "charge to them: here they keep 6.5 and more.",
+    .reading = "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 kappa u; "
+               "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a prior of 1e20 "
+               "u is as large as all they know (study large_prior). The normal equations lose theta where kappa^2 u > 1. Läuchli's rows "
+               "are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with delta^2 < u. The 5.1 "
+               "digits at n = 10 in docs/literature.md 3.6, the same for four variants, are the rounding of y (kappa u = 3e-5), which a "
+               "reference for the stored data does not charge to them: here they keep 6.5 and more.",
     .factors = [](Budget) {
         return std::vector<Factor>{{"matrix", {"hilbert", "laeuchli"}},
                                    {"variant", row_forms()},
@@ -68,7 +67,7 @@ Study const hilbert{
     .plots = {{.title = "Hilbert's matrix: the worst component of theta", .x = "kappa", .y = "theta_error", .x_label = "condition number",
                .y_label = "relative error of theta", .where = {{"matrix", {"hilbert"}}}, .guides = {{"kappa u",
                    [](double kappa) { return kappa * 0x1p-53; }}}},
-              {.title = "Laeuchli's matrix: the worst component of theta", .x = "parameter", .y = "theta_error", .x_label = "delta",
+              {.title = "Läuchli's matrix: the worst component of theta", .x = "parameter", .y = "theta_error", .x_label = "delta",
                .y_label = "relative error of theta", .where = {{"matrix", {"laeuchli"}}}, .floor = 1e-20}},
     .claims = {
         {"Hilbert, n = 2 ... 10, factor forms: theta to 3 kappa u",
@@ -87,14 +86,14 @@ Study const hilbert{
              Finding const b = everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
              return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
          }},
-        {"Laeuchli, information: lost exactly from delta = 1e-8 on, the first decade with delta^2 < 2^-53",
+        {"Läuchli, information: lost exactly from delta = 1e-8 on, the first decade with delta^2 < 2^-53",
          [](Table const& t) {
              Table const at = of(t, "laeuchli").where("variant", "information");
              Finding const a = everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
              Finding const b = everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
              return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
          }},
-        {"Laeuchli, every other variant: 15 digits of theta at every delta down to 1e-12",
+        {"Läuchli, every other variant: 15 digits of theta at every delta down to 1e-12",
          [](Table const& t) {
              Table const others = of(t, "laeuchli").where("variant", [] {
                  std::vector<std::string> all = factors;

@@ -70,9 +70,9 @@ extern Study const initialisation;
 Study const initialisation{
     .name = "initialisation",
     .question = "Should RLS start from c^2 I or from a batch estimate?",
-    .source = "theory 13 (derived); the digits are measured here",
+    .source = "derived (docs/theory.md 13); the digits are measured here",
     .formula = R"tex(\begin{aligned}&\text{prior: } P_0 = c^2 I,\ \theta_0 = 0\\
-&\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\
+&\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\quad
         \theta_m = P_m \sum_{k\le m}\lambda^{m-k}\psi_k y_k\end{aligned})tex",
     .reading = "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
                "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the batch "

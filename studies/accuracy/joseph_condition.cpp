@@ -126,21 +126,19 @@ extern Study const joseph_condition;
 Study const joseph_condition{
     .name = "joseph_condition",
     .question = "Which rounding costs Joseph's products one more power of the condition number?",
-    .source = "measured (literature 3.6, Joseph detail; open question 1); the explanation is derived and measured here, and was "
-              "not found in any published text",
+    .source = "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the explanation is "
+              "derived (docs/theory.md 43) and measured here, and was not found in any published text",
     .formula = R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
 \|A\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
 \|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1} \end{aligned})tex",
-    .reading = "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: "
-               "the product A P adds terms of size |K||psi||P| that cancel to P - K f'. "
-               "Their roundings do not cancel. The experiment does Joseph's update in quad on a P stored in double and puts one "
-               "step back into double: storing P, rounding A, "
-               "rounding A P as a whole leave the slope at 2, as for every form that stores P; adding up either of the two "
-               "products in double brings the whole loss back. "
-               "The expansion to a rank-two update never forms these terms and has slope 2. The local guide u |A|^2 |P|, given in "
-               "the note this study follows, has itself slope 2 only: it is the transport to the end of the run by "
-               "P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of "
-               "the published 2.8 to 3.5.",
+    .reading = "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
+               "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The experiment does "
+               "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, rounding A P "
+               "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in double brings "
+               "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local guide u |A|^2 "
+               "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end of the run "
+               "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of the "
+               "2.8 to 3.5 of docs/literature.md 3.6.",
     .factors = [](Budget budget) {
         bool const full = budget == Budget::full;
         return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 48 : 8)}};

@@ -40,7 +40,7 @@ extern Study const large_prior;
 Study const large_prior{
     .name = "large_prior",
     .question = "How large may the prior variance be before one row leaves nothing of P?",
-    .source = "derived and measured (literature 3.8, Large-prior threshold)",
+    .source = "derived (docs/theory.md 41); an earlier experiment (docs/literature.md 3.8)",
     .formula = R"tex(P_1 = P_0 - \frac{P_0^2}{1 + P_0} = \frac{P_0}{1 + P_0}, \qquad \mathrm{fl}\left(\frac{P_0}{1+P_0}\right) = 1 \text{ for } P_0 \gtrsim 1/u)tex",
     .reading = "One row psi = 1. The forms that subtract K f from P lose u P0 of the 1 that should remain, and everything once K "
                "rounds to 1: a first P of exactly 0, after which the filter learns no more. "

@@ -81,12 +81,12 @@ extern Study const non_contraction;
 Study const non_contraction{
     .name = "non_contraction",
     .question = "Can one exact step enlarge an error of theta when nothing is forgotten?",
-    .source = "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not contractive, "
-              "against Ljung and Verhaegen); "
-              "the example and the formula are derived (literature 3.8, F10, F11)",
+    .source = "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not contractive, against "
+              "Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived (docs/theory.md 24, 25; "
+              "docs/literature.md 3.8)",
     .formula = R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix},
-        \quad \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
+P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
+        \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
     .reading = "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
                "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
                "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, "

@@ -71,11 +71,10 @@ extern Study const potter_carlson;
 Study const potter_carlson{
     .name = "potter_carlson",
     .question = "Are Potter's full and Carlson's triangular square root equally accurate?",
-    .source = "literature open question 8 (Norris, c^2 = 1e20: Potter 4.3 digits, Carlson 13.8; measured there); the explanation is "
-              "derived and measured here; Norris: NIST StRD (read)",
-    .formula = R"tex(\begin{aligned}&\text{Potter: } S_1 =
-    c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad S_1^\top\psi
-    \text{ is of order } 1,\text{ with an error } u\,c\,\|\psi\|\\
+    .source = "docs/literature.md 5, question 8 (Norris, c^2 = 1e20: Potter 4.3 digits, Carlson 13.8: an earlier experiment, "
+              "docs/literature.md 3.5); the explanation is derived (docs/theory.md 44) and measured here; Norris: NIST StRD (data read)",
+    .formula = R"tex(\begin{aligned}&\text{Potter: } S_1 = c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad
+    S_1^\top\psi \text{ is of order } 1,\text{ with an error } u\,c\,\|\psi\|\\
 &\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad \det P_1 = \prod_j S_{jj}^2 \text{ to a few } u\end{aligned})tex",
     .reading = "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form makes the "
                "small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| remains in the "

@@ -73,9 +73,9 @@ extern Study const prior_size;
 Study const prior_size{
     .name = "prior_size",
     .question = "How large should the prior variance c^2 be?",
-    .source = "theory 13 (derived); literature 3.5 and open question 6; the atlas is measured here",
-    .formula = R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} +
-                \underbrace{g(u, c^2)}_{\text{rounding}},\qquad P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
+    .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
+    .formula = R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
+                 P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
     .reading = "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the right the "
                "variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first rows and keep u c^2 of "
                "them as an error of P, so their valley is narrow and ends at half of double's digits. Potter's full root does the "

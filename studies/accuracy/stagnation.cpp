@@ -44,16 +44,16 @@ extern Study const stagnation;
 Study const stagnation{
     .name = "stagnation",
     .question = "How small can the variance of a running mean become in a short word?",
-    .source = "Ardalan 1986 (abstract read: weight updating terminates); measured (literature 3.8, Stagnation)",
+    .source = "Ardalan 1986 (abstract read: weight updating terminates); derived (docs/theory.md 42); an earlier experiment "
+              "(docs/literature.md 3.8)",
     .formula = R"tex(P_k = P_{k-1} - \frac{P_{k-1}^2}{1 + P_{k-1}} = P_{k-1} \quad \text{once} \quad P^2 < \tfrac12\,\mathrm{ulp}(P) \qquad \text{or} \quad \mathrm{fl}(1 + P) = 1)tex",
-    .reading = "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 for "
-               "the form that subtracts, 2^-8 for those that take P as a "
-               "quotient, and all of them pretend for ever to know the mean no better than after 100 rows. Stochastic rounding has "
-               "no such place: k P stays near 1 in the mean. "
-               "It needs a prior below 1/u, though. From P0 = 1e4 the forms that subtract are at P = 0 after one row, because K "
-               "rounds to 1; in bfloat16 stochastic rounding saves few of them. "
-               "The published 54.9 at k = 20000 is therefore that of a start below 1/u, as P0 = 100 here, and not of P0 = 1e4. "
-               "Potter's form sits between: from 1e4 its first P is off by a factor of 2, and stochastic runs may end at 0.",
+    .reading = "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 for the form "
+               "that subtracts, 2^-8 for those that take P as a quotient, and all of them pretend for ever to know the mean no better "
+               "than after 100 rows. Stochastic rounding has no such place: k P stays near 1 in the mean. It needs a prior below 1/u, "
+               "though. From P0 = 1e4 the forms that subtract are at P = 0 after one row, because K rounds to 1; in bfloat16 stochastic "
+               "rounding saves few of them. The 54.9 at k = 20000 in docs/literature.md 3.8 is therefore that of a start below 1/u, as P0 "
+               "= 100 here, and not of P0 = 1e4. Potter's form sits between: from 1e4 its first P is off by a factor of 2, and stochastic "
+               "runs may end at 0.",
     .factors = [](Budget budget) {
         return std::vector<Factor>{{"arithmetic", {"bfloat16", "bfloat16-stochastic", "binary16", "binary16-stochastic"}},
                                    {"variance", {100.0, 1e4}},

@@ -81,9 +81,9 @@ extern Study const definiteness;
 Study const definiteness{
     .name = "definiteness",
     .question = "Which stored covariances stop being positive definite, and when?",
-    .source = "Bierman 1977, Verhaegen & Van Dooren 1986 (recalled): factor forms keep P definite; that Joseph's form does too is "
-        "often said and "
-              "contradicted by literature 3.9 and 3.10; the survival curves are measured here",
+    .source = "Bierman 1977, Verhaegen & Van Dooren 1986 (cited, not read): factor forms keep P definite; that Joseph's form does too is "
+              "often said and contradicted by docs/literature.md 3.9, 3.10 (why: docs/theory.md 43); the survival curves are measured "
+              "here",
     .formula = R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i \le k)tex",
     .reading = "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
         "step. The data have "

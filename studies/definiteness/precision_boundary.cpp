@@ -80,16 +80,16 @@ extern Study const precision_boundary;
 Study const precision_boundary{
     .name = "precision_boundary",
     .question = "How many bits does it take to survive?",
-    .source = "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (recalled); the numbers: literature 3.9 "
-        "(measured for that note), measured again here with the certified reference",
+    .source = "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); docs/theory.md 48; the "
+              "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
     .formula = R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
         p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
-    .reading = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of "
-        "200 looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
-        "for the memory; UD and Carlson get by with fewer than the two bits beyond log2 of the memory that the note allows. The "
-        "conventional form survives at no length up to double's, which the note had tried up to 30: sixty memories are more than ln "
-        "2^53. Most numbers are within one bit of the note's, single ones up to three away, either way: which bit is the first depends "
-        "on the data and on the order of operations.",
+    .reading = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
+               "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
+               "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The conventional form "
+               "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are more than ln "
+               "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: which bit is "
+               "the first depends on the data and on the order of operations.",
     .factors = [](Budget budget) {
         if (budget == Budget::quick)
             return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"lambda", {0.9, 0.97, 0.99}},

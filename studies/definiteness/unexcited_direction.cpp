@@ -53,7 +53,7 @@ extern Study const unexcited_direction;
 Study const unexcited_direction{
     .name = "unexcited_direction",
     .question = "What becomes of P in a direction that no row excites?",
-    .source = "derived (literature F15, there without the condition on P0)",
+    .source = "derived (docs/theory.md 40; docs/literature.md 2, F15, first stated without the condition on P0)",
     .formula = R"tex(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
 P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
     .reading = "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "

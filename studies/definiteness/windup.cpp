@@ -52,7 +52,8 @@ extern Study const windup;
 Study const windup{
     .name = "windup",
     .question = "What does forgetting do while nothing excites the parameters?",
-    .source = "laws derived, numbers measured for literature 3.10; measured again here with definiteness decided exactly",
+    .source = "laws derived (docs/theory.md 40); numbers of an earlier experiment (docs/literature.md 3.10), measured again here with "
+              "definiteness decided exactly",
     .formula = R"tex(\begin{aligned} k^* &= \ln\frac{1-\lambda}{u P_0 |\psi|^2} \Big/ (-\ln\lambda) && \text{P indefinite} \\
                k_{\max} &= \ln(\text{largest number}) \Big/ (-\ln\lambda) && \text{P too large} \end{aligned})tex",
     .reading = "The regressor never changes, psi = (1, 0.7, -0.3). P falls to (1 - lambda)/|psi|^2 along psi and grows as lambda^-k "

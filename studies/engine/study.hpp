@@ -92,7 +92,7 @@ struct Claim {
 struct Study {
     std::string name;                                   ///< as on the command line
     std::string question;                               ///< one sentence
-    std::string source;                                 ///< who says so, and how sure it is (read, recalled, derived)
+    std::string source;                                 ///< who says so, and how sure it is (docs/literature.md 0)
     std::string formula;                                ///< LaTeX; lines apart by \\ .
     std::string reading;                                ///< what one sees, and where it differs from what was published
     std::function<std::vector<Factor>(Budget)> factors;

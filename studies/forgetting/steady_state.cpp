@@ -46,19 +46,16 @@ extern Study const steady_state;
 Study const steady_state{
     .name = "steady_state",
     .question = "Where do the errors of theta and P settle under forgetting?",
-    .source = "Ardalan 1986, Liavas & Regalia 1999 (abstracts read), Stewart 1992 (recalled); the law is derived and measured "
-              "(literature 3.7)",
+    .source = "Ardalan 1986, Liavas & Regalia 1999 (abstracts read), Stewart 1992 (cited, not read); the law is derived "
+              "(docs/theory.md 38); an earlier experiment (docs/literature.md 3.7)",
     .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k \qquad \Rightarrow \qquad \|\delta\theta\|_{\mathrm{rms}} = \frac{c\,u\,\|\theta\|}{\sqrt{1-\lambda^2}})tex",
-    .reading = "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is the rms "
-               "of a rounding of "
-               "numbers around 1, which are half the time below it and half above. All forms that correct theta by its own "
-               "innovation agree. At lambda = 0.9 "
-               "the rounding of e, passed on by a large K, adds a quarter to it (0.476 was published, of another order of "
-               "evaluation). On coloured regressors with a short memory the law does not "
-               "hold: the gain is wrong by the error of P, and that is the variant's own. qr and gentleman solve for theta. "
-               "extended_qr takes eta from z and never "
-               "compares theta with a row, so that nothing ever corrects it. The square-root forms' error of P at "
-               "lambda = 0.999 is the rounding of sqrt(lambda) (study sqrt_lambda_bias).",
+    .reading = "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is the rms of a "
+               "rounding of numbers around 1, which are half the time below it and half above. All forms that correct theta by its own "
+               "innovation agree. At lambda = 0.9 the rounding of e, passed on by a large K, adds a quarter to it (docs/literature.md 3.7 "
+               "has 0.476, of another order of evaluation). On coloured regressors with a short memory the law does not hold: the gain is "
+               "wrong by the error of P, and that is the variant's own. qr and gentleman solve for theta. extended_qr takes eta from z "
+               "and never compares theta with a row, so that nothing ever corrects it. The square-root forms' error of P at lambda = "
+               "0.999 is the rounding of sqrt(lambda) (study sqrt_lambda_bias).",
     .factors = [](Budget budget) {
         std::vector<Cell> const covariances{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
         return std::vector<Factor>{{"arithmetic", {"float", "double"}},

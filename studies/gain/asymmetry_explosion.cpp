@@ -51,7 +51,8 @@ extern Study const asymmetry_explosion;
 Study const asymmetry_explosion{
     .name = "asymmetry_explosion",
     .question = "When does the conventional form's asymmetry destroy it?",
-    .source = "Verhaegen 1989, Haykin's Tri rule (recalled); derived and measured (literature 3.2)",
+    .source = "Verhaegen 1989, Haykin's Tri rule (cited, not read); derived (docs/theory.md 28, law ii; docs/theory.md 37); an earlier "
+              "experiment (docs/literature.md 3.2)",
     .formula = R"tex(k_* = \frac{\ln(1/u)}{-\ln \lambda})tex",
     .reading = "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an asymmetry of "
                "order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma leaves (0, 1]. That is "

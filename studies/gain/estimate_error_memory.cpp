@@ -40,7 +40,7 @@ extern Study const estimate_error_memory;
 Study const estimate_error_memory{
     .name = "estimate_error_memory",
     .question = "How long does the estimate remember one error?",
-    .source = "Ljung & Ljung 1985 (recalled); derived (literature 3.2, law iv)",
+    .source = "Ljung & Ljung 1985 (cited, not read); derived (docs/theory.md 28, law iv)",
     .formula = R"tex(\delta\theta_k = \lambda^k P_k P_0^{-1}\, \delta\theta_0)tex",
     .reading = "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
                "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in the estimate "

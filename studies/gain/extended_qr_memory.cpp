@@ -73,7 +73,7 @@ extern Study const extended_qr_memory;
 Study const extended_qr_memory{
     .name = "extended_qr_memory",
     .question = "How long does extended QR remember an error in R, and how long one in R^-T?",
-    .source = "Yang & Boehme 1992 (recalled: extended forms accumulate error); derived (literature 3.2, laws iii and v)",
+    .source = "Yang & Böhme 1992 (cited, not read: extended forms accumulate error); derived (docs/theory.md 28, laws iii and v)",
     .formula = R"tex(W = R^{-\top}: \quad \delta W_k = R_k^{-\top} R_0^\top\, \delta W_0, \qquad
 \delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)tex",
     .reading = "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "

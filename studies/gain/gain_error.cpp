@@ -33,11 +33,13 @@ extern Study const gain_error;
 Study const gain_error{
     .name = "gain_error",
     .question = "What does an error in the gain do to the covariance?",
-    .source = "Bucy & Joseph 1968 (recalled); the identities are derived (theory 16, 17; literature 3.1) and hold exactly in rationals (study gain_identities)",
+    .source = "Bucy & Joseph 1968 (cited, not read); the identities are derived (docs/theory.md 16, 17; docs/literature.md 3.1) and hold "
+              "exactly in rationals (study gain_identities)",
     .formula = R"tex(\text{conventional: } \delta P = -\frac{1}{\lambda}\,\delta K\,\psi^\top P \qquad \text{Joseph: } \delta P = \frac{s}{\lambda}\,\delta K\,\delta K^\top)tex",
-    .reading = "Every step's gain is changed by a random vector of relative size epsilon before it updates P. The forms that subtract K psi'P pass the error "
-               "on in first order, Joseph's in second; the forms that propagate a factor have no K in the update of P and take no error. In float and double "
-               "the curves end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "
+    .reading = "Every step's gain is changed by a random vector of relative size epsilon before it updates P. The forms that subtract K "
+               "psi'P pass the error on in first order, Joseph's in second; the forms that propagate a factor have no K in the update of "
+               "P and take no error (one of the vector that they compute with passes on in first order: docs/theory.md 32, 33). In float "
+               "and double the curves end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "
                "forgetting the conventional form's asymmetry grows as lambda^-k on top (study gain_error_memory).",
     .factors = [](Budget budget) {
         return std::vector<Factor>{{"arithmetic", {"float", "double", "reference"}},

@@ -61,15 +61,15 @@ extern Study const gain_error_memory;
 Study const gain_error_memory{
     .name = "gain_error_memory",
     .question = "How long does the covariance remember one error in the gain?",
-    .source = "Ljung & Ljung 1985, Verhaegen 1989 (recalled); derived (literature 3.2, laws i and ii)",
+    .source = "Ljung & Ljung 1985, Verhaegen 1989 (cited, not read); derived (docs/theory.md 28, laws i and ii)",
     .formula = R"tex(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
 \text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})tex",
     .reading = "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
-               "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), "
-               "and so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the "
-               "antisymmetric part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does "
-               "not know: that is why the total error listed in the literature exceeds lambda^-k by a per cent. Joseph's forms get an "
-               "error of 1e-40 from the same gain, and no antisymmetric part.",
+               "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), and "
+               "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the antisymmetric "
+               "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not know: that is "
+               "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of 1e-40 from "
+               "the same gain, and no antisymmetric part.",
     .factors = [](Budget budget) {
         return std::vector<Factor>{{"lambda", {1.0, 0.98}},
                                    {"direction", {"along K", "any"}},

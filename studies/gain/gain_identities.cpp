@@ -84,7 +84,7 @@ extern Study const gain_identities;
 Study const gain_identities{
     .name = "gain_identities",
     .question = "Are the laws of an error in the gain exact?",
-    .source = "Bucy & Joseph 1968 (recalled); derived (theory 16, 17; literature F7-F9)",
+    .source = "Bucy & Joseph 1968 (cited, not read); derived (docs/theory.md 16, 17, 29, 30)",
     .formula = R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
 \text{with gain } (1 + \varepsilon) K: &\quad P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",

@@ -51,15 +51,16 @@ extern Study const dyer_mcreynolds;
 Study const dyer_mcreynolds{
     .name = "dyer_mcreynolds",
     .question = "How many digits does each form keep of Dyer and McReynolds' problem?",
-    .source = "Dyer & McReynolds 1969; Grewal & Andrews (their MATLAB script of the figure was read); measured (literature 3.4)",
+    .source = "Dyer & McReynolds 1969 (cited, not read); Grewal & Andrews (their MATLAB script of the figure was read); "
+              "docs/theory.md 54; an earlier experiment (docs/literature.md 3.4)",
     .formula = R"tex(H = \begin{pmatrix} 1 & 1 & 1 \\ 1 & 1 & 1 + \delta \end{pmatrix},\ R = \delta^2 I,\ P_0 = I: \qquad
 \lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad u / \delta \text{ (factor forms)})tex",
     .reading = "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor forms lose "
                "one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; Joseph's products do "
                "not, since s is then all rounding error and nothing bounds A P A'. Joseph's P is also the first to be indefinite. The "
-               "reference is exact for the stored 1 + delta and 1 / delta^2: against it ud and gentleman become better again below "
-               "1e-10 (about delta / 4), where the literature's u / delta is the rounding of 1 + delta, which no filter can undo. The "
-               "published script adds each squared error to Carlson's sum in place of its own when it forms ||P||, so its norm is P33 "
+               "reference is exact for the stored 1 + delta and 1 / delta^2: against it ud and gentleman become better again below 1e-10 "
+               "(about delta / 4), where the u / delta of docs/literature.md 3.4 is the rounding of 1 + delta, which no filter can undo. "
+               "The published script adds each squared error to Carlson's sum in place of its own when it forms ||P||, so its norm is P33 "
                "and its errors are plotted 2.5 times too large; column as_published repeats that.",
     .factors = [](Budget) { return std::vector<Factor>{{"delta", powers(10, -1, -15, 0.125)}}; },
     .measures = {"variant", "error", "as_published", "outcome"},

@@ -9,7 +9,7 @@ namespace {
 
 using namespace strd;
 
-/// order 0: as published; else a permutation of the rows, which changes nothing but the rounding.
+/// order 0: as in the file; else a permutation of the rows, which changes nothing but the rounding.
 void measure(Trial const& trial, Measured& out) {
     std::string const& set = trial.text("set");
     Records const original = records_of(set);
@@ -41,15 +41,16 @@ extern Study const nist;
 Study const nist{
     .name = "nist",
     .question = "How many digits of the NIST regressions does each variant keep?",
-    .source = "NIST StRD; McCullough 1998; Miller AS 274 (recalled); table: literature 3.5 (measured there)",
+    .source = "NIST StRD (values read); McCullough 1998, Miller 1992 (cited, not read); docs/theory.md 49; table: an earlier experiment "
+              "(docs/literature.md 3.5)",
     .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
                  \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
-    .reading = "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of "
-               "the rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter them. "
-               "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 digits, "
-               "so a published table can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) and 4.6 to 1.1 (inverse "
-               "QR) that was published for Filip between c^2 = 1e20 and 1e40 is that scatter: medians fall by less than half a digit. "
-               "qr_block leads qr on Longley by about three digits for a large prior and by none for c^2 = 1e6; the cause is not "
+    .reading = "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of the "
+               "rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter them. "
+               "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 digits, so "
+               "the table of docs/literature.md 3.5 can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) and 4.6 to "
+               "1.1 (inverse QR) that it has for Filip between c^2 = 1e20 and 1e40 is that scatter: medians fall by less than half a "
+               "digit. qr_block leads qr on Longley by about three digits for a large prior and by none for c^2 = 1e6; the cause is not "
                "isolated here.",
     .factors = [](Budget) {
         return std::vector<Factor>{{"set", {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"}},
@@ -64,7 +65,7 @@ Study const nist{
                .panel = "set", .log = "x", .x_label = "prior variance c²", .y_label = "digits, decimals",
                .where = {{"set", {"longley", "filip"}}}}},
     .claims = {
-        {"the table of literature 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order or among other orders'",
+        {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order or among other orders'",
          [](Table const& t) { return table_is_met(prior_of(t, 1e20)); }},
         {"covariance forms keep less than one digit of Longley in file order, at any c^2",
          [](Table const& t) {

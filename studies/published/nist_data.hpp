@@ -10,7 +10,7 @@
 
 namespace rlslab::strd {
 
-/// J. W. Longley, JASA 62 (1967): x1 ... x6, y.
+/// Longley 1967: x1 ... x6, y.
 constexpr std::array<std::array<double, 7>, 16> longley{{
     {83, 234289, 2356, 1590, 107608, 1947, 60323}, {88.5, 259426, 2325, 1456, 108632, 1948, 61122},
     {88.2, 258054, 3682, 1616, 109773, 1949, 60171}, {89.5, 284599, 3351, 1650, 110929, 1950, 61187},
@@ -43,7 +43,7 @@ constexpr std::array<std::array<double, 2>, 82> filip{{
     {-3.66174277, 0.9119}, {-3.2644011, 0.9228}
 }};
 
-/// R. H. Wampler, JASA 65 (1970): what Wampler3 adds to the polynomial at x = 0 ... 20, orthogonal to it; Wampler4 adds 100
+/// Wampler 1970: what Wampler3 adds to the polynomial at x = 0 ... 20, orthogonal to it; Wampler4 adds 100
 /// times that, Wampler5 10000 times.
 constexpr std::array<double, 21> wampler_residual{
     759, -2048, 2048, -2048, 2523, -2048, 2048, -2048, 1838, -2048, 2048, -2048, 1838, -2048, 2048, -2048, 2523, -2048, 2048, -2048,

@@ -1,4 +1,4 @@
-// How the NIST regressions are scored, what was published of them row by row (literature 3.5), and the words of the study's claims.
+// How the NIST regressions are scored, the recursive table of docs/literature.md 3.5, and the words of the study's claims.
 #pragma once
 
 #include "studies/engine/findings.hpp"
@@ -35,7 +35,7 @@ inline Records shuffled(Records records, Seed seed) {
     return records;
 }
 
-/// Digits of the worst parameter at c^2 = 1e20 in file order: the table of literature 3.5, where a digit is left.
+/// Digits of the worst parameter at c^2 = 1e20 in file order: the recursive table of docs/literature.md 3.5, where a digit is left.
 using Row = std::map<std::string, double>;
 inline std::map<std::string, Row> const listed{
     {"longley", {{"potter", 0.6}, {"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0},

@@ -56,7 +56,7 @@ void measure(Trial const& trial, Measured& out) {
             for (size_t i = 0; i < size_t(d); ++i) y += psi[i] * P(truth[i]);
             if (k >= 0) {
                 Step<P> const step = filter.update(Regressor<P>(psi.data(), d), y);
-                J += step.innovation * step.residual;    // theory 15
+                J += step.innovation * step.residual;    // docs/theory.md 15
             }
             y2 = y1, y1 = y, u2 = u1, u1 = u;
         }
@@ -111,7 +111,8 @@ extern Study const estimate_statistics;
 Study const estimate_statistics{
     .name = "estimate_statistics",
     .question = "Is the least squares estimate unbiased, consistent, efficient and normal, as the theory says?",
-    .source = "theory 5-8; Söderström & Stoica 1989, ch. 7 (recalled); Kendall 1954 for the bias of autoregressions (recalled)",
+    .source = "docs/theory.md 5 to 8; Söderström & Stoica 1989, ch. 7 (cited, not read); for the bias of autoregressions Kendall 1954, "
+              "Marriott & Pope 1954 (cited, not read)",
     .formula = R"tex(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})tex",
     .reading = "A system of second order with past outputs among its regressors, and its finite impulse response without them, both in white noise; and "
                "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors depend on old noise, so that "
@@ -138,7 +139,7 @@ Study const estimate_statistics{
              Table const a1 = t.where("system", "recursive").where("parameter", "a1").where("rows", fewest);
              double const z = bias_z(a1);
              return Finding{std::abs(z) > 4.5, fmt::format("z = {:.3g}, {:.3g} of a standard deviation of one estimate", z, bias(a1))};
-         }, "Kendall 1954 (recalled)"},
+         }, "docs/theory.md 5; Kendall 1954 (cited, not read)"},
         {"with past outputs: it is below 0.3 standard deviations of one estimate, at every N",
          [](Table const& t) { return within(t.where("system", "recursive"), {"parameter", "rows"}, bias, 0, 0.3); }},
         {"consistent: the mean square error falls as 1/N, slope -1.00 +- 0.12",
@@ -161,7 +162,7 @@ Study const estimate_statistics{
              Table const a = longest(t, "coloured").where("parameter", {"a1", "a2"});
              Finding const far = within(a, {"parameter"}, bias, 1, 1e9), miss = within(a, {"parameter"}, [](Table const& g) { return mean(g, "inside"); }, 0, 0.5);
              return Finding{far.holds && miss.holds, fmt::format("{} standard deviations; {} inside", far.measured, miss.measured)};
-         }, "theory 5"},
+         }, "docs/theory.md 5"},
     },
 };
 

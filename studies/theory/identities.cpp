@@ -81,9 +81,10 @@ extern Study const identities;
 Study const identities{
     .name = "identities",
     .question = "Do the identities of recursive least squares hold exactly, in every variant?",
-    .source = "derived (theory 12 to 20; literature F1-F6, F12); for Kalman's also Sayed & Kailath 1994 (recalled)",
-    .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi,
-\quad y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
+    .source = "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also Sayed & "
+              "Kailath 1994 (cited, not read)",
+    .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi, \quad
+y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
 I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \gamma, \quad \det = \gamma, \quad
 \det P_k^{-1} = \lambda^d \det P_{k-1}^{-1} / \gamma \\
 J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",

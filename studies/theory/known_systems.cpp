@@ -43,7 +43,7 @@ extern Study const known_systems;
 Study const known_systems{
     .name = "known_systems",
     .question = "Do known systems come back from their records?",
-    .source = "theory 1, 4, 6, 8",
+    .source = "docs/theory.md 1, 4, 6, 8",
     .formula = R"tex(y_k + a_1 y_{k-1} + \dots + a_n y_{k-n} = b_0 u_k + \dots + b_n u_{k-n} + \xi_k)tex",
     .reading = "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters come back to the "
                "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values 95 % of the time.",

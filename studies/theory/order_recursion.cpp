@@ -62,7 +62,8 @@ extern Study const order_recursion;
 Study const order_recursion{
     .name = "order_recursion",
     .question = "What does recursion in model order cost, in digits and in operations?",
-    .source = "theory 9-11 (derived); equality with batch at every order is exact in rationals (tests/identification.cpp)",
+    .source = "derived (docs/theory.md 9 to 11, 46); equality with batch at every order is exact in rationals (test "
+              "OrderRecursive.EqualsBatchAtEveryOrderInRationals)",
     .formula = R"tex(P_{d+1} = \begin{bmatrix} P + \beta g g^\top & -\beta g \\ -\beta g^\top & \beta \end{bmatrix}, \quad g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
     .reading = "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it does not lose "
                "digits as the square of the condition number, as is usually said of it and as the normal equations factored afresh (information) do, but as the "

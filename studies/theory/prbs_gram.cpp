@@ -72,7 +72,7 @@ extern Study const prbs_gram;
 Study const prbs_gram{
     .name = "prbs_gram",
     .question = "How well does a pseudo-random binary sequence excite?",
-    .source = "derived (literature, section 2; theory 4); maximum-length sequences are textbook (recalled)",
+    .source = "derived (docs/theory.md 4, 53; docs/literature.md 2); maximum-length sequences: Golomb 1967 (cited, not read)",
     .formula = R"tex(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
 \text{eigenvalues } M + 1\ (n - 1 \text{ times}),\ M + 1 - n, \quad
 \kappa_P = \frac{M + 1}{M + 1 - n})tex",

@@ -60,7 +60,7 @@ inline constexpr Index rows_a_part = 4096;
 /// so that the bits depend on B alone, not on the number of threads (0: one a core); nor do they where the arithmetic takes its
 /// length, or the seed of its rounding, from the calling thread (Carried). Memory: a part and two filters for
 /// each thread, whatever the rows. Throws what the source and F throw; std::invalid_argument when sizes differ.
-/// Source: Demmel, Grigori, Hoemmen & Langou, SIAM J. Sci. Comput. 34(1), 2012 (TSQR).
+/// Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source>
 F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {
     expects(problem.size == source.size() && source.rows() >= 0 && part >= 1, "rows of the problem's size, in parts of at least one");

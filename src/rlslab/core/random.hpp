@@ -5,7 +5,7 @@
 
 namespace rlslab {
 
-/// SplitMix64 (Steele, Lea, Flood 2014). Equal seeds give equal streams; a copy continues where the original stands.
+/// SplitMix64 (Steele, Lea & Flood 2014). Equal seeds give equal streams; a copy continues where the original stands.
 struct Seed {
     std::uint64_t state;
 

@@ -39,7 +39,7 @@ T weigh(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const&
 ///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
 ///
 /// A's last column becomes eta. Returns the product of |R_ii / r|. A zero column asks for no reflection.
-/// Source: Golub, Numer. Math. 7, 1965; Golub & Van Loan, Matrix Computations, 5.1.
+/// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
 T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
     Index const d = z.size(), rows = A.rows();

@@ -26,7 +26,7 @@ template <Real T>
 }
 
 /// The rotation that carries b into a, the larger of the two divided out first; r has a's sign where |a| >= |b|.
-/// Source: Golub & Van Loan, Matrix Computations, Alg. 5.1.3.
+/// Source: Golub & Van Loan 2013, Alg. 5.1.3.
 template <Real T>
 [[gnu::noinline]] Rotation<T> givens_scaled(T const& a, T const& b) {
     Truth<T> const exchanged = absolute(a) < absolute(b);

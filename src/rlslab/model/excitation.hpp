@@ -39,7 +39,7 @@ struct Excitation {
 /// n = m + 1. A record's numbers are rounded to some resolution q: by itself that adds about q^2/12 to every eigenvalue, so a
 /// least eigenvalue below 4 q^2/12 says nothing about the input. Throws std::invalid_argument for an empty record.
 /// Time grows as most^4 and most^3 rows: `progress`, where given, is called with the part that is done.
-/// Source: Söderström & Stoica, System Identification, 1989, 5.4.
+/// Source: Söderström & Stoica 1989, 5.4; docs/theory.md 4.
 Excitation excitation(Signal const& u, Index most, std::function<void(double)> const& progress = {});
 
 }  // namespace rlslab

@@ -23,7 +23,7 @@ struct Border {
 /// (4) uses the residual of the order before, which is (5)'s x'Y - g'Phi'Y without its cancellation. After a border that is not sound
 /// theta and P are NaN. Storage N d + d^2; N d + d^2 + O(N) multiplications a column, against N d^2 for fitting anew.
 /// Loses digits as the fourth power of the condition number (study order_recursion); OrderRecursiveQr as the first.
-/// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4.
+/// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4; docs/theory.md 10.
 template <Field T>
 class OrderRecursive {
     Vector<T> Y_, residual_, theta_;

@@ -12,7 +12,7 @@ namespace rlslab {
 ///   (3) z_{d+1} and w by the same reflection        (4) R theta = z when asked,  J = |w|^2
 ///
 /// R_{d+1,d+1}^2 is the pivot that bordering computes as a difference. Storage N d; 2 N d + O(N) multiplications a column.
-/// Source: Golub, Numer. Math. 7, 1965; Golub & Van Loan, Matrix Computations, 6.5.2 (appending a column).
+/// Source: Golub 1965; Golub & Van Loan 2013, 6.5.2 (appending a column); docs/theory.md 11.
 template <Real T>
 class OrderRecursiveQr {
     Matrix<T> V_, L_;    // reflections I - tau v v' with v_d = 1; R'

@@ -20,12 +20,12 @@ Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index se
 /// A maximal-length register of m = 2 ... 20 cells, +1 and -1, of period M = 2^m - 1: its circular autocorrelation is M at
 /// multiples of M and -1 elsewhere, so that the n x n Gram matrix of one period has the eigenvalues M + 1 (n - 1 times) and
 /// M + 1 - n. Each level holds for `hold` samples. Throws std::invalid_argument for another m, n < 0 or hold < 1.
-/// Source: Golomb, Shift Register Sequences, 1967.
+/// Source: Golomb 1967; docs/theory.md 53.
 Signal prbs(int m, Index n, Index hold = 1);
 
 /// sum over h = 1 ... harmonics of cos(2 pi h k / n + phi_h), Schroeder's phases phi_h = -pi h (h - 1) / harmonics: a small
 /// crest factor. One period, scaled to variance 1; every number rounded once from 113 bits. Exciting of order
-/// 2 harmonics. Throws std::invalid_argument unless 1 <= harmonics < n / 2. Source: Schroeder, IEEE Trans. IT 16, 1970.
+/// 2 harmonics. Throws std::invalid_argument unless 1 <= harmonics < n / 2. Source: Schroeder 1970.
 Signal multisine(Index n, int harmonics);
 
 /// Levels uniform in [-1, 1), each held for a number of samples uniform in [shortest, longest].

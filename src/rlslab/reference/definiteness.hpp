@@ -31,7 +31,7 @@ Definiteness definiteness(Stored<Reference> const& stored);
 ///
 /// The numbers given are what is stored, each rounded to double with at most this relative perturbation,
 /// |x~ - x| <= rho |x| (0 if exact), or with an error below 2^-1074 by underflow; but no entry of a factor became zero.
-///   plain    S. M. Rump, Verification of positive definiteness (BIT 2006): if Cholesky's factorisation of A - c I runs
+///   plain    Rump 2006, Verification of positive definiteness: if Cholesky's factorisation of A - c I runs
 ///            to completion in floating point, then A is positive definite, where c bounds its backward error.
 ///   factor   a triangle with a nonzero diagonal, and D > 0; any other F only when rho = 0, modulo a prime.
 bool surely_positive(Stored<double> const& stored, double relative_perturbation = 0);

@@ -14,7 +14,7 @@ namespace rlslab {
 ///   (3) E J_k = sigma^2 freedom,     freedom = sum_i w_i - 2 tr P_k M_k + tr P_k G_k P_k M_k
 ///
 /// lambda = 1 and no prior: cov theta = sigma^2 (Phi'Phi)^-1 and freedom = k - d. (3) leaves out what a prior's bias adds to J.
-/// Worked out in balls, then rounded to binary64. Source: Söderström & Stoica, System Identification, 1989, 4.2 (weighted least squares).
+/// Worked out in balls, then rounded to binary64. Source: Söderström & Stoica 1989, 4.2 (weighted least squares).
 struct Scatter {
     double J, freedom;
     Vector<double> sd;             ///< sqrt of the diagonal of P M P: times sigma, of theta

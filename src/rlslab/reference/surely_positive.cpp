@@ -13,7 +13,7 @@ namespace {
 
 // With u = 2^-53, Cholesky in floating point of a symmetric B, running to completion, gives R'R = B + E with
 //   (1)  |E_ij| <= g/(1-g) sqrt(b_ii b_jj),  g = (d+1)u / (1 - (d+1)u),  so  ||E||_2 <= g/(1-g) trace(B)
-// (Demmel; Higham, Accuracy and Stability, 10.1), whatever the order of the sums; gradual underflow adds at most
+// (Demmel, in Higham 2002, 10.1), whatever the order of the sums; gradual underflow adds at most
 // (2d + 4) 2^-1074 to an entry. R'R is semidefinite, so with B = A - cI up to the rounding of the diagonal and the true
 // matrix within e_ij of A,
 //   (2)  least eigenvalue > 0  if  c > g/(1-g) trace(B) + u max a_ii + max_i sum_j e_ij + underflow.
