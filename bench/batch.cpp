@@ -1,8 +1,8 @@
 // batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts on
 // several cores; reference/ROWSxSIZE: the certified solution.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
-#include <rlslab/batch.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {

@@ -1,5 +1,5 @@
 // Takes the names apart; one unit of time for every order of magnitude.
-#include "measured.hpp"
+#include "bench/measured.hpp"
 
 #include <algorithm>
 #include <cmath>

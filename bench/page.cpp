@@ -1,5 +1,5 @@
 // Writes the page of a run: rlslab_bench_page RUN.json PAGE.html. Plots and tables in one file that loads nothing.
-#include "measured.hpp"
+#include "bench/measured.hpp"
 #include "report/page.hpp"
 
 #include <rlslab/core/files.hpp>

@@ -1,10 +1,10 @@
 // How a row is timed and what it carries: the one harness under update/, fixed/, batch/, sparse/ and peer/.
 #pragma once
 
-#include "scenario.hpp"
+#include "bench/scenario.hpp"
 
-#include <rlslab/concept.hpp>
-#include <rlslab/timing.hpp>
+#include <rlslab/core/concept.hpp>
+#include <rlslab/lab/timing.hpp>
 
 #include <benchmark/benchmark.h>
 #include <map>

@@ -1,7 +1,7 @@
 // Makes the scenarios and certifies their solutions, each when it is first asked for.
-#include "scenario.hpp"
+#include "bench/scenario.hpp"
 
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 // The data every row is timed on and scored by: made once, the same bits for every variant, arithmetic and peer.
 #pragma once
 
-#include <rlslab/model/records.hpp>
+#include <rlslab/core/records.hpp>
 #include <rlslab/reference/certified.hpp>
 
 namespace rlslab::bench {

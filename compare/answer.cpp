@@ -1,9 +1,9 @@
 // From a comparison to a sentence and a few lines of C++.
-#include "answer.hpp"
-#include "words.hpp"
+#include "compare/answer.hpp"
+#include "compare/words.hpp"
 
+#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/text.hpp>
-#include <rlslab/model/input_error.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
-#include "answer.hpp"
+#include "compare/answer.hpp"
+#include "compare/words.hpp"
 #include "report/page.hpp"
-#include "words.hpp"
 
 #include <algorithm>
 #include <cmath>

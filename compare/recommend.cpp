@@ -1,5 +1,5 @@
 // The rules of recommend.hpp, over digits as they are printed.
-#include "recommend.hpp"
+#include "compare/recommend.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

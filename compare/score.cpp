@@ -1,7 +1,7 @@
 // A filter is fed row by row; what it stores is judged after each, what it answers at the checkpoints.
-#include "score.hpp"
+#include "compare/score.hpp"
 
-#include <rlslab/probes.hpp>
+#include <rlslab/lab/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>

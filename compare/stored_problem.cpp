@@ -1,5 +1,5 @@
 // Rounding a problem, and solving it exactly along each order of its rows.
-#include "stored_problem.hpp"
+#include "compare/stored_problem.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried.
 #pragma once
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 namespace rlslab {

@@ -1,5 +1,5 @@
 // Sentences, and lines of a certain width.
-#include "words.hpp"
+#include "compare/words.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What the text and the page of a comparison say in the same words.
 #pragma once
 
-#include "compare.hpp"
+#include "compare/compare.hpp"
 
 namespace rlslab {
 

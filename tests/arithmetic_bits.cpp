@@ -1,10 +1,11 @@
 // Bits rounds as a format of so many bits does: against float, double, the chopped formats, and exact rationals.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/arithmetic/bits.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The wide scalars: widen loses nothing, Quad rounds once; and what Eigen and the lab are told of every scalar is true.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/model/random.hpp>
-#include <rlslab/problem.hpp>
+#include <rlslab/core/problem.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
 

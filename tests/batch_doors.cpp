@@ -1,12 +1,12 @@
 // Many rows at once: wrong sizes are refused at the door, and every thread computes as the calling one would.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/arithmetic/bits.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/batch.hpp>
-#include <rlslab/datum.hpp>
-#include <rlslab/type_list.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/core/type_list.hpp>
+#include <rlslab/lab/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // The battery: every law of tests/laws.hpp over every variant in every arithmetic, and each law failing on a saboteur.
-#include "laws.hpp"
-#include "variants/erase.hpp"
+#include "catalogue/catalogue.hpp"
+#include "catalogue/erase.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/linalg/start.hpp>

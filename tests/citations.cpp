@@ -1,5 +1,5 @@
 // Every citation in the tree resolves: pages by item or section, papers, links, paths, tests and studies by name. No formula was wrapped.
-#include "citations.hpp"
+#include "tests/citations.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

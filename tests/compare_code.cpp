@@ -1,7 +1,8 @@
 // The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
-#include "compare.hpp"
+#include "catalogue/catalogue.hpp"
 #include "compare/answer.hpp"
-#include "files.hpp"
+#include "compare/compare.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>

@@ -1,5 +1,5 @@
 // `rlslab compare` as a person meets it: what it asks for, what it answers first, what it writes.
-#include "program.hpp"
+#include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,7 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
+#include "catalogue/catalogue.hpp"
 #include "compare/score.hpp"
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
 

@@ -1,5 +1,6 @@
 // The default prior: its formula in rationals, its two roundings from both sides, units that change no digit.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/variants/variants.hpp>

@@ -2,7 +2,7 @@
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/pack.hpp>
-#include <rlslab/variants/order_recursive_qr.hpp>
+#include <rlslab/model/order_recursive_qr.hpp>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/records.hpp>
+#include <rlslab/core/records.hpp>
 
 #include <cmath>
 

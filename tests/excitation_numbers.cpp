@@ -1,5 +1,5 @@
 // What `excitation` prints, and the signals and equations beneath it: closed forms, rationals, thresholds from both sides.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/model/difference.hpp>

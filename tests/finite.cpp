@@ -1,8 +1,9 @@
 // What is said of theta and K without solving for them: never more than is so, and enough for ordinary data.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/feed.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/linalg/finite.hpp>
 #include <rlslab/variants/variants.hpp>
 

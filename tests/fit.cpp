@@ -1,7 +1,7 @@
 // Batch fits do not depend on the units of the data, to the bit, from 2^-1000 to 2^1000; they end, and find ranks.
+#include <rlslab/core/random.hpp>
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/model/random.hpp>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

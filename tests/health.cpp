@@ -1,13 +1,13 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "compare/compare.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/reference/definiteness.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include "studies/compare.hpp"
 
 namespace rlslab {
 namespace {

@@ -1,8 +1,9 @@
 // Random cases nobody would write down: any shape, any scale, what is not a number, at every variant in every arithmetic.
 // No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/feed.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/variants/information.hpp>
 #include <rlslab/variants/qr_block.hpp>
 #include <rlslab/variants/ud.hpp>

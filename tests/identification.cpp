@@ -1,10 +1,11 @@
 // From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
-#include "files.hpp"
-#include "identify.hpp"
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "identify/identify.hpp"
+#include "tests/files.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/variants/order_recursive.hpp>
-#include <rlslab/variants/order_recursive_qr.hpp>
+#include <rlslab/model/order_recursive.hpp>
+#include <rlslab/model/order_recursive_qr.hpp>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
-#include "checks.hpp"
-#include "files.hpp"
-#include "text.hpp"
+#include "identify/checks.hpp"
+#include "identify/text.hpp"
+#include "tests/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

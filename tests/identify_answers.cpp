@@ -1,7 +1,8 @@
 // What identify answers where the record or the variant is bad: words, never a NaN, and the exit code to match.
-#include "exact_fit.hpp"
-#include "files.hpp"
-#include "identify.hpp"
+#include "catalogue/catalogue.hpp"
+#include "identify/identify.hpp"
+#include "tests/exact_fit.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/reference/scatter.hpp>
 

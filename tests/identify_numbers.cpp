@@ -1,8 +1,8 @@
 // Every number that identify answers with, worked out another way: rationals, finite differences, closed forms, loops of their own.
-#include "checks.hpp"
-#include "exact_fit.hpp"
-#include "files.hpp"
-#include "structure.hpp"
+#include "identify/checks.hpp"
+#include "identify/structure.hpp"
+#include "tests/exact_fit.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/reference/certified.hpp>
 

@@ -1,7 +1,7 @@
 // Structures of one's own, refusals in one line, and that what is printed is what was worked out.
-#include "files.hpp"
-#include "structure.hpp"
-#include "text.hpp"
+#include "identify/structure.hpp"
+#include "identify/text.hpp"
+#include "tests/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23), exactly in rationals, to 2^-220 in Reference.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
 

@@ -1,5 +1,5 @@
 // The Kalman view: where its filter is recursive least squares, to the bit or exactly, and where a walk makes the difference.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/kalman.hpp>

@@ -1,5 +1,6 @@
 // Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
 #include <rlslab/variants/conventional.hpp>

@@ -1,5 +1,5 @@
 // The laws of merging: rows folded apart and merged are the rows folded in; and a saboteur that forgets the weight.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/variants/qr_block.hpp>

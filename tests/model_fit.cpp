@@ -1,8 +1,8 @@
 // Every number of a batch fit, worked out another way: NIST's certified values, rationals, closed forms by hand.
-#include "exact_fit.hpp"
+#include "tests/exact_fit.hpp"
 
+#include <rlslab/core/random.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/model/random.hpp>
 #include <rlslab/model/regression.hpp>
 #include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>

@@ -1,5 +1,5 @@
 // Lists of regressors: what is understood, what is refused and in which words, and the rows they make.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/regression.hpp>
 

@@ -1,5 +1,5 @@
 // Regressors hold what the model's equation says, and no row that misses a value.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/regression.hpp>
 

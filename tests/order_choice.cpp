@@ -1,6 +1,6 @@
 // The choice of an order: every number of it in rationals and closed forms, every threshold from both sides.
-#include "exact_fit.hpp"
-#include "order.hpp"
+#include "identify/order.hpp"
+#include "tests/exact_fit.hpp"
 
 #include <rlslab/model/difference.hpp>
 

@@ -1,8 +1,8 @@
 // Rows folded on several threads, from memory and from a file larger than memory: the same bits; errors that name the file.
-#include "files.hpp"
-#include "laws.hpp"
+#include "tests/files.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/batch.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/model/row_file.hpp>
 #include <rlslab/variants/qr_block.hpp>
 

@@ -1,5 +1,6 @@
 // A gain error reaches a filter, or is refused: it is never dropped in silence.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <gmock/gmock.h>
 

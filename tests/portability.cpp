@@ -1,6 +1,6 @@
 // What other compilers, options and processors make of the headers: options that break rounding are refused or told of, and
 // another processor leaves the same bits.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/core/rounding.hpp>
 
@@ -50,7 +50,7 @@ std::string const headers = " -std=c++20 " RLSLAB_HEADER_FLAGS " ";
 TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
     files::Folder const folder;
     std::string const app = folder.file("#include <rlslab/variants/ud.hpp>\n", "app.cpp");
-    std::string const least = folder.file("#include <rlslab/arithmetic/field.hpp>\n", "least.cpp");
+    std::string const least = folder.file("#include <rlslab/core/scalar.hpp>\n", "least.cpp");
     for (std::string const& compiler : compilers()) {
         for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only"}) {
             Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
@@ -134,7 +134,7 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
             std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
             bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
             if (file.path().extension() == ".hpp" && name.find("linalg/isa/") == name.npos && !library)
-                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(4) : name) + ">\n";
+                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
     Outcome const tried = shell(command + folder.file(all, "all.cpp"));
     EXPECT_EQ(tried.code, 0) << tried.text;

@@ -1,6 +1,6 @@
 // A folded block has the same bits whatever the registers: all of baseline, AVX2 and a scalar that has none.
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <gtest/gtest.h>

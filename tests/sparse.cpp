@@ -1,5 +1,5 @@
 // The sparse variants where they matter: rows with a few numbers in a band, as many parameters as no dense form could hold.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/cholesky_sparse.hpp>
 #include <rlslab/variants/qr.hpp>

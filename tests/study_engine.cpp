@@ -1,9 +1,10 @@
 // The study engine: the same bytes on any number of threads, nothing lost by a kill, a false claim caught.
-#include "files.hpp"
-#include "findings.hpp"
-#include "journal.hpp"
-#include "run.hpp"
-#include "scenarios.hpp"
+#include "catalogue/catalogue.hpp"
+#include "studies/engine/findings.hpp"
+#include "studies/engine/journal.hpp"
+#include "studies/engine/run.hpp"
+#include "studies/engine/scenarios.hpp"
+#include "tests/files.hpp"
 
 #include <gtest/gtest.h>
 

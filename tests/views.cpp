@@ -1,5 +1,5 @@
 // A regressor may be what the filter itself reports: theta and gain are views into it, which the update overwrites.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>

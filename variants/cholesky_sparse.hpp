@@ -1,7 +1,7 @@
 // The sparse information factor, kept up to date by CHOLMOD's rank-one update. Binary64 only; GPL-2+ by its library.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/cholmod.hpp>
 
 namespace rlslab {

@@ -1,7 +1,7 @@
 // Conventional RLS: the covariance by the matrix inversion lemma, as most textbooks and programs write it.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

@@ -1,7 +1,7 @@
 // Conventional RLS with the row product computed on its own: Verhaegen's distinction.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

@@ -1,7 +1,7 @@
 // Extended QR: R and its inverse transpose together, so that theta needs no back-substitution.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 

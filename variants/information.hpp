@@ -1,7 +1,7 @@
 // The information form: normal equations kept up to date, solved by Cholesky.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

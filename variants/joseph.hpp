@@ -1,7 +1,7 @@
 // Joseph's stabilised form, evaluated as the products it is written in.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

@@ -1,7 +1,7 @@
 // Joseph's form expanded to a symmetric rank-two update: its immunity to gain errors at O(d^2).
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

@@ -1,7 +1,7 @@
 // The Kalman filter of parameters that stand still or walk at random: recursive least squares seen as estimation of a state.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

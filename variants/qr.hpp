@@ -1,7 +1,7 @@
 // QR-RLS (square-root information filter): the triangular factor of P^-1 by Givens rotations.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 

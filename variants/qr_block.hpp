@@ -1,7 +1,7 @@
 // QR by Householder reflections on blocks of rows: batch least squares that never holds more than one block, and merges.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/reflections.hpp>
 #include <rlslab/linalg/start.hpp>
 

@@ -1,7 +1,7 @@
 // Sparse QR on blocks of rows by SuiteSparseQR. Binary64 only; GPL-2+ by its library.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/spqr.hpp>
 
 namespace rlslab {

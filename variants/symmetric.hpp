@@ -1,7 +1,7 @@
 // Conventional RLS with one triangle of P computed and mirrored: symmetric by construction.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {

@@ -1,9 +1,8 @@
 // What the report says. Its page, figures and formulas are report/'s.
-#include "report.hpp"
+#include "studies/engine/report.hpp"
 
 #include "report/page.hpp"
-
-#include <rlslab/revision.hpp>
+#include "studies/engine/revision.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
-#include "run.hpp"
+#include "studies/engine/run.hpp"
 
-#include "journal.hpp"
+#include "studies/engine/journal.hpp"
+#include "studies/engine/revision.hpp"
 
-#include <rlslab/model/input_error.hpp>
-#include <rlslab/revision.hpp>
+#include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
 #include <fstream>

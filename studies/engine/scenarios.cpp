@@ -1,5 +1,5 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
-#include "scenarios.hpp"
+#include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,7 +1,7 @@
 // The data of studies, the families of variants, and what a filter has got wrong.
 #pragma once
 
-#include "study.hpp"
+#include "studies/engine/study.hpp"
 
 #include <rlslab/reference/certified.hpp>
 

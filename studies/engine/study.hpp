@@ -1,9 +1,9 @@
 // What a study is: a question, its factors, what is measured of each combination, how it is drawn, and its claims.
 #pragma once
 
-#include "table.hpp"
+#include "studies/engine/table.hpp"
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 
 namespace rlslab {
 
