@@ -13,7 +13,7 @@ void add_blocks() {
     add_batch_rows("batch/" + std::string(F::name), [](Records const& records) { return &records; },
                    [](Records const* records) {
                        F filter({.size = records->size(), .forgetting = 1, .prior = std::nullopt});
-                       feed(filter, records->psi, records->y);
+                       process(filter, records->psi, records->y);
                        return Vector<double>(filter.theta());
                    });
 }

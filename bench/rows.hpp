@@ -64,7 +64,7 @@ Problem<T> problem_in(Problem<double> const& problem) {
 template <class F>
 std::string family_of(F const& filter) {
     if constexpr (ReportsCovariance<F>)
-        return filter.stored().kind == Stored<typename F::scalar>::Kind::factor ? "factored covariance" : "covariance";
+        return filter.stored().form == Stored<typename F::scalar>::Form::factor ? "factored covariance" : "covariance";
     else
         return RecursiveLeastSquares<F> ? "information" : "peer";
 }

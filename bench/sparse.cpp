@@ -15,7 +15,7 @@ void add() {
             Scenario const& scenario = interpolation(size);
             run_batch(state, scenario, [&](Records const&) { return F(scenario.problem); },
                       [&](F& filter) {
-                          feed(filter, scenario.records.psi, scenario.records.y);
+                          process(filter, scenario.records.psi, scenario.records.y);
                           return Vector<double>(filter.theta());
                       });
         });

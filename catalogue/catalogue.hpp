@@ -19,9 +19,9 @@ struct Cost {
 
 /// Every pair there is: arithmetics from the shortest to the longest, variants in the order of the list.
 std::vector<Entry> const& catalogue();
-/// Every variant in significands of any length: as many bits as the Precision has that is alive in the thread which makes,
+/// Every variant in significands of any length: as many bits as the PrecisionScope has that is alive in the thread which makes,
 /// feeds and asks the filter (<rlslab/arithmetic/variable_precision.hpp>). Not in the catalogue: it is a question, not an arithmetic.
-std::vector<Entry> const& in_bits();
+std::vector<Entry> const& variable_precision_catalogue();
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
 /// The operations a variant of this size takes at steady state (lambda = 0.99), per row; theta once for each block where

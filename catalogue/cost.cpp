@@ -25,7 +25,7 @@ Cost counted_cost(Index d) {
         Rows<T> psi(d, F::block);
         for (Index k = 0; k < F::block; ++k) psi.col(k) = noise(d);
         Vector<T> const y = noise(F::block);
-        cost.update = per_row(counted([&] { filter.absorb(psi, y); }), rows);
+        cost.update = per_row(counted([&] { filter.update_block(psi, y); }), rows);
     } else {
         Vector<T> const psi = noise(d);
         T const y(seed.bell());

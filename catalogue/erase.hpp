@@ -41,43 +41,43 @@ class Erased final : public AnyFilter {
 public:
     /// Starting from a prior takes arithmetic too.
     static std::unique_ptr<AnyFilter> make(Problem<double> const& problem, Seed seed) {
-        Draws<T> const draws(seed);
-        return std::make_unique<Erased>(F(converted<T>(problem)), seed);
+        RoundingSeedScope<T> const draws(seed);
+        return std::make_unique<Erased>(F(problem_as<T>(problem)), seed);
     }
     Erased(F filter, Seed seed) : filter_(std::move(filter)), seed_(seed) {}
 
     Step<double> update(Regressor<double> psi, double y) override {
-        Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&datum<T>);
-        Draws<T> const draws(seed_);
-        return step_in_double(filter_.update(row, datum<T>(y)));
+        Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+        RoundingSeedScope<T> const draws(seed_);
+        return step_in_double(filter_.update(row, round_to<T>(y)));
     }
     Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
-        if constexpr (TakesGainError<F>) {
+        if constexpr (GainPerturbable<F>) {
             expects(relative.size() == psi.size(), "an error for each number of the gain");
-            Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&datum<T>);
-            Draws<T> const draws(seed_);
-            return step_in_double(filter_.update(row, datum<T>(y), [&relative](auto& K) {
+            Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+            RoundingSeedScope<T> const draws(seed_);
+            return step_in_double(filter_.update(row, round_to<T>(y), [&relative](auto& K) {
                 for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
             }));
         } else {
             throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
         }
     }
-    Step<double> absorb(Records const& records, Index first, Index last) override {
-        Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&datum<T>);
-        Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&datum<T>);
-        Draws<T> const draws(seed_);
-        return step_in_double(feed(filter_, psi, y));
+    Step<double> update_block(Records const& records, Index first, Index last) override {
+        Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&round_to<T>);
+        Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&round_to<T>);
+        RoundingSeedScope<T> const draws(seed_);
+        return step_in_double(process(filter_, psi, y));
     }
     // Reports draw from a copy of the seed: asking does not change what follows.
     Vector<Reference> theta() const override {
         Seed copy = seed_;
-        Draws<T> const draws(copy);
+        RoundingSeedScope<T> const draws(copy);
         return Vector<T>(filter_.theta()).unaryExpr(&widened<T>);
     }
     Vector<Reference> gain() const override {
         Seed copy = seed_;
-        Draws<T> const draws(copy);
+        RoundingSeedScope<T> const draws(copy);
         return Vector<T>(filter_.gain()).unaryExpr(&widened<T>);
     }
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
@@ -91,23 +91,23 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     using T = typename F::scalar;
     constexpr double enough = 5e5;    // ns of undisturbed timing in all
     constexpr int at_least = 8;       // stretches: others disturb some of them
-    Matrix<T> const psi = records.psi.unaryExpr(&datum<T>);
-    Vector<T> const y = records.y.unaryExpr(&datum<T>);
+    Matrix<T> const psi = records.psi.unaryExpr(&round_to<T>);
+    Vector<T> const y = records.y.unaryExpr(&round_to<T>);
     Index rows = std::min<Index>(records.rows(), 16);
     if constexpr (TakesBlocks<F>) rows = std::min<Index>(records.rows(), F::block);
-    Draws<T> const draws(seed);
+    RoundingSeedScope<T> const draws(seed);
     double least = std::numeric_limits<double>::infinity();
     int stretches = 0;
     auto const unsettled = [&] { return stretches < at_least || least * double(stretches * rows) < enough; };
     do {
-        F filter(converted<T>(problem));
+        F filter(problem_as<T>(problem));
         for (Index k = 0; k + rows <= records.rows() && unsettled(); k += rows, ++stretches) {
             double took;
             if constexpr (TakesBlocks<F>) {
                 Matrix<T> const block = psi.middleCols(k, rows);
                 Vector<T> const outputs = y.segment(k, rows);
                 took = nanoseconds_of([&] {
-                    feed(filter, block, outputs);
+                    process(filter, block, outputs);
                     wanted(Vector<T>(filter.theta()));
                 });
             } else {
@@ -125,14 +125,14 @@ Entry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
     return {F::name, arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information",
-            TakesGainError<F>, &Erased<F>::make, &nanoseconds<F>};
+            GainPerturbable<F>, &Erased<F>::make, &nanoseconds<F>};
 }
 
 /// T as data.
 template <class T>
 Arithmetic arithmetic_of() {
     using Traits = ArithmeticTraits<T>;
-    return {Traits::name, Traits::digits, Traits::min_exp, Traits::max_exp, Datum<T>::stochastic, &Datum<T>::round};
+    return {Traits::name, Traits::digits, Traits::min_exp, Traits::max_exp, DataRounding<T>::stochastic, &DataRounding<T>::round};
 }
 
 }  // namespace rlslab

@@ -28,13 +28,13 @@ std::vector<std::string> printable_names(Records const& records) {
 }
 
 /// What the rounding of the data to this arithmetic does to the exact answer.
-Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Exact const& given, Vector<double> const& scales) {
+Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, CertifiedSolution const& given, Vector<double> const& scales) {
     Problem<double> problem = stored.problem;
     problem.prior.reset();
     Storage out{arithmetic.name, problem.forgetting, 0, stored.in_range, {}, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-    Exact const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
+    CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
     if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
-        Exact const without = certified(problem, stored.records, {stored.records.rows()}).front();
+        CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
         if (exact) out.prior_bias = relative_change(*exact, without, scales), out.component_bias = largest_relative_change(*exact, without, scales);
     }
@@ -47,7 +47,7 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Exact
 
 /// |mean of y| in standard deviations of y; 0 where a regressor is constant, and infinite where y is.
 double offset(Records const& records) {
-    for (Index i = 0; i < records.size(); ++i)
+    for (Index i = 0; i < records.parameters(); ++i)
         if ((records.psi.row(i).array() == records.psi(i, 0)).all()) return 0;
     Index const N = records.rows();
     double mean = 0, squares = 0;
@@ -57,7 +57,7 @@ double offset(Records const& records) {
 }
 
 /// Digits in which two exact solutions agree, component by component.
-std::vector<double> agreement(Exact const& a, Exact const& b) {
+std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution const& b) {
     constexpr double most = 30;    // to which they are certified
     std::vector<double> out;
     Vector<Reference> const x = a.theta(), y = b.theta();
@@ -71,7 +71,7 @@ std::vector<double> agreement(Exact const& a, Exact const& b) {
 /// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
 std::string constant_regressors(Records const& records) {
     std::vector<std::string> names;
-    for (Index i = 0; i < records.size(); ++i)
+    for (Index i = 0; i < records.parameters(); ++i)
         if ((records.psi.row(i).array() == records.psi(i, 0)).all()) names.push_back(records.names[size_t(i)]);
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
@@ -103,18 +103,18 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
 
     // The data as they are: the solution that is shown, and whether they determine theta at all.
     Index const rows = records.rows();
-    Problem<double> problem{.size = records.size(), .forgetting = options.forgetting, .prior = std::nullopt};
-    Exact const without = certified(problem, records, {rows}).front();
+    Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
+    CertifiedSolution const without = certified(problem, records, {rows}).front();
     if (without.status() == Status::singular)
         throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
                                      "over {} rows{}",
-                                     without.rank(), records.size(), rows, constant_regressors(records)));
+                                     without.rank(), records.parameters(), rows, constant_regressors(records)));
     std::optional<DefaultPrior> scaled;
     if (!options.p0) scaled = default_prior(records, options.forgetting);
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
     Vector<double> const scales = regressor_scales(records);
-    Exact const with = certified(problem, records, {rows}).front();
-    Comparison out{.rows = rows, .skipped = records.skipped, .size = records.size(), .names = printable_names(records), .model = {},
+    CertifiedSolution const with = certified(problem, records, {rows}).front();
+    Comparison out{.rows = rows, .skipped = records.skipped, .size = records.parameters(), .names = printable_names(records), .model = {},
                    .theta = with.theta_strings(30), .least_squares = without.theta_strings(30), .agreement = agreement(with, without),
                    .radius = with.radius(), .bits = with.bits(), .condition = condition(records, options.forgetting), .scaled_prior = scaled,
                    .prior_bias = relative_change(with, without, scales), .component_bias = largest_relative_change(with, without, scales),
@@ -153,7 +153,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     });
     // Alone on the machine, as far as this program goes.
     for (Result& r : out.results) {
-        if (auto const counted = cost(r.entry->variant, records.size())) r.operations = counted->total();
+        if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
         if (options.timings && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
             r.ns_per_update = r.entry->time(stored.at(rounding_of(r.entry->arithmetic)).problem, records, Seed{options.seed});
     }

@@ -190,7 +190,7 @@ void advise_of_cancellations(Identified& m, bool chosen) {
     auto const fit = std::ranges::find(m.choice.fits, lower, &OrderFit::order);
     if (fit == m.choice.fits.end())
         m.warnings.push_back(apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether the residuals stay white");
-    else if (!(fit->whiteness >= white_level))
+    else if (!(fit->ljung_box >= white_level))
         m.hints.push_back(fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white", m.order,
                                       apart, lower));
     else if (!chosen && lower > 0)
@@ -210,9 +210,9 @@ void advise(Identified& m, int most) {
     else if (at_limit)
         m.warnings.push_back(fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better", m.order));
     if (m.failure && m.poles.empty() && m.model.b.empty()) return;
-    if (!m.whiteness.white() && o.forgetting != 1) {
+    if (!m.ljung_box.white() && o.forgetting != 1) {
         m.hints.push_back("judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white");
-    } else if (!m.whiteness.white()) {
+    } else if (!m.ljung_box.white()) {
         std::vector<std::string> what;
         bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
         for (size_t j = 0; j < m.cross_correlation.size(); ++j)
@@ -220,7 +220,7 @@ void advise(Identified& m, int most) {
                 what.push_back(fmt::format("they follow past {} (lags {}): more of its past is needed (a higher order or nb), or the system is not linear", printable(o.inputs[j]),
                                            listed(lags)));
         if (what.empty()) what.push_back("they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes it up), or an input is missing");
-        m.warnings.push_back(fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.whiteness.p,
+        m.warnings.push_back(fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
                                          past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
                                                       : "the standard deviations of the estimate do not hold",
                                          fmt::join(what, "; ")));

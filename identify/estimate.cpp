@@ -33,7 +33,7 @@ Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& thet
 }
 
 /// The largest |a - b| / tolerance; NaN where one is.
-double excess(Vector<Reference> const& a, Vector<Reference> const& b, Vector<double> const& tolerance) {
+double largest_difference(Vector<Reference> const& a, Vector<Reference> const& b, Vector<double> const& tolerance) {
     double most = 0;
     for (Index i = 0; i < a.size(); ++i) {
         double const ratio = std::abs(static_cast<double>(Reference(a[i] - b[i]))) / tolerance[i];
@@ -45,11 +45,11 @@ double excess(Vector<Reference> const& a, Vector<Reference> const& b, Vector<dou
 
 /// The default prior, weakened further until it moves no parameter by more than its tolerance, 1e-12 of theta where there is no noise.
 Problem<double> with_prior(Identified& out, Records const& records, Scattered const& free) {
-    Problem<double> problem{.size = records.size(), .forgetting = out.options.forgetting};
+    Problem<double> problem{.size = records.parameters(), .forgetting = out.options.forgetting};
     if (out.options.p0) {
         problem.prior = Prior<double>{.variance = *out.options.p0};
         out.c = std::sqrt(*out.options.p0);
-        out.scales.assign(size_t(records.size()), 1.0);
+        out.scales.assign(size_t(records.parameters()), 1.0);
         return problem;
     }
     DefaultPrior prior = default_prior(records, problem.forgetting);
@@ -58,7 +58,7 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
     constexpr double largest_c = 0x1p60;
     for (;;) {
         problem.prior = prior.prior();
-        double const by = excess(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
+        double const by = largest_difference(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
         if (!(by > 1) || prior.c >= largest_c) break;
         // The bias falls at least as 1/c^2 along each axis of the scaled data.
         prior.c = std::min(largest_c, prior.c * correctly::exp2(std::ceil(correctly::log2(by) / 2)));
@@ -70,7 +70,7 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
 
 std::vector<Index> checkpoints_of(Records const& records) {
     // An enclosure of P costs d^3: fewer points for very many parameters.
-    Index const points = std::clamp<Index>(4000 / records.size(), 10, 100);
+    Index const points = std::clamp<Index>(4000 / records.parameters(), 10, 100);
     std::vector<Index> out;
     for (Index i = 1; i <= points; ++i)
         if (Index const row = std::max<Index>(1, i * records.rows() / points); out.empty() || row > out.back()) out.push_back(row);
@@ -90,7 +90,7 @@ Run run(Entry const& entry, Problem<double> const& problem, Records const& recor
     for (Index const checkpoint : checkpoints) {
         while (k < checkpoint) {
             Index const last = std::min(checkpoint, k + entry.block);
-            Step<double> const step = entry.block == 1 ? filter->update(records.row(k), records.y[k]) : filter->absorb(records, k, last);
+            Step<double> const step = entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
             k = last;
             if (out.failure) continue;
             std::string kind = breakdown(*filter, *entry.arithmetic);
@@ -109,7 +109,7 @@ std::string better_variant(Problem<double> const& problem, Records const& record
     for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {
         if (name == than) continue;
         Run const tried = run(entry_of(name), problem, records, {records.rows()});
-        if (!tried.failure && excess(tried.theta.back(), best, allowed) <= 1) return name;
+        if (!tried.failure && largest_difference(tried.theta.back(), best, allowed) <= 1) return name;
     }
     return "";
 }
@@ -118,7 +118,7 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
                         Vector<Reference> const& free, Vector<double> const& sd) {
     std::string const& variant = out.options.variant;
     Vector<double> const allowed = tolerance(sd, best, 1e-9);
-    bool const rounded = !(excess(theta, best, allowed) <= 1), biased = !(excess(best, free, allowed) <= 1);
+    bool const rounded = !(largest_difference(theta, best, allowed) <= 1), biased = !(largest_difference(best, free, allowed) <= 1);
     std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})", std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
     std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "";
     std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
@@ -130,7 +130,7 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
                         better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)));
     else if (rounded && biased && better.empty())
         out.warnings.push_back(fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them by more than a tenth of what "
-                                           "noise does: {}", records.size(), hardly));
+                                           "noise does: {}", records.parameters(), hardly));
     else if (rounded)
         out.warnings.push_back(fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead));
     if (biased && !(rounded && better.empty()))
@@ -142,7 +142,7 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
 
 Estimation estimate(Identified& out, Records const& records) {
     IdentifyOptions const& options = out.options;
-    Index const d = records.size(), rows = records.rows();
+    Index const d = records.parameters(), rows = records.rows();
     Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
     Scattered const free = scattered(without, records, {rows}).front();
     if (!(free.scatter.freedom >= 1))
@@ -151,7 +151,7 @@ Estimation estimate(Identified& out, Records const& records) {
     Problem<double> const problem = with_prior(out, records, free);
     std::vector<Index> const checkpoints = checkpoints_of(records);
     std::vector<Scattered> const exact = scattered(problem, records, checkpoints);
-    Exact const& last = exact.back().exact;
+    CertifiedSolution const& last = exact.back().exact;
     Run const variant = run(entry_of(options.variant), problem, records, checkpoints);
     Vector<Reference> const& theta = variant.theta.back();
     out.failure = variant.failure;
@@ -164,7 +164,7 @@ Estimation estimate(Identified& out, Records const& records) {
         out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
                                   std::sqrt(out.sigma2) * exact[i].scatter.sd});
     Estimation const result{out.trajectory.back().sd, scatter.correlation};
-    out.prior_move = excess(last.theta(), free.exact.theta(), result.sd);
+    out.prior_move = largest_difference(last.theta(), free.exact.theta(), result.sd);
     warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd);
     if (!(result.sd.array() >= 0).all()) out.warnings.push_back("the standard deviations could not be worked out to 12 digits and are left out");
     out.digits = std::min(last.theta_digits(theta), 15.95);

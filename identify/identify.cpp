@@ -76,8 +76,8 @@ Index supported_order(Identified& out, Data const& data, Index fitted, Index mos
                                                 : fmt::format("input {} is exciting of order {} only", name, e.order));
         }
         constexpr Index long_enough = 20;    // a PRBS of long levels may well begin with one
-        if (e.still > long_enough && e.order > 0)
-            out.warnings.push_back(fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off", name, e.still, fitted));
+        if (e.constant_at_start > long_enough && e.order > 0)
+            out.warnings.push_back(fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off", name, e.constant_at_start, fitted));
         out.excitation.push_back(e);
     }
     return supported;
@@ -85,7 +85,7 @@ Index supported_order(Identified& out, Data const& data, Index fitted, Index mos
 
 void predict(Identified& out, Data const& data, Records const& all, Vector<double> const& theta) {
     size_t const inputs = data.inputs.size();
-    Index const first = all.lead_in, begin = out.samples - out.held_out;
+    Index const first = all.presample, begin = out.samples - out.held_out;
     out.model = equation_of(out.terms, theta, inputs);
     out.poles = poles(out.model);
     for (size_t j = 0; j < inputs; ++j) out.zeros.push_back(zeros(out.model, j));
@@ -107,11 +107,11 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
                                              Eigen::Map<Vector<double> const>(there.data() + first, out.held_out));
     }
     Vector<double> const residuals = all.y.head(out.fitted) - predicted.head(out.fitted);
-    Index const lags = whiteness_lags(out.fitted, out.order), outputs = past_outputs(out.terms);
+    Index const lags = ljung_box_lags(out.fitted, out.order), outputs = past_outputs(out.terms);
     double J = 0;
     for (double const x : residuals) J += x * x;
     bool const nothing_left = J <= rounding_alone(out.fitted, all.y.head(out.fitted).cwiseAbs().maxCoeff());
-    out.whiteness = whiteness(nothing_left ? Vector<double>(Vector<double>::Zero(out.fitted)) : residuals, lags, outputs);
+    out.ljung_box = ljung_box(nothing_left ? Vector<double>(Vector<double>::Zero(out.fitted)) : residuals, lags, outputs);
     Signal const eps(residuals.data(), residuals.data() + residuals.size());
     out.auto_correlation = scaled_correlation(eps, eps, lags);
     for (Signal const& u : data.inputs) out.cross_correlation.push_back(scaled_correlation(eps, Signal(u.begin() + first, u.begin() + first + out.fitted), lags));
@@ -142,7 +142,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     bool const given = structure_given(options);
     int const most = given ? 0 : options.max_order;
     std::vector<Term> const widest = terms_of(options, most);
-    Index const needed = lead_in(widest) + Index(widest.size()) + 1;
+    Index const needed = presample(widest) + Index(widest.size()) + 1;
     if (fitted_samples < needed)
         throw InputError(fmt::format("{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}", file,
                                      structure_text(options, most), widest.size(), needed, fitted_samples, out.held_out > 0 ? ", or a smaller --validate" : ""));
@@ -181,19 +181,19 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     Records const all = records_of(out.terms, data.inputs, data.y);
     out.fitted = all.rows() - out.held_out;
     Records const fitted{.psi = all.psi.leftCols(out.fitted), .y = all.y.head(out.fitted), .names = all.names};
-    Problem<double> const problem{.size = fitted.size(), .prior = std::nullopt};
-    Exact const exact = certified(problem, fitted, {fitted.rows()}).front();
+    Problem<double> const problem{.size = fitted.parameters(), .prior = std::nullopt};
+    CertifiedSolution const exact = certified(problem, fitted, {fitted.rows()}).front();
     if (exact.status() != Status::certified)
-        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, out.structure, exact.rank(), fitted.size()));
+        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, out.structure, exact.rank(), fitted.parameters()));
     Estimation const estimation = estimate(out, fitted);
 
     Vector<double> const& theta = out.trajectory.back().theta;
-    for (Index i = 0; i < fitted.size(); ++i) {
+    for (Index i = 0; i < fitted.parameters(); ++i) {
         double const value = std::isfinite(theta[i]) ? theta[i] : nan, reach = out.quantile * estimation.sd[i];
         out.parameters.push_back({out.terms[size_t(i)].name, out.terms[size_t(i)].of, value, estimation.sd[i], value - reach, value + reach});
     }
     out.aic = out.bic = out.fpe = out.fit_one_step = out.held_out_one_step = out.held_out_simulated = nan;
-    out.whiteness = {nan, nan, 0, 0};
+    out.ljung_box = {nan, nan, 0, 0};
     out.bound = 2.5758293035489004 / std::sqrt(double(out.fitted));    // the normal distribution's 99.5 %
     if (theta.allFinite()) {
         predict(out, data, all, theta);
@@ -205,7 +205,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     }
     if (options.forgetting == 1) {
         double const J = std::max(out.sigma2 * out.freedom, rounding_alone(out.fitted, fitted.y.cwiseAbs().maxCoeff()));
-        std::tie(out.aic, out.bic, out.fpe) = [](Criteria const& c) { return std::tuple(c.aic, c.bic, c.fpe); }(criteria(J, out.fitted, fitted.size()));
+        std::tie(out.aic, out.bic, out.fpe) = [](Criteria const& c) { return std::tuple(c.aic, c.bic, c.fpe); }(criteria(J, out.fitted, fitted.parameters()));
     }
     advise(out, given ? 0 : int(std::min<Index>(most, supported)));
     return out;

@@ -84,7 +84,7 @@ struct Identified {
     double sigma2, freedom, quantile;          ///< quantile: Student's, of the interval
     double aic, bic, fpe;                      ///< of the model as fitted, lambda = 1; else NaN
     double fit_one_step, held_out_one_step, held_out_simulated;    ///< percent; NaN: not known
-    Whiteness whiteness;                       ///< of the residuals over the fitted rows
+    LjungBox ljung_box;                       ///< of the residuals over the fitted rows
     Signal auto_correlation;                   ///< r_0 = 1, r_1 ... of the residuals
     std::vector<Signal> cross_correlation;     ///< of residuals and each input, lags 0 ...
     double bound;                              ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each

@@ -29,7 +29,7 @@ OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, i
     return out;
 }
 
-Whiteness whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
+LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
     Index const N = residuals.size();
     expects(1 <= lags && lags < N, "at least one lag, and fewer than residuals");
     auto const sum = [&](Index lag) {
@@ -37,7 +37,7 @@ Whiteness whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
         for (Index k = lag; k < N; ++k) out += residuals[k] * residuals[k - lag];
         return out;
     };
-    Whiteness out{0, 1, lags, std::max<Index>(1, lags - fitted)};
+    LjungBox out{0, 1, lags, std::max<Index>(1, lags - fitted)};
     double const variance = sum(0);
     if (!std::isfinite(variance)) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
     if (!(variance > 0)) return out;    // nothing is left: nothing is correlated
@@ -49,7 +49,7 @@ Whiteness whiteness(Vector<double> const& residuals, Index lags, Index fitted) {
     return out;
 }
 
-Index whiteness_lags(Index rows, int order) { return std::min<Index>(rows - 1, std::max<Index>(25, 2 * order)); }
+Index ljung_box_lags(Index rows, int order) { return std::min<Index>(rows - 1, std::max<Index>(25, 2 * order)); }
 
 double rounding_alone(Index rows, double y) { return double(rows) * (0x1p-44 * y) * (0x1p-44 * y); }
 
@@ -91,7 +91,7 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
         Vector<double> residuals = all.y.head(fitted);
         Vector<double> const p = predicted(0, fitted);
         for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
-        fit.whiteness = recursion.J() <= nothing ? 1 : whiteness(residuals, whiteness_lags(fitted, order), order).p;
+        fit.ljung_box = recursion.J() <= nothing ? 1 : ljung_box(residuals, ljung_box_lags(fitted, order), order).p;
         if (fitted < rows) fit.held_out = fit_percent(all.y.tail(rows - fitted), predicted(fitted, rows - fitted));
         out.fits.push_back(fit);
     }
@@ -108,7 +108,7 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
     for (OrderFit const& fit : out.fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
     // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
-    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.whiteness >= white_level; });
+    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.ljung_box >= white_level; });
     out.order = white > 0 ? white : out.bic;
     out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
               : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)

@@ -24,7 +24,7 @@ struct OrderFit {
     double J;                              ///< sum of squared residuals
     double aic, bic, fpe;                  ///< Criteria
     double p;                              ///< F-test against the order before: the tail probability of its improvement
-    double whiteness;                      ///< the tail probability of Ljung and Box's Q of the residuals
+    double ljung_box;                      ///< the tail probability of Ljung and Box's Q of the residuals
     double held_out;                       ///< percent of one-step fit on the rows held out; NaN where none are
 };
 
@@ -39,7 +39,7 @@ struct OrderChoice {
     std::string why = {};
 };
 
-/// The columns of an ARX model in the order of its recursion, for all orders at once on the same rows (the lead-in of the largest):
+/// The columns of an ARX model in the order of its recursion, for all orders at once on the same rows (the presample of the largest):
 /// X = u_k (each input), 1 if there is an intercept, then -y_{k-1}, u_{k-1} (each input), ..., -y_{k-most}, u_{k-most}; each input
 /// later by its delay.
 struct OrderColumns {
@@ -58,18 +58,18 @@ OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, i
 OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
 
 /// How many lags are looked at for an order.
-Index whiteness_lags(Index rows, int order);
+Index ljung_box_lags(Index rows, int order);
 /// J of residuals that are rounding alone, of so many rows with outputs up to y.
 double rounding_alone(Index rows, double y);
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of residuals after so many parameters of past outputs
 /// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least.
-struct Whiteness {
+struct LjungBox {
     double Q, p;
     Index lags, freedom;
     bool white() const { return p >= white_level; }
 };
 /// No residuals at all: Q = 0, p = 1. Residuals that are not finite: NaN. Throws std::invalid_argument unless 1 <= lags < N.
-Whiteness whiteness(Vector<double> const& residuals, Index lags, Index fitted);
+LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted);
 
 }  // namespace rlslab

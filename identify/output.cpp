@@ -39,19 +39,19 @@ Curve level(std::string name, double from, double to, double y) {
 /// Outputs, errors, correlations.
 void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     size_t const N = m.measured.size();
-    Index const lead_in = m.samples - Index(N), begins = m.samples - m.held_out - lead_in;    // of the held-out part
+    Index const presample = m.samples - Index(N), begins = m.samples - m.held_out - presample;    // of the held-out part
     // As many samples as can be told apart in a plot: the last of the fitted part, and the first that are held out.
     constexpr Index before = 100, shown = 400;
     Index const last = std::min(Index(N), m.held_out > 0 ? std::max<Index>(0, begins - before) + shown : Index(N)), from = std::max<Index>(0, last - shown);
     auto const window = [&](Signal const& x) { return Signal(x.begin() + from, x.begin() + last); };
-    Signal const time = counting(size_t(last - from), double(lead_in + from));
-    Figure output{"output", fmt::format("Measured and modelled output, samples {} to {}", lead_in + from, lead_in + last - 1), "sample", m.options.output, false, false,
+    Signal const time = counting(size_t(last - from), double(presample + from));
+    Figure output{"output", fmt::format("Measured and modelled output, samples {} to {}", presample + from, presample + last - 1), "sample", m.options.output, false, false,
                   false, {{"one step ahead", {line("measured", 6, time, window(m.measured)), dashed("predicted", 1, time, window(m.one_step))}, {}},
                           {"simulated from the first outputs", {line("measured", 6, time, window(m.measured)), dashed("simulated", 5, time, window(m.simulated))}, {}}}};
     output.own_y = true;    // a simulation may run away
     if (m.held_out > 0) {
-        output.title += fmt::format("; held out from {} on", lead_in + begins);
-        for (Panel& panel : output.panels) panel.events.push_back({.x = double(lead_in + begins), .text = "held out from here"});
+        output.title += fmt::format("; held out from {} on", presample + begins);
+        for (Panel& panel : output.panels) panel.events.push_back({.x = double(presample + begins), .text = "held out from here"});
     }
     out.push_back(std::move(output));
 
@@ -66,11 +66,11 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
             double const e = m.measured[i] - m.one_step[i];
             sum += e, low = std::min(low, e), high = std::max(high, e);
         }
-        errors.x.push_back(double(lead_in) + double(k) + double(count - 1) / 2);
+        errors.x.push_back(double(presample) + double(k) + double(count - 1) / 2);
         errors.y.push_back(sum / double(count)), errors.low.push_back(low), errors.high.push_back(high);
     }
     Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
-    if (m.held_out > 0) record.panels[0].events.push_back({.x = double(lead_in + begins), .text = "held out from here"});
+    if (m.held_out > 0) record.panels[0].events.push_back({.x = double(presample + begins), .text = "held out from here"});
     out.push_back(std::move(record));
 
     Figure correlations{"residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound), "lag", "correlation",
@@ -152,7 +152,7 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
         orders.panels.push_back(std::move(p));
     };
     criterion("criteria: smaller is better", {{"AIC", &OrderFit::aic}, {"BIC", &OrderFit::bic}});
-    criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::whiteness}});
+    criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::ljung_box}});
     if (m.held_out > 0) criterion("one-step fit on held-out rows, %", {{"held out", &OrderFit::held_out}});
     out.push_back(std::move(orders));
 }

@@ -92,7 +92,7 @@ std::string structure_text(IdentifyOptions const& o, int order) {
     return o.na ? fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay) : fmt::format("{} regressors", listed(o).size());
 }
 
-Index lead_in(std::vector<Term> const& terms) {
+Index presample(std::vector<Term> const& terms) {
     int out = 0;
     for (Term const& t : terms) out = std::max(out, t.lag);
     return out;
@@ -109,9 +109,9 @@ Index past_outputs(std::vector<Term> const& terms) {
 }
 
 Records records_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
-    Index const first = lead_in(terms), rows = Index(y.size()) - first, d = Index(terms.size());
+    Index const first = presample(terms), rows = Index(y.size()) - first, d = Index(terms.size());
     expects(rows >= 0, "more samples than the longest lag");
-    Records out{.psi = Matrix<double>(d, rows), .y = Vector<double>(rows), .names = {}, .skipped = 0, .lead_in = first};
+    Records out{.psi = Matrix<double>(d, rows), .y = Vector<double>(rows), .names = {}, .skipped = 0, .presample = first};
     for (Term const& t : terms) out.names.push_back(t.name);
     for (Index k = 0; k < rows; ++k) {
         out.y[k] = y[size_t(first + k)];

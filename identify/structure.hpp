@@ -16,7 +16,7 @@ std::vector<Term> terms_of(IdentifyOptions const& options, int order);
 /// "order 4", "na = 2, nb = 3, delay 1", "4 regressors".
 std::string structure_text(IdentifyOptions const& options, int order);
 
-Index lead_in(std::vector<Term> const& terms);
+Index presample(std::vector<Term> const& terms);
 /// The longest lag of the output, and of any input past its delay.
 int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
 Index past_outputs(std::vector<Term> const& terms);

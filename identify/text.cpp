@@ -40,7 +40,7 @@ Json complexes(std::vector<std::complex<double>> const& values) {
 }
 
 std::string residual_line(Identified const& m) {
-    Whiteness const& w = m.whiteness;
+    LjungBox const& w = m.ljung_box;
     if (std::isnan(w.p)) return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers", number_text(m.sigma2, 4));
     std::string const verdict = w.Q == 0                    ? "nothing is left beyond rounding"
                                 : m.options.forgetting != 1 ? "no verdict on those of the last theta over all rows"
@@ -138,7 +138,7 @@ std::string as_table(Identified const& m) {
         out += "\n\n  order  parameters        AIC        BIC        FPE  residuals white: p  held out, one step\n";
         for (OrderFit const& fit : m.choice.fits)
             out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order, fit.parameters, number_text(fit.aic, 5),
-                               number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.whiteness, 2), percent(fit.held_out));
+                               number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), percent(fit.held_out));
         out.pop_back();
     }
     out += fmt::format("\n\n  {:<{}}  {:<{}} {:>14} {:>12}   {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd", 100 * m.options.confidence);
@@ -156,10 +156,10 @@ std::string as_json(Identified const& m) {
         parameters.push_back({{"name", p.name}, {"of", p.of}, {"value", number(p.value)}, {"sd", number(p.sd)}, {"low", number(p.low)}, {"high", number(p.high)}});
     for (OrderFit const& f : m.choice.fits)
         orders.push_back({{"order", f.order}, {"parameters", f.parameters}, {"J", number(f.J)}, {"aic", number(f.aic)}, {"bic", number(f.bic)}, {"fpe", number(f.fpe)},
-                          {"p", number(f.p)}, {"whiteness", number(f.whiteness)}, {"held_out", number(f.held_out)}});
+                          {"p", number(f.p)}, {"whiteness", number(f.ljung_box)}, {"held_out", number(f.held_out)}});
     bool const model = !m.model.b.empty();
     for (size_t j = 0; j < m.excitation.size(); ++j)
-        inputs.push_back({{"name", m.options.inputs[j]}, {"mean", number(m.means[j])}, {"exciting_of_order", m.excitation[j].order}, {"still", m.excitation[j].still},
+        inputs.push_back({{"name", m.options.inputs[j]}, {"mean", number(m.means[j])}, {"exciting_of_order", m.excitation[j].order}, {"still", m.excitation[j].constant_at_start},
                           {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)}, {"gain", model ? number(m.gain[j]) : Json(nullptr)},
                           {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)}, {"residual_correlation", model ? numbers(m.cross_correlation[j]) : Json(nullptr)}});
     for (Cancellation const& c : m.cancellations)
@@ -181,8 +181,8 @@ std::string as_json(Identified const& m) {
         {"sigma2", number(m.sigma2)}, {"degrees_of_freedom", number(m.freedom)},
         {"criteria", {{"aic", number(m.aic)}, {"bic", number(m.bic)}, {"fpe", number(m.fpe)}}},
         {"fit", {{"one_step", number(m.fit_one_step)}, {"held_out_one_step", number(m.held_out_one_step)}, {"held_out_simulated", number(m.held_out_simulated)}}},
-        {"whiteness", {{"p", number(m.whiteness.p)}, {"Q", number(m.whiteness.Q)}, {"lags", m.whiteness.lags}, {"degrees_of_freedom", m.whiteness.freedom},
-                       {"level", white_level}, {"white", m.whiteness.white()}}},
+        {"whiteness", {{"p", number(m.ljung_box.p)}, {"Q", number(m.ljung_box.Q)}, {"lags", m.ljung_box.lags}, {"degrees_of_freedom", m.ljung_box.freedom},
+                       {"level", white_level}, {"white", m.ljung_box.white()}}},
         {"residual_correlation", numbers(m.auto_correlation)}, {"bound", number(m.bound)},
         {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}}, {"condition", number(m.condition)}};
     return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';

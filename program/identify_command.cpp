@@ -131,14 +131,14 @@ int run_excitation(ExcitationArguments const& a) {
         orders.push_back({{"order", n.order}, {"least_eigenvalue", n.least}, {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
                           {"definite", n.definite}, {"resolved", n.resolved}});
     }
-    if (e.still > 0) text += fmt::format("\nthe input does not change over its first {} samples\n", e.still);
+    if (e.constant_at_start > 0) text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
     text += e.order == Index(a.most) ? fmt::format("\nexciting of order {} at least: a model of order {} can be identified\n", e.order, e.order - 1)
             : e.order >= 2           ? fmt::format("\nexciting of order {}: models up to order {} can be identified\n", e.order, e.order - 1)
                                      : fmt::format("\nexciting of order {}: no dynamic model can be identified\n", e.order);
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n", e.exact_order, e.order);
     nlohmann::ordered_json const out = {{"file", a.file}, {"input", a.input}, {"samples", u.size()}, {"exciting_of_order", e.order},
-                                        {"exact_order", e.exact_order}, {"resolution", e.resolution}, {"still", e.still}, {"orders", orders}};
+                                        {"exact_order", e.exact_order}, {"resolution", e.resolution}, {"still", e.constant_at_start}, {"orders", orders}};
     print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;
 }

@@ -30,7 +30,7 @@ Records integers(Index d, Index rank, Index rows, Seed seed, unsigned zeros) {
     return out;
 }
 Records times(Records records, std::vector<int> const& psi, int y) {
-    for (Index j = 0; j < records.size(); ++j)
+    for (Index j = 0; j < records.parameters(); ++j)
         for (Index k = 0; k < records.rows(); ++k) records.psi(j, k) = std::scalbn(records.psi(j, k), psi[size_t(j)]);
     for (double& v : records.y) v = std::scalbn(v, y);
     return records;

@@ -87,15 +87,15 @@ TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
     // Noise with dynamics of its own: nothing to do with u.
     Identified const coloured = identified(u, simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u}, scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
                                            {.na = 0, .nb = {1}});
-    EXPECT_FALSE(coloured.whiteness.white());
+    EXPECT_FALSE(coloured.ljung_box.white());
     EXPECT_THAT(coloured.warnings, Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "), HasSubstr("the noise has dynamics of its own"), HasSubstr("--forgetting 0.99"))));
     // Order 1 of a system of order 3: they follow u.
     Identified const low = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
-    EXPECT_FALSE(low.whiteness.white());
+    EXPECT_FALSE(low.ljung_box.white());
     EXPECT_THAT(low.warnings, Contains(HasSubstr("they follow past u (lags ")));
     EXPECT_THAT(low.warnings, Not(Contains(HasSubstr("the noise has dynamics of its own"))));
     Identified const right = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 3});
-    EXPECT_TRUE(right.whiteness.white());
+    EXPECT_TRUE(right.ljung_box.white());
     EXPECT_THAT(right.warnings, IsEmpty());
 }
 TEST(AdviceParts, LagsBeyondTheBound) {
@@ -250,7 +250,7 @@ TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
         Signal u = white_noise(600, Seed{5});
         for (size_t k = 0; k < still; ++k) u[k] = 0.5;
         Identified const m = identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
-        EXPECT_EQ(m.excitation[0].still, Index(still));
+        EXPECT_EQ(m.excitation[0].constant_at_start, Index(still));
         auto const named = Contains(HasSubstr("stands still over the first 21 of 400 fitted samples"));
         if (still == 21) EXPECT_THAT(m.warnings, named);
         else EXPECT_THAT(m.warnings, Not(Contains(HasSubstr("stands still"))));

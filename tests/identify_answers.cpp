@@ -82,7 +82,7 @@ TEST(IdentifyAnswers, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
     std::string const file = folder.file(record(slow_input(200), 0, 3));
     Columns const columns = read_columns(file, {"u", "y"});
     Records const records = arx_records(columns, "u", "y", arx_of_order(6));
-    Index const d = records.size(), N = records.rows();
+    Index const d = records.parameters(), N = records.rows();
     exact_fit::Fit const exact = exact_fit::of(records);
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {N}).front();
     EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(exact.J));
@@ -117,7 +117,7 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
                     }
                     if (std::ranges::any_of(m.parameters, [](Parameter const& p) { return std::isnan(p.value); })) {
                         EXPECT_TRUE(m.failure) << what;
-                        EXPECT_FALSE(m.whiteness.white()) << what;
+                        EXPECT_FALSE(m.ljung_box.white()) << what;
                         EXPECT_THAT(as_table(m), Not(HasSubstr("pass for white"))) << what;
                     }
                 }

@@ -15,7 +15,7 @@ TEST(Kalman, WithoutWalkOrForgettingItIsTheConventionalFormBitForBit) {
         Kalman<double> kalman(laws::problem(d));
         Conventional<double> conventional(laws::problem(d));
         for (Index k = 0; k < records.rows(); ++k) {
-            Step<double> const a = kalman.update(records.row(k), records.y[k]), b = conventional.update(records.row(k), records.y[k]);
+            Step<double> const a = kalman.update(records.sample(k), records.y[k]), b = conventional.update(records.sample(k), records.y[k]);
             EXPECT_EQ(a.innovation, b.innovation);
             EXPECT_EQ(a.gamma, b.gamma);
         }

@@ -132,7 +132,7 @@ std::vector<Certified> const certified_values{
 TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
     for (Certified const& set : certified_values) {
         Records const records = nist(set.name);
-        Index const d = records.size(), freedom = records.rows() - d;
+        Index const d = records.parameters(), freedom = records.rows() - d;
         exact_fit::Fit const rational = exact_fit::of(records);
         Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {records.rows()}).front();
         double const kappa = condition(records, 1);
@@ -155,7 +155,7 @@ TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
 }
 TEST(FitOfNist, FilipInBalls) {
     Records const records = nist("filip");
-    Index const d = records.size(), freedom = records.rows() - d;
+    Index const d = records.parameters(), freedom = records.rows() - d;
     exact_fit::Fit const rational = exact_fit::of(records);
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {records.rows()}).front();
     // The file holds the products x^j rounded to binary64, kappa 1.8e15: NIST's digits are those of the exact powers.

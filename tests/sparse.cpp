@@ -61,8 +61,8 @@ TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
             qr.update(dense, data.y[k]);
             one_by_one.update(psi, data.y[k]);
         }
-        sparse_blocks.absorb(data.psi, data.y);
-        dense_blocks.absorb(Eigen::MatrixXd(data.psi), data.y);
+        sparse_blocks.update_block(data.psi, data.y);
+        dense_blocks.update_block(Eigen::MatrixXd(data.psi), data.y);
         EXPECT_EQ(sparse_rows.theta(), dense_rows.theta()) << "what is not zero is all that is used";
         EXPECT_EQ(sparse_blocks.theta(), dense_blocks.theta());
         EXPECT_LE(distance(sparse_blocks.theta(), qr.theta()), budget) << lambda;
@@ -92,11 +92,11 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     Problem<double> const p{.size = size, .prior = Prior<double>{.variance = 1e6}};
 
     QrSparse qr(p);
-    qr.absorb(data.psi, data.y);
+    qr.update_block(data.psi, data.y);
     CholeskySparse cholesky(p);
     QrSparse some(p);
     for (Index k = 0; k < 500; ++k) EXPECT_EQ(name_of(cholesky.update(column(data.psi, k), data.y[k]).health), "sound");
-    some.absorb(SparseRows(data.psi.leftCols(500)), data.y.head(500));
+    some.update_block(SparseRows(data.psi.leftCols(500)), data.y.head(500));
 
 #ifndef __SANITIZE_ADDRESS__    // which keeps what is freed
     EXPECT_LE(resident() - before, 200) << "MB";

@@ -29,10 +29,10 @@ std::string text_of(std::filesystem::path const& path) {
 
 /// Draws a few numbers; longer trials finish after shorter ones that started later. Fails at trial `fails`, 0: never.
 Study toy(int fails = 0) {
-    return {.name = "toy", .question = "Do bytes depend on threads?", .source = "none", .formula = "", .reading = "",
+    return {.name = "toy", .question = "Do bytes depend on threads?", .source = "none", .formula = "", .interpretation = "",
             .factors = [](Budget) { return std::vector<Factor>{{"word", {"a", "b"}}, {"n", counted(20)}}; },
             .measures = {"draw", "sum"},
-            .measure = [fails](Trial const& trial, Measured& out) {
+            .measure = [fails](Trial const& trial, TrialOutput& out) {
                 if (trial.number("n") == fails) throw std::runtime_error("the machine was switched off");
                 Seed seed = trial.seed({"n"});
                 double sum = 0;

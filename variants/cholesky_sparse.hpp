@@ -60,7 +60,7 @@ public:
         return X.F * X.D.asDiagonal() * X.F.transpose();
     }
     Stored<double> stored() const {
-        Stored<double> X{Stored<double>::Of::information, Stored<double>::Kind::factor, {}, {}};
+        Stored<double> X{Stored<double>::Quantity::information, Stored<double>::Form::factor, {}, {}};
         factor_.factors(X.F, X.D);
         return X;
     }

@@ -19,9 +19,9 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class ExtendedQr {
     T root_lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, z_, K_, x_, v_, c_, s_;
-    Square<T, N> L_, V_;    // R' and W', so that their rows are contiguous
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, z_, K_, x_, v_, c_, s_;
+    StateMatrix<T, N> L_, V_;    // R' and W', so that their rows are contiguous
 
 public:
     using scalar = T;
@@ -53,7 +53,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(V_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, V_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, V_.view()}; }
 };
 static_assert(ReportsCovariance<ExtendedQr<double>>);
 

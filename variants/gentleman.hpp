@@ -22,8 +22,8 @@ namespace rlslab {
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;
-    Column<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
-    Square<T, N> L_;    // R'
+    StateVector<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
+    StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
 public:
@@ -47,7 +47,7 @@ public:
         Truth<T> determined = true;
         Index const d = x_.size();
         for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == T(0));
-        T const w = weigh(x_, before_, s_, c_);                                                        // (2)
+        T const w = gentleman_weights(x_, before_, s_, c_);                                                        // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
@@ -81,7 +81,7 @@ public:
         return K;
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view(), D_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()}; }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);
 

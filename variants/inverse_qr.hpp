@@ -20,9 +20,9 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class InverseQr {
     T lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
-    Square<T, N> S_;
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
+    StateMatrix<T, N> S_;
 
 public:
     using scalar = T;
@@ -49,7 +49,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
 static_assert(ReportsCovariance<InverseQr<double>>);
 

@@ -20,8 +20,8 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class Qr {
     T lambda_, root_lambda_;
-    Column<T, N> z_, psi_, x_, c_, s_;
-    Square<T, N> L_;    // R'
+    StateVector<T, N> z_, psi_, x_, c_, s_;
+    StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
 public:
@@ -49,7 +49,7 @@ public:
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);
 

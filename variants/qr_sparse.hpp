@@ -45,8 +45,8 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
-    Health absorb(Matrix<double> const& psi, Vector<double> const& y) { return absorb(SparseRows(psi.sparseView()), y); }
-    Health absorb(SparseRows const& psi, Vector<double> const& y) {
+    Health update_block(Matrix<double> const& psi, Vector<double> const& y) { return update_block(SparseRows(psi.sparseView()), y); }
+    Health update_block(SparseRows const& psi, Vector<double> const& y) {
         Index const rows = y.size();
         expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         psi_ = column(psi, rows - 1);
@@ -64,7 +64,7 @@ public:
         R_ *= weight;
         z_ *= weight;
         if (finite && right.allFinite() && z_.allFinite()) {
-            fold(R_, z_, weighted, right);
+            append_rows(R_, z_, weighted, right);
             theta_ = z_;
             solve(theta_);
         } else {
@@ -84,7 +84,7 @@ public:
         double const s = lambda_ + dot(f.data(), f.data(), f.size());
         SparseRows row(psi.size(), 1);
         row.col(0) = psi;
-        bool const finite = absorb(row, Vector<double>::Constant(1, y)) == Health::sound;
+        bool const finite = update_block(row, Vector<double>::Constant(1, y)) == Health::sound;
         return if_finite(finite, report(e, lambda_, s));
     }
 
@@ -97,7 +97,7 @@ public:
     }
     Matrix<double> information() const { return Matrix<double>(R_.transpose() * R_); }
     Stored<double> stored() const {
-        return {Stored<double>::Of::information, Stored<double>::Kind::factor, Matrix<double>(R_.transpose())};
+        return {Stored<double>::Quantity::information, Stored<double>::Form::factor, Matrix<double>(R_.transpose())};
     }
 };
 static_assert(ReportsInformation<QrSparse> && TakesBlocks<QrSparse>);

@@ -19,9 +19,9 @@ namespace rlslab {
 template <Field T, int N = Dynamic>
 class Ud {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
-    Square<T, N> U_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
+    StateMatrix<T, N> U_;
 
 public:
     using scalar = T;
@@ -52,7 +52,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, U_.view(), D_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
 };
 static_assert(ReportsCovariance<Ud<double>>);
 

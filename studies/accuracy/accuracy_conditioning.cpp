@@ -14,7 +14,7 @@ constexpr Index size = 6, rows = 60;
 constexpr double noise = 1e-10;    // consistent data but for this: Wedin's kappa^2 |residual| stays out of sight
 
 /// The prior's variance is kappa^2: as much information as the weakest direction of the data holds.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const kappa = trial.number("kappa");
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = kappa * kappa}}, *entry.arithmetic);
@@ -55,7 +55,7 @@ Study const accuracy_conditioning{
     .source = "Golub & Wilkinson 1966, Läuchli 1961 (cited, not read); docs/theory.md 43, 48, 50; the setting and the slopes: an earlier "
               "experiment (docs/literature.md 3.6)",
     .formula = R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{ (Joseph's products)})tex",
-    .reading = "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 two: what is "
+    .interpretation = "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 two: what is "
                "stored has the condition number kappa^2. Joseph's form written as products costs nearly three (study joseph_condition "
                "says why); expanded to a rank-two update it costs two like the rest. All of it happens in the same way in float, double "
                "and quad, until no digit is left; there the P of the forms that store it may be wrong by many orders of magnitude while a "

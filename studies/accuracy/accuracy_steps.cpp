@@ -12,7 +12,7 @@ constexpr Index size = 4;
 
 /// Errors in units of u after 1, 2, 4 ... rows. The noise is as large as the signal, so that steps K e of a float's theta
 /// stay above its resolution to the end: with little noise theta stops, and so does its error.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const u = entry.arithmetic->unit_roundoff();
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = 128}}, *entry.arithmetic);
@@ -21,7 +21,7 @@ void measure(Trial const& trial, Measured& out) {
     Records const records = as_stored(white(size, steps.back(), trial.seed({"replicate"}), 1.0), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
-    for (Exact const& exact : certified(problem, records, steps)) {
+    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
         feed_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
@@ -57,7 +57,7 @@ Study const accuracy_steps{
               "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the law is "
               "derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
     .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
-    .reading = "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c of "
+    .interpretation = "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c of "
                "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P does not "
                "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr and carlson "
                "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the earlier "

@@ -20,7 +20,7 @@ constexpr int shortest = 4, longest = 53;
 constexpr double three_digits = 3;
 
 /// Right decimal digits at the end, of theta and of P, whichever has fewer; 0 if P was indefinite at any of 32 looks.
-double digits(Entry const& entry, Problem<double> const& problem, Records const& records, Exact const& exact) {
+double digits(Entry const& entry, Problem<double> const& problem, Records const& records, CertifiedSolution const& exact) {
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
@@ -33,7 +33,7 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
 
 /// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, under the prior that the widest of them asks for.
 /// Every length for every variant on the same data, from the longest down: what is needed is the shortest from which on all do.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
     Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;    // few, or ten to twenty memories of 0.99
     Records given = graded(size, rows, kappa, trial.seed({"lambda", "kappa", "replicate"}));
@@ -44,13 +44,13 @@ void measure(Trial const& trial, Measured& out) {
     for (int p = longest; p >= shortest; p -= stride) lengths.push_back(p);
     std::map<std::string, std::vector<double>> kept;
     for (int const p : lengths) {
-        Precision const precision(p);
-        Arithmetic const& arithmetic = *in_bits().front().arithmetic;
+        PrecisionScope const precision(p);
+        Arithmetic const& arithmetic = *variable_precision_catalogue().front().arithmetic;
         Problem<double> const problem = as_stored({.size = size, .forgetting = lambda,
             .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
-        Exact const exact = certified(problem, records, {rows}, 20).front();
-        for (Entry const& entry : in_bits())
+        CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
+        for (Entry const& entry : variable_precision_catalogue())
             for (Cell const& name : row_forms())
                 if (entry.variant == std::get<std::string>(name)) kept[std::string(entry.variant)].push_back(digits(entry, problem,
                     records, exact));
@@ -94,7 +94,7 @@ Study const choose{
               "docs/literature.md 3.6, docs/theory.md 48; the map is measured here",
     .formula = R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
-    .reading = "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
+    .interpretation = "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
         "never seen indefinite; "
                "below its line it is not to be trusted. kappa is the condition of the regressors. The factor forms pay one bit for "
                "each bit of "
@@ -108,7 +108,7 @@ Study const choose{
     .factors = [](Budget) {
         return std::vector<Factor>{{"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(3)}};
     },
-    .keeps = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("replicate") == 1; },
+    .admits = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("replicate") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},
     .measure = measure,
     .plots = {{.title = "Bits needed for three right digits", .x = "kappa", .y = "needed", .panel = "lambda", .log = "x",

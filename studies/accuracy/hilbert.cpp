@@ -23,14 +23,14 @@ Records rows_of(std::string const& matrix, double parameter) {
     return out;
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"));
     Records const records = rows_of(trial.text("matrix"), trial.number("parameter"));
     // A variance of 1e20 asks nothing of theta that binary64 could see here.
-    Problem<double> const problem{.size = records.size(), .prior = Prior<double>{.variance = 1e20}};
+    Problem<double> const problem{.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}};
     auto const filter = entry.make(problem, Seed{1});
     feed_rows(*filter, records, 0, records.rows());
-    Exact const exact = certified(problem, records, {records.rows()}).front();
+    CertifiedSolution const exact = certified(problem, records, {records.rows()}).front();
     double const digits = exact.theta_digits_worst(filter->theta());
     double const worst = digits == digits ? correctly::pow(10, -digits) : INFINITY;
     double const kappa = condition(records, 1);
@@ -50,7 +50,7 @@ Study const hilbert{
     .source = "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an earlier "
               "experiment (docs/literature.md 3.6)",
     .formula = R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
-    .reading = "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 kappa u; "
+    .interpretation = "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 kappa u; "
                "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a prior of 1e20 "
                "u is as large as all they know (study large_prior). The normal equations lose theta where kappa^2 u > 1. Läuchli's rows "
                "are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with delta^2 < u. The 5.1 "
@@ -61,7 +61,7 @@ Study const hilbert{
                                    {"variant", row_forms()},
                                    {"parameter", joined({2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}, powers(10, -1, -12))}};
     },
-    .keeps = [](Trial const& trial) { return (trial.text("matrix") == "hilbert") == (trial.number("parameter") > 1); },
+    .admits = [](Trial const& trial) { return (trial.text("matrix") == "hilbert") == (trial.number("parameter") > 1); },
     .measures = {"kappa", "theta_error", "per_kappa_u", "covariance_error", "outcome"},
     .measure = measure,
     .plots = {{.title = "Hilbert's matrix: the worst component of theta", .x = "kappa", .y = "theta_error", .x_label = "condition number",

@@ -15,7 +15,7 @@ constexpr double kappa = 1000, noise = 1e-4;
 
 /// theta and P after the first `first` rows, exact, rounded once to double: the prior that a batch program would hand over.
 Prior<double> from_batch(Problem<double> const& problem, Records const& records, Index first) {
-    Exact const exact = certified(problem, records, {first}, 40).front();
+    CertifiedSolution const exact = certified(problem, records, {first}, 40).front();
     Matrix<double> P(size, size);
     Matrix<Reference> const covariance = exact.covariance();
     for (Index j = 0; j < size; ++j)
@@ -26,10 +26,10 @@ Prior<double> from_batch(Problem<double> const& problem, Records const& records,
 }
 
 /// After all rows, against least squares without a prior.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Records const records = graded(size, rows, kappa, trial.seed({"replicate"}), noise);
     Problem<double> const without{.size = size, .forgetting = trial.number("lambda"), .prior = std::nullopt};
-    Exact const exact = certified(without, records, {rows}).front();
+    CertifiedSolution const exact = certified(without, records, {rows}).front();
     bool const batch = trial.text("start") == "batch";
     Index const first = batch ? Index(trial.number("amount")) : 0;
     Problem<double> problem = without;
@@ -74,7 +74,7 @@ Study const initialisation{
     .formula = R"tex(\begin{aligned}&\text{prior: } P_0 = c^2 I,\ \theta_0 = 0\\
 &\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\quad
         \theta_m = P_m \sum_{k\le m}\lambda^{m-k}\psi_k y_k\end{aligned})tex",
-    .reading = "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
+    .interpretation = "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
                "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the batch "
                "estimate of the first rows, rounded once to double, pays neither: it gives the covariance forms four to six decades "
                "that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 or more they are as good, and a "
@@ -84,7 +84,7 @@ Study const initialisation{
                                    {"amount", joined({1.0 * size, 2.0 * size, 4.0 * size, 10.0 * size, 20.0 * size}, powers(10, 4, 30))},
                                    {"replicate", counted(budget == Budget::full ? 80 : 15)}};
     },
-    .keeps = [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },    // rows, or c^2
+    .admits = [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },    // rows, or c^2
     .measures = {"variant", "outcome", "theta", "covariance"},
     .measure = measure,
     .plots = {{.title = "Start from c² I: error of theta after 300 rows", .x = "amount", .y = "theta", .panel = "lambda",

@@ -60,20 +60,20 @@ struct Array {
         Matrix<Reference> F(size, size);
         for (Index i = 0; i < size; ++i)
             for (Index j = 0; j < size; ++j) F(i, j) = S[i][j];
-        return {Stored<Reference>::Of::covariance, Stored<Reference>::Kind::factor, F};
+        return {Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::factor, F};
     }
 };
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Arithmetic const& arithmetic = *trial.entry("inverse_qr", "float").arithmetic;
     double const u = arithmetic.unit_roundoff();
     Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = variance}};
     std::vector<Index> steps;
     for (Index k = 16; k <= (trial.full() ? Index{1} << 18 : Index{1} << 15); k *= 2) steps.push_back(k);
     Records const records = as_stored(white(size, steps.back(), trial.seed({"replicate"})), arithmetic);
-    std::vector<Exact> const exact = certified(problem, records, steps);
+    std::vector<CertifiedSolution> const exact = certified(problem, records, steps);
     std::string const& form = trial.text("form");
-    auto const row = [&](Exact const& e, Stored<Reference> const& stored) {
+    auto const row = [&](CertifiedSolution const& e, Stored<Reference> const& stored) {
         Matrix<Reference> const P = covariance_of(stored), true_P = e.covariance();
         auto const relative = [&](Index i) { return static_cast<double>(P(i, i) / true_P(i, i) - 1) / u; };
         double const error = correctly::pow(10, -e.covariance_digits(stored)) / u;
@@ -84,10 +84,10 @@ void measure(Trial const& trial, Measured& out) {
     bool const local = std::ranges::find(steps_of_array, form) != steps_of_array.end();
     std::unique_ptr<AnyFilter> const filter = local ? nullptr : trial.entry(form, "float").make(problem, Seed{1});
     Index at = 0;
-    for (Exact const& e : exact) {
+    for (CertifiedSolution const& e : exact) {
         if (filter) feed_rows(*filter, records, at, e.step());
         for (; at < e.step(); ++at)
-            if (!filter) array.update(records.row(at));
+            if (!filter) array.update(records.sample(at));
         row(e, filter ? filter->stored() : array.stored());
     }
 }
@@ -105,7 +105,7 @@ Study const inverse_qr_drift{
     .formula = R"tex(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
 \Rightarrow \qquad E\,\delta b_j = -\tfrac{u}{2}, \quad c_1 = \frac{1}{b_1} \text{ too large by } \tfrac{u}{2}, \quad
     \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})tex",
-    .reading = "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little (x^2/8), so "
+    .interpretation = "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little (x^2/8), so "
                "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some 10^3 rows on. "
                "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error of P grows by "
                "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it is u/2 per "

@@ -46,7 +46,7 @@ Stored<Reference> joseph_with(InDouble step, Problem<double> const& problem, Rec
         Matrix<Quad> const sum = APA + K.lazyProduct(K.transpose());
         P = sum.unaryExpr(in_double);
     }
-    return {Stored<Reference>::Of::covariance, Stored<Reference>::Kind::plain, P.unaryExpr([](Quad const& x) { return widen(x); })};
+    return {Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P.unaryExpr([](Quad const& x) { return widen(x); })};
 }
 
 double length(Vector<Reference> const& x) {
@@ -64,7 +64,7 @@ Amplification amplification(Entry const& exact, Problem<double> const& problem, 
     std::vector<Matrix<Reference>> P{covariance_of(filter->stored())};
     std::vector<double> norm{0}, subtracted{0};
     for (Index k = 0; k < rows; ++k) {
-        double const gamma = filter->update(data.row(k), data.y[k]).gamma;
+        double const gamma = filter->update(data.sample(k), data.y[k]).gamma;
         P.push_back(covariance_of(filter->stored()));
         double const tau = length(filter->gain()) * length(data.psi.col(k).cast<Reference>());
         subtracted.push_back(length(filter->gain()) * length(filter->gain()) / gamma);    // |K||f|, f = s K
@@ -88,11 +88,11 @@ Amplification amplification(Entry const& exact, Problem<double> const& problem, 
     return out;
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     double const kappa = trial.number("kappa");
     Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = kappa * kappa}};
     Records const records = graded(size, rows, kappa, trial.seed({"kappa", "replicate"}));
-    Exact const exact = certified(problem, records, {rows}, 60).front();
+    CertifiedSolution const exact = certified(problem, records, {rows}, 60).front();
     Amplification const bound = amplification(trial.entry("symmetric", "reference"), problem, records);
     auto const row = [&](std::string const& form, Stored<Reference> const& stored) {
         out({form, correctly::pow(10, -exact.covariance_digits(stored)), bound.norm, bound.local, bound.products, bound.plain});
@@ -131,7 +131,7 @@ Study const joseph_condition{
     .formula = R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
 \|A\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
 \|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1} \end{aligned})tex",
-    .reading = "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
+    .interpretation = "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
                "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The experiment does "
                "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, rounding A P "
                "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in double brings "

@@ -9,7 +9,7 @@
 namespace rlslab {
 namespace {
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem = as_stored({.size = 1, .prior = Prior<double>{.variance = trial.number("variance")}},
         *entry.arithmetic);
@@ -42,7 +42,7 @@ Study const large_prior{
     .question = "How large may the prior variance be before one row leaves nothing of P?",
     .source = "derived (docs/theory.md 41); an earlier experiment (docs/literature.md 3.8)",
     .formula = R"tex(P_1 = P_0 - \frac{P_0^2}{1 + P_0} = \frac{P_0}{1 + P_0}, \qquad \mathrm{fl}\left(\frac{P_0}{1+P_0}\right) = 1 \text{ for } P_0 \gtrsim 1/u)tex",
-    .reading = "One row psi = 1. The forms that subtract K f from P lose u P0 of the 1 that should remain, and everything once K "
+    .interpretation = "One row psi = 1. The forms that subtract K f from P lose u P0 of the 1 that should remain, and everything once K "
                "rounds to 1: a first P of exactly 0, after which the filter learns no more. "
                "joseph_rank_two subtracts too and is no better. Joseph's products are: their (1 - K)^2 P vanishes but K^2 stays. "
                "Factors and P^-1 have no such place. Potter's form subtracts within the root, loses u sqrt(P0) and more, and is "
@@ -51,7 +51,7 @@ Study const large_prior{
         return std::vector<Factor>{{"arithmetic", {"bfloat16", "binary16", "float", "double"}}, {"variant", row_forms()}, {"variance",
             powers(10, 0, 20)}};
     },
-    .keeps = [](Trial const& trial) { return trial.text("arithmetic") != "binary16" || trial.number("variance") < 65504; },
+    .admits = [](Trial const& trial) { return trial.text("arithmetic") != "binary16" || trial.number("variance") < 65504; },
     .measures = {"P", "error", "outcome"},
     .measure = measure,
     .plots = {{.title = "Error of P after one row", .x = "variance", .y = "error", .panel = "arithmetic",

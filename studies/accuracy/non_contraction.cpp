@@ -52,7 +52,7 @@ std::pair<Matrix<Rational>, Vector<Rational>> data_of(Trial const& trial) {
 }
 
 /// One update with lambda = 1 in exact rationals.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     auto const [P, psi] = data_of(trial);
     Index const d = psi.size();
     Symmetric<Rational> filter(Problem<Rational>{.size = d, .forgetting = 1, .prior = Prior<Rational>{.variance = 1, .covariance = P}});
@@ -87,7 +87,7 @@ Study const non_contraction{
     .formula = R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
 P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
-    .reading = "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
+    .interpretation = "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
                "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
                "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, "
                "so that V = delta'P^-1 delta does not grow. "
@@ -97,7 +97,7 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top = \be
         return std::vector<Factor>{{"data", {"counterexample", "random"}},
                                    {"a", budget == Budget::full ? counted(2000) : joined(counted(200), {1000.0})}};
     },
-    .keeps = [](Trial const& trial) {
+    .admits = [](Trial const& trial) {
         double const a = trial.number("a");
         return trial.text("data") == "random" || a == 2 || a == 5 || a == 10 || a == 20 || a == 50 || a == 100 || a == 1000;
     },

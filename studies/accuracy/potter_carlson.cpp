@@ -35,20 +35,20 @@ Records line(bool norris, Seed seed) {
 double determinant_error(Stored<Reference> const& stored, Reference const& exact) {
     Matrix<Reference> const& F = stored.F;
     Reference det = F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0);
-    if (stored.kind == Stored<Reference>::Kind::factor) det *= det;
+    if (stored.form == Stored<Reference>::Form::factor) det *= det;
     for (Reference const& D : stored.D) det *= D;
     return static_cast<double>(abs(Reference(det / exact - 1)));
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Records const records = line(trial.text("data") == "norris", trial.seed({"replicate"}));
     double const c2 = trial.number("c2");
     Problem<double> const problem{.size = 2, .prior = Prior<double>{.variance = c2}};
-    Exact const exact = certified(problem, records, {rows}).front();
+    CertifiedSolution const exact = certified(problem, records, {rows}).front();
     Reference const x = records.psi(1, 0), determinant = Reference(c2) * c2 / (1 + c2 * (1 + x * x));
     for (auto variant : {"conventional", "joseph", "potter", "carlson", "ud", "inverse_qr"}) {
         auto const filter = trial.entry(variant).make(problem, Seed{1});
-        filter->update(records.row(0), records.y[0]);
+        filter->update(records.sample(0), records.y[0]);
         double const first = determinant_error(filter->stored(), determinant);
         feed_rows(*filter, records, 1, rows);
         double const predicted = static_cast<double>(0x1p-53 * sqrt(Reference(c2) * (1 + x * x)));
@@ -76,7 +76,7 @@ Study const potter_carlson{
     .formula = R"tex(\begin{aligned}&\text{Potter: } S_1 = c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad
     S_1^\top\psi \text{ is of order } 1,\text{ with an error } u\,c\,\|\psi\|\\
 &\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad \det P_1 = \prod_j S_{jj}^2 \text{ to a few } u\end{aligned})tex",
-    .reading = "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form makes the "
+    .interpretation = "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form makes the "
                "small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| remains in the "
                "root, here seen in det P after one row and then in theta to the end. Carlson's form multiplies the diagonal by square "
                "roots of ratios and so keeps the small variance in a column of its own, to a few u whatever c; UD and the inverse QR "
@@ -86,7 +86,7 @@ Study const potter_carlson{
         return std::vector<Factor>{{"data", {"norris", "line"}}, {"c2", powers(10, 0, 36)},
                                    {"replicate", counted(budget == Budget::full ? 60 : 15)}};
     },
-    .keeps = [](Trial const& t) { return t.text("data") == "line" || t.number("replicate") == 1; },
+    .admits = [](Trial const& t) { return t.text("data") == "line" || t.number("replicate") == 1; },
     .measures = {"variant", "worst_digits", "theta", "covariance", "determinant", "per_prediction"},
     .measure = measure,
     .plots = {{.title = "Error of theta after 36 rows of a line", .x = "c2", .y = "theta", .panel = "data",

@@ -15,13 +15,13 @@ constexpr double kappa = 100;     // squared, 1e4: where c^2 begins to be large
 constexpr double noise = 1e-4;    // without any, the rows after the first five would have nothing to correct
 
 /// One row a variant: against the minimiser with this prior (rounding alone) and against least squares (bias too).
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Arithmetic const& arithmetic = *trial.entry("qr", trial.text("arithmetic")).arithmetic;
     Records const records = as_stored(graded(size, rows, kappa, trial.seed({"replicate"}), noise), arithmetic);
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = trial.number("c2")}}, arithmetic);
     // 50 digits: at c^2 = 1e40 the two solutions differ by 1e-37 only.
-    Exact const with_prior = certified(problem, records, {rows}, 50).front();
-    Exact const without = certified({.size = size, .prior = std::nullopt}, records, {rows}, 50).front();
+    CertifiedSolution const with_prior = certified(problem, records, {rows}, 50).front();
+    CertifiedSolution const without = certified({.size = size, .prior = std::nullopt}, records, {rows}, 50).front();
     for (Cell const& variant : row_forms()) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
@@ -76,7 +76,7 @@ Study const prior_size{
     .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
     .formula = R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
                  P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
-    .reading = "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the right the "
+    .interpretation = "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the right the "
                "variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first rows and keep u c^2 of "
                "them as an error of P, so their valley is narrow and ends at half of double's digits. Potter's full root does the "
                "same with numbers of the size of c and loses half as fast. Triangular roots, UD and the QR forms have no valley: any "
@@ -87,7 +87,7 @@ Study const prior_size{
                                    {"c2", powers(10, 0, 40)},
                                    {"replicate", counted(budget == Budget::full ? 45 : 9)}};
     },
-    .keeps = [](Trial const& t) { return t.text("arithmetic") == "double" || t.number("c2") < 2e30; },    // float ends at 3e38
+    .admits = [](Trial const& t) { return t.text("arithmetic") == "double" || t.number("c2") < 2e30; },    // float ends at 3e38
     .measures = {"variant", "outcome", "bias", "rounding", "total"},
     .measure = measure,
     .plots = {{.title = "Error of theta against least squares without a prior", .x = "c2", .y = "total", .panel = "arithmetic",

@@ -11,7 +11,7 @@ namespace {
 constexpr int rows = 20000;
 
 /// psi = 1 and nothing forgotten: P_k = 1 / (k + 1/P0), so k P should be 1.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem = as_stored({.size = 1, .prior = Prior<double>{.variance = trial.number("variance")}},
         *entry.arithmetic);
@@ -47,7 +47,7 @@ Study const stagnation{
     .source = "Ardalan 1986 (abstract read: weight updating terminates); derived (docs/theory.md 42); an earlier experiment "
               "(docs/literature.md 3.8)",
     .formula = R"tex(P_k = P_{k-1} - \frac{P_{k-1}^2}{1 + P_{k-1}} = P_{k-1} \quad \text{once} \quad P^2 < \tfrac12\,\mathrm{ulp}(P) \qquad \text{or} \quad \mathrm{fl}(1 + P) = 1)tex",
-    .reading = "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 for the form "
+    .interpretation = "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 for the form "
                "that subtracts, 2^-8 for those that take P as a quotient, and all of them pretend for ever to know the mean no better "
                "than after 100 rows. Stochastic rounding has no such place: k P stays near 1 in the mean. It needs a prior below 1/u, "
                "though. From P0 = 1e4 the forms that subtract are at P = 0 after one row, because K rounds to 1; in bfloat16 stochastic "
@@ -61,7 +61,7 @@ Study const stagnation{
                                        "qr", "gentleman", "information"}},
                                    {"replicate", counted(budget == Budget::full ? 100 : 20)}};
     },
-    .keeps = [](Trial const& trial) { return trial.number("replicate") == 1 || trial.text("arithmetic").ends_with("stochastic"); },
+    .admits = [](Trial const& trial) { return trial.number("replicate") == 1 || trial.text("arithmetic").ends_with("stochastic"); },
     .measures = {"rows", "P", "rows_P"},
     .measure = measure,
     .plots = {{.title = "Rows times variance from P0 = 100, which should be 1", .x = "rows", .y = "rows_P", .panel = "arithmetic",

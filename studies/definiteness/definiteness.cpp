@@ -33,14 +33,14 @@ End first_breakdown(Entry const& entry, double kappa_P, Seed data) {
     records = as_stored(records, *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     for (int k = 1; k <= horizon; ++k) {
-        filter->update(records.row(k - 1), records.y[k - 1]);
+        filter->update(records.sample(k - 1), records.y[k - 1]);
         if (std::string how = breakdown(*filter, *entry.arithmetic); !how.empty()) return {k, std::move(how)};
     }
     return {};
 }
 
 /// Replicates inside: a survival curve is a fraction of them.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     int const runs = trial.full() ? 24 : 8;
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Seed seed = trial.seed({"arithmetic", "hardness"});
@@ -85,7 +85,7 @@ Study const definiteness{
               "often said and contradicted by docs/literature.md 3.9, 3.10 (why: docs/theory.md 43); the survival curves are measured "
               "here",
     .formula = R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i \le k)tex",
-    .reading = "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
+    .interpretation = "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
         "step. The data have "
                "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. The factor forms stay "
                "at one in all of "

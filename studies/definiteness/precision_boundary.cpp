@@ -18,19 +18,19 @@ constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53, replicates = 3;
 
 Entry const& of_any_length(std::string const& variant) {
-    return *std::ranges::find_if(in_bits(), [&](Entry const& entry) { return entry.variant == variant; });
+    return *std::ranges::find_if(variable_precision_catalogue(), [&](Entry const& entry) { return entry.variant == variant; });
 }
 
 /// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.
 bool survives(Entry const& entry, int bits, double lambda, Records const& given) {
-    Precision const precision(bits);
+    PrecisionScope const precision(bits);
     Problem<double> const problem = as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}},
         *entry.arithmetic);
     Records const records = as_stored(given, *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows();
     for (Index k = 0; k < rows; ++k) {
-        Step<double> const step = filter->update(records.row(k), records.y[k]);
+        Step<double> const step = filter->update(records.sample(k), records.y[k]);
         if (!(step.gamma > 0 && step.gamma <= 1)) return false;
         if ((k + 1) % (rows / 200) == 0 && !breakdown(*filter, *entry.arithmetic).empty()) return false;
     }
@@ -44,7 +44,7 @@ double kappa_of_delay_line(double a) {
 }
 
 /// Upward until all replicates survive, and two bits on to see whether that stays so.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = of_any_length(trial.text("variant"));
     double const lambda = trial.number("lambda");
     Index const rows = Index(std::lround(60 / (1 - lambda)));
@@ -84,7 +84,7 @@ Study const precision_boundary{
               "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
     .formula = R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
         p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
-    .reading = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
+    .interpretation = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
                "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
                "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The conventional form "
                "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are more than ln "

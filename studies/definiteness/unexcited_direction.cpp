@@ -13,7 +13,7 @@ constexpr Index d = 3;
 
 /// Random rows orthogonal to v = (1, 2, 3), or to P0 v; row by row whether v'P_k v = lambda^-k v'P0 v.
 template <class F>
-void watch(Trial const& trial, Measured& out) {
+void watch(Trial const& trial, TrialOutput& out) {
     Q const lambda = tenths(trial.number("lambda"));
     bool const spherical = trial.text("prior") == "c^2 I";
     M const P0 = spherical ? M(M::Identity(d, d) * Q(5)) : M{{Q(4), Q(1), Q(0)}, {Q(1), Q(3), Q(1)}, {Q(0), Q(1), Q(2)}};
@@ -39,7 +39,7 @@ void watch(Trial const& trial, Measured& out) {
     for (int k = 1; k <= steps; ++k) out({double(k), double(holds[size_t(k)]) / cases, course[size_t(k - 1)]});
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     for_each(Variants<Q>{}, [&]<class F>() {
         if (F::name == trial.text("variant")) watch<F>(trial, out);
     });
@@ -56,7 +56,7 @@ Study const unexcited_direction{
     .source = "derived (docs/theory.md 40; docs/literature.md 2, F15, first stated without the condition on P0)",
     .formula = R"tex(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
 P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
-    .reading = "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
+    .interpretation = "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
                "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
                "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "
                "correlations, and the law fails at once.",

@@ -13,7 +13,7 @@ namespace {
 
 /// The same psi for ever, until P breaks down, but no longer than 2.5 times as long as P stays in the arithmetic's range: the root of
 /// P lasts twice as long, and that of its inverse a little longer, by the subnormal numbers.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Arithmetic const& arithmetic = *entry.arithmetic;
     Problem<double> const problem =
@@ -56,7 +56,7 @@ Study const windup{
               "definiteness decided exactly",
     .formula = R"tex(\begin{aligned} k^* &= \ln\frac{1-\lambda}{u P_0 |\psi|^2} \Big/ (-\ln\lambda) && \text{P indefinite} \\
                k_{\max} &= \ln(\text{largest number}) \Big/ (-\ln\lambda) && \text{P too large} \end{aligned})tex",
-    .reading = "The regressor never changes, psi = (1, 0.7, -0.3). P falls to (1 - lambda)/|psi|^2 along psi and grows as lambda^-k "
+    .interpretation = "The regressor never changes, psi = (1, 0.7, -0.3). P falls to (1 - lambda)/|psi|^2 along psi and grows as lambda^-k "
         "across it. Once u times the large part exceeds the small one, a P stored plainly is indefinite: Joseph's form at about k* or "
         "before, the symmetric forms a little later. Factors hold numbers whose squares are so far apart, and go on. UD alone follows "
         "the exact P to the end of the arithmetic's range; the other roots of P grow no further than about u^-2 (presumably because "

@@ -56,11 +56,11 @@ inline bool is_positive_definite(M const& A) {
 /// P as the stored numbers say.
 inline M covariance(Stored<Q> const& stored) {
     M X = stored.F;
-    if (stored.kind == Stored<Q>::Kind::factor) {
+    if (stored.form == Stored<Q>::Form::factor) {
         for (Index j = 0; j < stored.D.size(); ++j) X.col(j) *= stored.D[j];
         X = M(X.lazyProduct(stored.F.transpose()));
     }
-    return stored.of == Stored<Q>::Of::covariance ? X : inverse(X);
+    return stored.quantity == Stored<Q>::Quantity::covariance ? X : inverse(X);
 }
 
 }  // namespace rlslab::rationals

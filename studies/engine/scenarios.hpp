@@ -43,7 +43,7 @@ Records as_stored(Records records, Arithmetic const& arithmetic);
 struct Errors {
     double theta, covariance;
 };
-Errors errors(AnyFilter const& filter, Exact const& exact);
+Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 
 /// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
 void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last);

@@ -21,7 +21,7 @@ double predicted(double lambda, Arithmetic const& arithmetic) {
 }
 
 /// The mean of (tr P - tr P_exact) / tr P_exact over samples a memory apart, after ten memories.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
@@ -32,7 +32,7 @@ void measure(Trial const& trial, Measured& out) {
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
     Reference bias = 0;
-    for (Exact const& exact : certified(problem, records, steps)) {
+    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
         feed_rows(*filter, records, at, exact.step());
         at = exact.step();
         Matrix<Reference> const P = covariance_of(filter->stored()), true_P = exact.covariance();
@@ -65,7 +65,7 @@ Study const sqrt_lambda_bias{
               "it was found",
     .formula = R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
 \frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
-    .reading = "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - lambda) "
+    .interpretation = "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - lambda) "
                "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and inverse_qr have "
                "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and "
                "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has none. ud, "

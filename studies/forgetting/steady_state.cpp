@@ -12,7 +12,7 @@ constexpr Index size = 4;
 constexpr double noise = 0.1;    // steps K e far above the last place of theta, also in float with a memory of 1000 rows
 
 /// rms errors over samples half a memory 1 / (1 - lambda) apart, after ten memories of which nothing is left.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const u = entry.arithmetic->unit_roundoff(), memory = 1 / (1 - trial.number("lambda"));
     Problem<double> const problem =
@@ -24,7 +24,7 @@ void measure(Trial const& trial, Measured& out) {
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
     double theta = 0, covariance = 0;
-    for (Exact const& exact : certified(problem, records, steps)) {
+    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
         feed_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
@@ -49,7 +49,7 @@ Study const steady_state{
     .source = "Ardalan 1986, Liavas & Regalia 1999 (abstracts read), Stewart 1992 (cited, not read); the law is derived "
               "(docs/theory.md 38); an earlier experiment (docs/literature.md 3.7)",
     .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k \qquad \Rightarrow \qquad \|\delta\theta\|_{\mathrm{rms}} = \frac{c\,u\,\|\theta\|}{\sqrt{1-\lambda^2}})tex",
-    .reading = "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is the rms of a "
+    .interpretation = "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is the rms of a "
                "rounding of numbers around 1, which are half the time below it and half above. All forms that correct theta by its own "
                "innovation agree. At lambda = 0.9 the rounding of e, passed on by a large K, adds a quarter to it (docs/literature.md 3.7 "
                "has 0.476, of another order of evaluation). On coloured regressors with a short memory the law does not hold: the gain is "
@@ -65,7 +65,7 @@ Study const steady_state{
                                    {"replicate", counted(budget == Budget::full ? 12 : 5)}};
     },
     // What coloured regressors do is no matter of a few per cent.
-    .keeps = [](Trial const& trial) { return trial.full() || trial.number("pole") == 0 || trial.number("replicate") <= 2; },
+    .admits = [](Trial const& trial) { return trial.full() || trial.number("pole") == 0 || trial.number("replicate") <= 2; },
     .measures = {"memory", "theta_error", "c", "covariance_error"},
     .measure = measure,
     .plots = {{.title = "Error of theta, white regressors", .x = "memory", .y = "theta_error", .panel = "arithmetic",

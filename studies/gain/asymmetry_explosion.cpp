@@ -16,13 +16,13 @@ constexpr int horizon = 60000;
 /// ||P - P'||_F / ||P + P'||_F of the bits stored; 0 for factors, which cannot be asymmetric.
 double asymmetry(AnyFilter const& filter) {
     auto const stored = filter.stored();
-    if (stored.kind == Stored<Reference>::Kind::factor) return 0;
+    if (stored.form == Stored<Reference>::Form::factor) return 0;
     Matrix<Reference> const difference = stored.F - stored.F.transpose(), sum = stored.F + stored.F.transpose();
     return frobenius(difference) / frobenius(sum);
 }
 
 /// White rows until the filter itself says that it has broken down.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const lambda = trial.number("lambda"), predicted = correctly::log(entry.arithmetic->unit_roundoff()) / correctly::log(lambda);
     auto const filter = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
@@ -54,7 +54,7 @@ Study const asymmetry_explosion{
     .source = "Verhaegen 1989, Haykin's Tri rule (cited, not read); derived (docs/theory.md 28, law ii; docs/theory.md 37); an earlier "
               "experiment (docs/literature.md 3.2)",
     .formula = R"tex(k_* = \frac{\ln(1/u)}{-\ln \lambda})tex",
-    .reading = "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an asymmetry of "
+    .interpretation = "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an asymmetry of "
                "order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma leaves (0, 1]. That is "
                "the law's k*, from 0.75 of it up: with lambda near 1 more steps' errors add up, so the end comes earlier. Computing the "
                "row psi'P on its own, mirroring one triangle, or Joseph's products keep the asymmetry at a few u and last for all 60 "

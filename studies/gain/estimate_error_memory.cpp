@@ -8,7 +8,7 @@ namespace {
 constexpr Index size = 4, start = 200;    // P has long forgotten its prior's shape by the step of the error
 
 /// y is wrong by one at step `start`; P and K do not depend on y, so that theta alone is in error, by K.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), "reference");
     int const last = 400;
     double const lambda = trial.number("lambda");
@@ -16,16 +16,16 @@ void measure(Trial const& trial, Measured& out) {
     auto const wrong = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
     feed_rows(*wrong, records, 0, start - 1);
     auto const right = wrong->clone();
-    wrong->update(records.row(start - 1), records.y[start - 1] + 1);
-    right->update(records.row(start - 1), records.y[start - 1]);
+    wrong->update(records.sample(start - 1), records.y[start - 1] + 1);
+    right->update(records.sample(start - 1), records.y[start - 1]);
     using V = Vector<Reference>;
     V const error = wrong->theta() - right->theta();
     Matrix<Reference> const P0 = covariance_of(right->stored());
     using S = Stored<Reference>;
-    V const seen = covariance_of({S::Of::information, S::Kind::plain, P0}).lazyProduct(error);    // P0^-1 dtheta
+    V const seen = covariance_of({S::Quantity::information, S::Form::plain, P0}).lazyProduct(error);    // P0^-1 dtheta
     for (int k = 0; k <= last; ++k) {
         if (k > 0)
-            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.row(start + k - 1), records.y[start + k - 1]);
+            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
         if (k % 25 != 0) continue;
         V const now = wrong->theta() - right->theta();
         V const law = pow(Reference(lambda), k) * covariance_of(right->stored()).lazyProduct(seen);
@@ -42,7 +42,7 @@ Study const estimate_error_memory{
     .question = "How long does the estimate remember one error?",
     .source = "Ljung & Ljung 1985 (cited, not read); derived (docs/theory.md 28, law iv)",
     .formula = R"tex(\delta\theta_k = \lambda^k P_k P_0^{-1}\, \delta\theta_0)tex",
-    .reading = "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
+    .interpretation = "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
                "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in the estimate "
                "they differ by their rounding and by nothing else.",
     .factors = [](Budget budget) {

@@ -29,7 +29,7 @@ struct Pair {
 };
 
 /// 1e-20 relative in one of the two, and the difference to the undisturbed pair in the same matrix.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     T const root_lambda = sqrt(T(trial.number("lambda")));
     bool const in_R = trial.text("error_in") == "R";
     int const last = 400;
@@ -76,7 +76,7 @@ Study const extended_qr_memory{
     .source = "Yang & Böhme 1992 (cited, not read: extended forms accumulate error); derived (docs/theory.md 28, laws iii and v)",
     .formula = R"tex(W = R^{-\top}: \quad \delta W_k = R_k^{-\top} R_0^\top\, \delta W_0, \qquad
 \delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)tex",
-    .reading = "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "
+    .interpretation = "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "
                "An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda = 1 both shrink as "
                "1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and relative to R it fades as 1/k. "
                "The recursion is written out here because the filter does not let its state be touched; the undisturbed pair is the "

@@ -10,7 +10,7 @@ namespace {
 constexpr Index size = 5;
 
 /// K_i (1 + eps r_i) at every step, r nearly normal, against the exact P of the same data.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem = as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     Index const rows = trial.full() ? 500 : 100;
@@ -20,7 +20,7 @@ void measure(Trial const& trial, Measured& out) {
     for (Index k = 0; k < rows; ++k) {
         Vector<double> relative(size);
         for (double& r : relative) r = trial.number("epsilon") * seed.bell();
-        filter->update(records.row(k), records.y[k], relative);
+        filter->update(records.sample(k), records.y[k], relative);
     }
     out({errors(*filter, certified(problem, records, {rows}, 60).front()).covariance});
 }
@@ -36,7 +36,7 @@ Study const gain_error{
     .source = "Bucy & Joseph 1968 (cited, not read); the identities are derived (docs/theory.md 16, 17; docs/literature.md 3.1) and hold "
               "exactly in rationals (study gain_identities)",
     .formula = R"tex(\text{conventional: } \delta P = -\frac{1}{\lambda}\,\delta K\,\psi^\top P \qquad \text{Joseph: } \delta P = \frac{s}{\lambda}\,\delta K\,\delta K^\top)tex",
-    .reading = "Every step's gain is changed by a random vector of relative size epsilon before it updates P. The forms that subtract K "
+    .interpretation = "Every step's gain is changed by a random vector of relative size epsilon before it updates P. The forms that subtract K "
                "psi'P pass the error on in first order, Joseph's in second; the forms that propagate a factor have no K in the update of "
                "P and take no error (one of the vector that they compute with passes on in first order: docs/theory.md 32, 33). In float "
                "and double the curves end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "

@@ -15,10 +15,10 @@ using M = Matrix<Reference>;
 M part(M const& A, std::string_view which) {
     return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2);
 }
-M inverse(M const& A) { return covariance_of({Stored<Reference>::Of::information, Stored<Reference>::Kind::plain, A}); }
+M inverse(M const& A) { return covariance_of({Stored<Reference>::Quantity::information, Stored<Reference>::Form::plain, A}); }
 
 /// A filter and its undisturbed twin, in 257 bits: what is measured is the recursion's and not the rounding's.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda");
     Entry const& entry = trial.entry(trial.text("variant"), "reference");
     int const last = 400;
@@ -31,13 +31,13 @@ void measure(Trial const& trial, Measured& out) {
     Seed seed = trial.seed({"replicate", "direction"});
     Vector<double> relative(size);
     for (double& r : relative) r = 1e-20 * (along ? 1 : seed.bell());
-    wrong->update(records.row(start - 1), records.y[start - 1], relative);
-    right->update(records.row(start - 1), records.y[start - 1]);
+    wrong->update(records.sample(start - 1), records.y[start - 1], relative);
+    right->update(records.sample(start - 1), records.y[start - 1]);
 
     M const X = inverse(covariance_of(right->stored())), E = covariance_of(wrong->stored()) - covariance_of(right->stored());
     for (int k = 0; k <= last; ++k) {
         if (k > 0)
-            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.row(start + k - 1), records.y[start + k - 1]);
+            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
         if (k % 25 != 0) continue;
         M const P = covariance_of(right->stored()), now = covariance_of(wrong->stored()) - P;
         for (char const* which : {"symmetric", "antisymmetric"}) {
@@ -64,7 +64,7 @@ Study const gain_error_memory{
     .source = "Ljung & Ljung 1985, Verhaegen 1989 (cited, not read); derived (docs/theory.md 28, laws i and ii)",
     .formula = R"tex(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
 \text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})tex",
-    .reading = "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
+    .interpretation = "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
                "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), and "
                "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the antisymmetric "
                "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not know: that is "

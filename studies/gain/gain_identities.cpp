@@ -30,7 +30,7 @@ V fractions(Index size, Seed& seed) {
 constexpr std::array ratios{-2.0, 0.0, 0.5, 0.9, 0.99, 0.999, 1.0, 1.001, 1.01, 1.1, 2.0};
 
 template <class F>
-void examine(Trial const& trial, Measured& out) {
+void examine(Trial const& trial, TrialOutput& out) {
     int const cases = trial.full() ? 400 : 100;
     Q const lambda = tenths(trial.number("lambda"));
     int first_order = 0, second_order = 0;
@@ -65,7 +65,7 @@ void examine(Trial const& trial, Measured& out) {
     for (size_t r = 0; r < ratios.size(); ++r) out({"definite", ratios[r], double(definite[r]) / cases});
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     for_each(TypeList<Conventional<Q>, ConventionalTwoSided<Q>, Symmetric<Q>, Joseph<Q>, JosephRankTwo<Q>>{}, [&]<class F>() {
         if (F::name == trial.text("variant")) examine<F>(trial, out);
     });
@@ -88,7 +88,7 @@ Study const gain_identities{
     .formula = R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
 \text{with gain } (1 + \varepsilon) K: &\quad P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
-    .reading = "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
+    .interpretation = "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
                "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P positive "
                "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is singular, one "
                "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric form obeys "

@@ -11,7 +11,7 @@ namespace rlslab {
 namespace {
 
 /// psi = (1, eps), (1, 1) with unit noise and P0 = I / eps^2; eps = 2^-k or 1.0737 2^-k, as 1e-9 is, in the bits of the arithmetic.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const odd = 1e-9 * 0x1p30, k = trial.number("power");
     double const eps = entry.arithmetic->round(std::ldexp(trial.text("eps") == "2^-k" ? 1.0 : odd, -int(k)));
@@ -49,7 +49,7 @@ Study const bierman{
     .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
 P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2 \end{pmatrix}, \quad
 \beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
-    .reading = "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
+    .interpretation = "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
                "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form in exact "
                "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every power of two, "
                "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that they lose "
@@ -59,7 +59,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
         return std::vector<Factor>{{"arithmetic", {"float", "double"}}, {"eps", {"2^-k", "1.07 2^-k"}}, {"variant", row_forms()},
                                    {"power", counted(48)}};
     },
-    .keeps = [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
+    .admits = [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
     .measures = {"epsilon", "error", "error_u", "error_u_eps", "variance", "sign", "outcome", "square"},
     .measure = measure,
     .plots = {{.title = "Error of P after the two rows, ε = 2^-k", .x = "epsilon", .y = "error", .panel = "arithmetic", .x_label = "ε",

@@ -13,11 +13,11 @@ namespace {
 
 /// H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I, with P scaled by delta^-2 so that the noise is 1. All variants in one trial:
 /// the published figure divides each error by a number that depends on Carlson's.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     double const delta = trial.number("delta");
     Records const records{.psi = Eigen::MatrixXd{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1 + delta}}, .y = Vector<double>::Zero(2), .names = {}};
     Problem<double> const problem{.size = 3, .prior = Prior<double>{.variance = 1 / (delta * delta)}};
-    Exact const exact = std::move(certified(problem, records, {2}).front());
+    CertifiedSolution const exact = std::move(certified(problem, records, {2}).front());
     Matrix<Reference> const P = exact.covariance();
     double const norm = frobenius(P), last = static_cast<double>(P(2, 2));
     auto const run = [&](std::string const& variant) {
@@ -55,7 +55,7 @@ Study const dyer_mcreynolds{
               "docs/theory.md 54; an earlier experiment (docs/literature.md 3.4)",
     .formula = R"tex(H = \begin{pmatrix} 1 & 1 & 1 \\ 1 & 1 & 1 + \delta \end{pmatrix},\ R = \delta^2 I,\ P_0 = I: \qquad
 \lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad u / \delta \text{ (factor forms)})tex",
-    .reading = "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor forms lose "
+    .interpretation = "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor forms lose "
                "one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; Joseph's products do "
                "not, since s is then all rounding error and nothing bounds A P A'. Joseph's P is also the first to be indefinite. The "
                "reference is exact for the stored 1 + delta and 1 / delta^2: against it ud and gentleman become better again below 1e-10 "

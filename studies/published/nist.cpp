@@ -10,12 +10,12 @@ namespace {
 using namespace strd;
 
 /// order 0: as in the file; else a permutation of the rows, which changes nothing but the rounding.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     std::string const& set = trial.text("set");
     Records const original = records_of(set);
     Problem<double> const problem{.size = original.size(), .prior = Prior<double>{.variance = trial.number("c2")}};
-    Exact const with_prior = certified(problem, original, {original.rows()}).front();
-    Exact const stored = certified({.size = original.size(), .prior = std::nullopt}, original, {original.rows()}).front();
+    CertifiedSolution const with_prior = certified(problem, original, {original.rows()}).front();
+    CertifiedSolution const stored = certified({.size = original.size(), .prior = std::nullopt}, original, {original.rows()}).front();
     // The exact minimiser as a variant: what the prior and the storage of the data cost whoever computes.
     out({"exact", 0.0, "exact", with_prior.theta_digits_worst(with_prior.theta()), stored.theta_digits_worst(with_prior.theta()),
          decimal_digits(set, with_prior.theta())});
@@ -45,7 +45,7 @@ Study const nist{
               "(docs/literature.md 3.5)",
     .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
                  \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
-    .reading = "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of the "
+    .interpretation = "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of the "
                "rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter them. "
                "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 digits, so "
                "the table of docs/literature.md 3.5 can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) and 4.6 to "

@@ -1,7 +1,7 @@
 // A window that slides over an outlier: what downdating keeps of a row long after it has left.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
-#include "studies/published/downdates.hpp"
+#include "studies/published/window_filter.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -11,22 +11,22 @@
 namespace rlslab {
 namespace {
 
-constexpr Index n = Downdated::n, window = 20, outlier = 40;
+constexpr Index n = WindowFilter::n, window = 20, outlier = 40;
 constexpr Index times[] = {65, 90, 115, 165, 250, 500, 1000, 2000};    // rows seen; the outlier leaves with row 60
 
 Records in_window(Records const& all, Index end) {
     return {.psi = all.psi.middleCols(end - window, window), .y = all.y.segment(end - window, window), .names = {}};
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Records records = white(n, times[std::size(times) - 1], trial.seed({"replicate"}));
     double const size = correctly::pow(10, trial.number("q")), lambda = trial.number("lambda");
     for (double& x : records.psi.col(outlier - 1)) x *= size;
     Problem<double> const problem{.size = n, .forgetting = lambda, .prior = std::nullopt};
-    std::vector<Exact> exact;
+    std::vector<CertifiedSolution> exact;
     for (Index t : times) exact.push_back(certified(problem, in_window(records, t), {window}).front());
     for (auto method : {"covariance", "information", "linpack", "mixed_hyperbolic", "refactor"}) {
-        Downdated state{.method = method, .lambda = lambda, .weight = correctly::pow(lambda, double(window))};
+        WindowFilter state{.method = method, .lambda = lambda, .weight = correctly::pow(lambda, double(window))};
         auto const row = [&](Index k) { return records.psi.col(k).data(); };
         bool const refactor = state.method == "refactor";
         Index first = 0;
@@ -73,7 +73,7 @@ Study const sliding_window{
               "(docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
     .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
                 \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim u)tex",
-    .reading = "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
+    .interpretation = "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
                "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In P the "
                "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u 10^4q. Only a "
                "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late to early "

@@ -31,7 +31,7 @@ struct Sums {
     double error = 0, square = 0, fourth = 0, crb = 0, inside = 0;
 };
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     System const system = system_named(trial.text("system"));
     Index const d = system.size(), N = Index(trial.number("rows"));
     auto const truth = system.theta();
@@ -42,8 +42,8 @@ void measure(Trial const& trial, Measured& out) {
         Ud<P> filter(Problem<P>{.size = d, .prior = Prior<P>{.variance = P(0x1p40)}});
         std::vector<P> psi(5, P(0.0));
         P y1(0.0), y2(0.0), u1(0.0), u2(0.0), xi(0.0), J(0.0);
-        constexpr Index settle = 50;    // until the system has forgotten its rest: 0.84^50
-        for (Index k = -settle; k < N; ++k) {
+        constexpr Index burn_in = 50;    // until the system has forgotten its rest: 0.84^50
+        for (Index k = -burn_in; k < N; ++k) {
             std::array<double, 8> input, noise;
             for (double& x : input) x = seed.next() >> 63 ? 1.0 : -1.0;
             for (double& x : noise) x = sigma * seed.bell();
@@ -114,7 +114,7 @@ Study const estimate_statistics{
     .source = "docs/theory.md 5 to 8; Söderström & Stoica 1989, ch. 7 (cited, not read); for the bias of autoregressions Kendall 1954, "
               "Marriott & Pope 1954 (cited, not read)",
     .formula = R"tex(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})tex",
-    .reading = "A system of second order with past outputs among its regressors, and its finite impulse response without them, both in white noise; and "
+    .interpretation = "A system of second order with past outputs among its regressors, and its finite impulse response without them, both in white noise; and "
                "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors depend on old noise, so that "
                "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, which falls as "
                "the root of N only. In coloured noise the bias stays whatever N. Each test's false-alarm probability is that of |z| > 4.5: 7e-6.",

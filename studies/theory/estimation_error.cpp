@@ -6,7 +6,7 @@ namespace rlslab {
 namespace {
 
 /// Without noise theta~ = theta - theta_k obeys theta~_k = (I - K psi') theta~_{k-1}: in 257 bits, as the recursion says it.
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Index const d = 4, rows = trial.full() ? 200 : 60;
     Records const records = delay_line(d, rows, trial.number("pole"), trial.seed({"pole", "replicate"}), 0);
     auto const filter = trial.entry("information", "reference").make({.size = d, .prior = Prior<double>{.variance = 100}}, Seed{1});
@@ -19,7 +19,7 @@ void measure(Trial const& trial, Measured& out) {
     Vector<Reference> error = truth;
     Reference V = square(error, error) / 100, length = sqrt(square(error, error));
     for (Index k = 0; k < rows; ++k) {
-        filter->update(records.row(k), records.y[k]);
+        filter->update(records.sample(k), records.y[k]);
         error = truth - filter->theta();
         Vector<Reference> const x = filter->stored().F.lazyProduct(error);    // P^-1 theta~
         Reference const now = square(error, x), size = sqrt(square(error, error));
@@ -36,7 +36,7 @@ Study const estimation_error{
     .question = "Does the estimation error ever grow when there is no noise?",
     .source = "derived (docs/theory.md 18, 19, 23, 25)",
     .formula = R"tex(\tilde\theta_k = (I - K\psi^\top)\tilde\theta_{k-1} = A_k\tilde\theta_{k-1}, \; A_k = P_kP_{k-1}^{-1}, \qquad \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \tilde\theta_{k-1}^\top P_{k-1}^{-1}\tilde\theta_{k-1})tex",
-    .reading = "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In the plain norm single steps "
+    .interpretation = "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In the plain norm single steps "
                "do make it longer, and the more the input is coloured the longer, because I - K psi' is no contraction unless psi is an eigenvector of P.",
     .factors = [](Budget budget) {
         return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"replicate", counted(budget == Budget::full ? 50 : 10)}};

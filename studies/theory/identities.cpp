@@ -56,7 +56,7 @@ void run(Q const& lambda, Seed seed, Note note) {
     }
 }
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Q const lambda = tenths(trial.number("lambda"));
     std::vector<std::pair<std::string, std::pair<int, int>>> tally;    // identity: held, of
     auto const note = [&](std::string const& identity, bool holds) {
@@ -88,7 +88,7 @@ y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
 I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \gamma, \quad \det = \gamma, \quad
 \det P_k^{-1} = \lambda^d \det P_{k-1}^{-1} / \gamma \\
 J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",
-    .reading = "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
+    .interpretation = "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
                "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
                "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "
                "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S = P / "

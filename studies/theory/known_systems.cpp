@@ -8,7 +8,7 @@
 namespace rlslab {
 namespace {
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     int const number = int(trial.number("system")), order = 1 + number % 6;
     Seed seed = trial.seed({"system"});
     DifferenceEquation const model = random_stable(order, seed);
@@ -18,15 +18,15 @@ void measure(Trial const& trial, Measured& out) {
     for (double& x : xi) x *= trial.number("noise");
     Signal const y = simulate(model, {u}, xi);
     Records const records = arx_records(u, y, arx_of_order(order));
-    Vector<double> truth(records.size());
+    Vector<double> truth(records.parameters());
     for (int i = 0; i < order; ++i) truth[i] = model.a[size_t(i)];
     for (int i = 0; i <= order; ++i) truth[order + i] = model.b[0][size_t(i)];
     Fit const batch = fit(records);
     double inside = 0;
     for (Index i = 0; i < truth.size(); ++i) inside += batch.low[i] <= truth[i] && truth[i] <= batch.high[i];
     for (Cell const& variant : joined(factor_forms(), {"symmetric", "information"})) {
-        auto const filter = trial.entry(std::get<std::string>(variant)).make({.size = records.size(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
-        filter->absorb(records, 0, records.rows());
+        auto const filter = trial.entry(std::get<std::string>(variant)).make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
+        filter->update_block(records, 0, records.rows());
         Vector<Reference> const theta = filter->theta();
         Reference off = 0, size = 0;
         for (Index i = 0; i < truth.size(); ++i) {
@@ -45,7 +45,7 @@ Study const known_systems{
     .question = "Do known systems come back from their records?",
     .source = "docs/theory.md 1, 4, 6, 8",
     .formula = R"tex(y_k + a_1 y_{k-1} + \dots + a_n y_{k-n} = b_0 u_k + \dots + b_n u_{k-n} + \xi_k)tex",
-    .reading = "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters come back to the "
+    .interpretation = "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters come back to the "
                "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values 95 % of the time.",
     .factors = [](Budget budget) {
         return std::vector<Factor>{{"system", counted(budget == Budget::full ? 200 : 120)}, {"noise", {0.0, 0.1}}};

@@ -15,9 +15,9 @@ namespace {
 
 constexpr Index size = 6, rows = 80;
 
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     Records const records = graded(size, rows, trial.number("kappa"), trial.seed({"kappa", "replicate"}));
-    Exact const exact = certified({.size = size, .prior = std::nullopt}, records, {rows}).front();
+    CertifiedSolution const exact = certified({.size = size, .prior = std::nullopt}, records, {rows}).front();
     auto const error = [&](Vector<double> const& theta) {
         double const digits = exact.theta_digits(theta.cast<Reference>());
         return digits == digits ? correctly::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
@@ -65,7 +65,7 @@ Study const order_recursion{
     .source = "derived (docs/theory.md 9 to 11, 46); equality with batch at every order is exact in rationals (test "
               "OrderRecursive.EqualsBatchAtEveryOrderInRationals)",
     .formula = R"tex(P_{d+1} = \begin{bmatrix} P + \beta g g^\top & -\beta g \\ -\beta g^\top & \beta \end{bmatrix}, \quad g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
-    .reading = "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it does not lose "
+    .interpretation = "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it does not lose "
                "digits as the square of the condition number, as is usually said of it and as the normal equations factored afresh (information) do, but as the "
                "fourth power: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, kappa^2 times smaller than its terms, "
                "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as the condition "

@@ -23,7 +23,7 @@ std::vector<int> prbs(int m) {
 }
 
 /// The Gram matrix of n delays over one period, circular: entry (i, j) is R(i - j).
-void measure(Trial const& trial, Measured& out) {
+void measure(Trial const& trial, TrialOutput& out) {
     int const m = int(trial.number("m"));
     std::vector<int> const x = prbs(m);
     size_t const period = x.size();
@@ -76,7 +76,7 @@ Study const prbs_gram{
     .formula = R"tex(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
 \text{eigenvalues } M + 1\ (n - 1 \text{ times}),\ M + 1 - n, \quad
 \kappa_P = \frac{M + 1}{M + 1 - n})tex",
-    .reading = "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
+    .interpretation = "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
                "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
                "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "
                "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + Gram matrix.",

@@ -83,7 +83,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
                 source.read(i * part, block.leftCols(here));
-                feed(newer, block.topRows(source.size()).leftCols(here), block.row(source.size()).head(here).transpose());
+                process(newer, block.topRows(source.size()).leftCols(here), block.row(source.size()).head(here).transpose());
                 std::unique_lock lock(mutex);
                 turn.wait(lock, [&] { return merged == i || failure; });
                 if (failure) return;

@@ -32,6 +32,6 @@ using Arithmetics = std::conditional_t<std::numeric_limits<long double>::digits 
 /// Behind them one that is no format: significands of any length, for the studies.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
 template <int I>
-using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<Bits>{}))>;
+using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<VariablePrecision>{}))>;
 
 }  // namespace rlslab

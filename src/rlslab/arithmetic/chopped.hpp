@@ -41,18 +41,18 @@ class Chopped {
     static_assert(fits_in_double(F));
     double value_ = 0;
 
-    struct Exact {};
-    Chopped(double x, Exact) : value_(x) {}
+    struct AlreadyRounded {};
+    Chopped(double x, AlreadyRounded) : value_(x) {}
 
     /// `tail` is called only where the rounding asks for it.
     template <class Tail>
     static Chopped rounded(double head, Tail&& tail) {
         if constexpr (R == Rounding::nearest)
-            return {round_to_nearest<F>(head), Exact{}};
+            return {round_to_nearest<F>(head), AlreadyRounded{}};
         else if constexpr (R == Rounding::toward_zero)
-            return {round_toward_zero<F>(head, tail()), Exact{}};
+            return {round_toward_zero<F>(head, tail()), AlreadyRounded{}};
         else
-            return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), Exact{}};
+            return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), AlreadyRounded{}};
     }
     static double none() { return 0; }
 
@@ -76,7 +76,7 @@ public:
             return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
         });
     }
-    friend Chopped operator-(Chopped a) { return {-a.value_, Exact{}}; }
+    friend Chopped operator-(Chopped a) { return {-a.value_, AlreadyRounded{}}; }
     friend Chopped sqrt(Chopped a) {
         double const x = a.value_, root = std::sqrt(x);
         return rounded(root, [=] {    // x - root^2 = (sqrt(x) - root) (sqrt(x) + root), exact
@@ -89,7 +89,7 @@ public:
     Chopped& operator*=(Chopped b) { return *this = *this * b; }
     Chopped& operator/=(Chopped b) { return *this = *this / b; }
 
-    friend Chopped abs(Chopped a) { return {detail::magnitude(a.value_), Exact{}}; }
+    friend Chopped abs(Chopped a) { return {detail::magnitude(a.value_), AlreadyRounded{}}; }
     friend bool isfinite(Chopped a) { return detail::is_number(a.value_); }
     friend bool operator==(Chopped const&, Chopped const&) = default;
     friend auto operator<=>(Chopped const&, Chopped const&) = default;
@@ -124,12 +124,12 @@ struct Aside<Chopped<F, Rounding::stochastic>> {
 using Half = Chopped<binary16>;
 using HalfZero = Chopped<binary16, Rounding::toward_zero>;
 using HalfStochastic = Chopped<binary16, Rounding::stochastic>;
-using Brain = Chopped<bfloat16>;
-using BrainZero = Chopped<bfloat16, Rounding::toward_zero>;
-using BrainStochastic = Chopped<bfloat16, Rounding::stochastic>;
-using Tensor = Chopped<tf32>;
-using TensorZero = Chopped<tf32, Rounding::toward_zero>;
-using TensorStochastic = Chopped<tf32, Rounding::stochastic>;
+using BFloat16 = Chopped<bfloat16>;
+using BFloat16Zero = Chopped<bfloat16, Rounding::toward_zero>;
+using BFloat16Stochastic = Chopped<bfloat16, Rounding::stochastic>;
+using Tf32 = Chopped<tf32>;
+using Tf32Zero = Chopped<tf32, Rounding::toward_zero>;
+using Tf32Stochastic = Chopped<tf32, Rounding::stochastic>;
 
 /// As on the command line; formats without a name of their own are "chopped".
 constexpr std::string_view name_of(Format format, Rounding rounding) {

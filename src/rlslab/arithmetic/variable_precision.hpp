@@ -11,19 +11,19 @@
 
 namespace rlslab {
 
-/// While one is alive, this thread's Bits have so many bits, 2 to 53; then as many as before. Outside of any: 53.
-class [[nodiscard]] Precision {
+/// While one is alive, this thread's VariablePrecision have so many bits, 2 to 53; then as many as before. Outside of any: 53.
+class [[nodiscard]] PrecisionScope {
     static inline constinit thread_local int current_ = 53;
     int previous_;
 
 public:
-    explicit Precision(int bits) : previous_(current_) {
+    explicit PrecisionScope(int bits) : previous_(current_) {
         if (bits < 2 || bits > 53) throw std::invalid_argument("expected 2 to 53 bits of precision");
         current_ = bits;
     }
-    ~Precision() { current_ = previous_; }
-    Precision(Precision const&) = delete;
-    Precision& operator=(Precision const&) = delete;
+    ~PrecisionScope() { current_ = previous_; }
+    PrecisionScope(PrecisionScope const&) = delete;
+    PrecisionScope& operator=(PrecisionScope const&) = delete;
     static int bits() { return current_; }
 };
 
@@ -38,70 +38,70 @@ inline double round_to_bits(double head, double tail, int p) {
     return from_bits(below + (up ? ulp : 0));
 }
 
-/// How many bits it takes, asked as one run after another: what Precision says when an operation is done.
-class Bits {
+/// How many bits it takes, asked as one run after another: what PrecisionScope says when an operation is done.
+class VariablePrecision {
     double value_ = 0;
-    struct Exact {};
-    Bits(double x, Exact) : value_(x) {}
-    static Bits rounded(double head, double tail) { return {round_to_bits(head, tail, Precision::bits()), Exact{}}; }
+    struct AlreadyRounded {};
+    VariablePrecision(double x, AlreadyRounded) : value_(x) {}
+    static VariablePrecision rounded(double head, double tail) { return {round_to_bits(head, tail, PrecisionScope::bits()), AlreadyRounded{}}; }
 
 public:
-    Bits() = default;
-    explicit Bits(double x) : value_(round_to_bits(x, 0, Precision::bits())) {}
+    VariablePrecision() = default;
+    explicit VariablePrecision(double x) : value_(round_to_bits(x, 0, PrecisionScope::bits())) {}
     explicit operator double() const { return value_; }
 
-    friend Bits operator+(Bits a, Bits b) {    // Knuth's TwoSum: the tail is exact
+    friend VariablePrecision operator+(VariablePrecision a, VariablePrecision b) {    // Knuth's TwoSum: the tail is exact
         double const x = a.value_, y = b.value_, sum = x + y, of_y = sum - x, of_x = sum - of_y;
         return rounded(sum, (x - of_x) + (y - of_y));
     }
-    friend Bits operator-(Bits a, Bits b) { return a + -b; }
-    friend Bits operator*(Bits a, Bits b) {
+    friend VariablePrecision operator-(VariablePrecision a, VariablePrecision b) { return a + -b; }
+    friend VariablePrecision operator*(VariablePrecision a, VariablePrecision b) {
         double const product = a.value_ * b.value_;
         return rounded(product, std::fma(a.value_, b.value_, -product));
     }
-    friend Bits operator/(Bits a, Bits b) {    // the remainder is exact
+    friend VariablePrecision operator/(VariablePrecision a, VariablePrecision b) {    // the remainder is exact
         double const quotient = a.value_ / b.value_;
         return rounded(quotient, quotient == 0 ? 0.0 : std::fma(-quotient, b.value_, a.value_) / b.value_);
     }
-    friend Bits operator-(Bits a) { return {-a.value_, Exact{}}; }
-    friend Bits sqrt(Bits a) {
+    friend VariablePrecision operator-(VariablePrecision a) { return {-a.value_, AlreadyRounded{}}; }
+    friend VariablePrecision sqrt(VariablePrecision a) {
         double const root = std::sqrt(a.value_);
         return rounded(root, std::fma(-root, root, a.value_));
     }
-    Bits& operator+=(Bits b) { return *this = *this + b; }
-    Bits& operator-=(Bits b) { return *this = *this - b; }
-    Bits& operator*=(Bits b) { return *this = *this * b; }
-    Bits& operator/=(Bits b) { return *this = *this / b; }
+    VariablePrecision& operator+=(VariablePrecision b) { return *this = *this + b; }
+    VariablePrecision& operator-=(VariablePrecision b) { return *this = *this - b; }
+    VariablePrecision& operator*=(VariablePrecision b) { return *this = *this * b; }
+    VariablePrecision& operator/=(VariablePrecision b) { return *this = *this / b; }
 
-    friend Bits abs(Bits a) { return {detail::magnitude(a.value_), Exact{}}; }
-    friend bool isfinite(Bits a) { return detail::is_number(a.value_); }
-    friend bool operator==(Bits const&, Bits const&) = default;
-    friend auto operator<=>(Bits const&, Bits const&) = default;
+    friend VariablePrecision abs(VariablePrecision a) { return {detail::magnitude(a.value_), AlreadyRounded{}}; }
+    friend bool isfinite(VariablePrecision a) { return detail::is_number(a.value_); }
+    friend bool operator==(VariablePrecision const&, VariablePrecision const&) = default;
+    friend auto operator<=>(VariablePrecision const&, VariablePrecision const&) = default;
 };
 
 template <>
-struct Carried<Bits> {
-    int bits = Precision::bits();
-    struct Part : Precision {
-        Part(Carried const& carried, std::uint64_t) : Precision(carried.bits) {}
+struct Carried<VariablePrecision> {
+    int bits = PrecisionScope::bits();
+    struct Part : PrecisionScope {
+        Part(Carried const& carried, std::uint64_t) : PrecisionScope(carried.bits) {}
     };
 };
 
 template <>
-struct ArithmeticTraits<Bits> {
+struct ArithmeticTraits<VariablePrecision> {
     static constexpr std::string_view name = "bits";
     static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
 };
 template <>
-inline int significand_bits<Bits>() {
-    return Precision::bits();
+inline int significand_bits<VariablePrecision>() {
+    return PrecisionScope::bits();
 }
 
 }  // namespace rlslab
 
 template <>
-struct Eigen::NumTraits<rlslab::Bits> : rlslab::detail::StorageTraits<rlslab::Bits> {
-    using Number = rlslab::Bits;
+struct Eigen::NumTraits<rlslab::VariablePrecision> : rlslab::detail::StorageTraits<rlslab::VariablePrecision> {
+    using Number = rlslab::VariablePrecision;
     static Number highest() { return Number(std::numeric_limits<double>::max()); }
     static Number lowest() { return -highest(); }
     static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }

@@ -41,22 +41,22 @@ template <class F>
 concept StartsWithoutPrior = RecursiveLeastSquares<F> && F::starts_without_prior;
 
 /// What an update does with its gain unless told otherwise: nothing.
-struct Undisturbed {
+struct NoPerturbation {
     template <class K>
     void operator()(K&) const {}
 };
 
-/// Uses K in the update of P, and lets it be changed just before: update(psi, y, disturb) calls disturb(K).
+/// Uses K in the update of P, and lets it be changed just before: update(psi, y, perturb) calls perturb(K).
 template <class F>
-concept TakesGainError = ReportsCovariance<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
-    { f.update(psi, y, Undisturbed{}) } -> std::same_as<Step<typename F::scalar>>;
+concept GainPerturbable = ReportsCovariance<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+    { f.update(psi, y, NoPerturbation{}) } -> std::same_as<Step<typename F::scalar>>;
 };
 
-/// Takes one row without reporting on it, for those whose report costs more than the row: take(psi, y) leaves what
+/// Takes one row without reporting on it, for those whose report costs more than the row: accumulate(psi, y) leaves what
 /// update(psi, y) leaves, bit for bit (where rounding is not at random). Breakdown that lasts shows at the next update and in theta().
 template <class F>
-concept TakesUnreported = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
-    { f.take(psi, y) } -> std::same_as<void>;
+concept Accumulates = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+    { f.accumulate(psi, y) } -> std::same_as<void>;
 };
 
 /// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row; says how it stands after the last.
@@ -64,7 +64,7 @@ template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> &&
                       requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
                           { F::block } -> std::convertible_to<Index>;
-                          { f.absorb(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
+                          { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
                       };
 
 /// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,

@@ -14,10 +14,10 @@ struct Records {
     Vector<double> y;                  ///< N
     std::vector<std::string> names;    ///< d: what each parameter multiplies, for people ("-y[k-1]", "u[k]", "income")
     Index skipped = 0;                 ///< rows left out because a value they need was missing
-    Index lead_in = 0;                 ///< rows at the start without the history a regressor needs; not among skipped
-    Index size() const { return psi.rows(); }
+    Index presample = 0;               ///< rows at the start without the history a regressor needs; not among skipped
+    Index parameters() const { return psi.rows(); }
     Index rows() const { return psi.cols(); }
-    Regressor<double> row(Index k) const { return {psi.col(k).data(), psi.rows()}; }
+    Regressor<double> sample(Index k) const { return {psi.col(k).data(), psi.rows()}; }
 };
 
 }  // namespace rlslab

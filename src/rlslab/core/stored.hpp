@@ -12,14 +12,14 @@ namespace rlslab {
 /// is charged to the variant.
 template <class T>
 struct Stored {
-    enum class Of { covariance, information } of;
-    enum class Kind { plain, factor } kind;
+    enum class Quantity { covariance, information } quantity;
+    enum class Form { plain, factor } form;
     Matrix<T> F;
     Vector<T> D = {};    ///< size 0: the identity
 
     template <class To, class Convert>
     Stored<To> mapped(Convert convert) const {
-        return {static_cast<typename Stored<To>::Of>(of), static_cast<typename Stored<To>::Kind>(kind),
+        return {static_cast<typename Stored<To>::Quantity>(quantity), static_cast<typename Stored<To>::Form>(form),
                 F.unaryExpr(convert).template cast<To>(), D.unaryExpr(convert).template cast<To>()};
     }
 };

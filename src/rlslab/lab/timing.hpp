@@ -26,15 +26,15 @@ double nanoseconds_of(Work&& work) {
 enum class Theta { unasked, asked };
 
 /// Nanoseconds for rows first ... last-1, one by one; where theta is not asked for, without a report if that is dear (f.take,
-/// see TakesUnreported). Anything with update(psi, y) and theta() will do. The caller restarts
+/// see Accumulates). Anything with update(psi, y) and theta() will do. The caller restarts
 /// the filter between stretches: some variants stop being finite after a few thousand rows, and NaN is fast.
 template <Theta theta, class F, class T = typename F::scalar>
 double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first, Index last) {
     return nanoseconds_of([&] {
         for (Index k = first; k < last; ++k) {
             Regressor<T> const row(psi.col(k).data(), psi.rows());
-            if constexpr (theta == Theta::unasked && requires { filter.take(row, y[k]); })
-                filter.take(row, y[k]);
+            if constexpr (theta == Theta::unasked && requires { filter.accumulate(row, y[k]); })
+                filter.accumulate(row, y[k]);
             else
                 filter.update(row, y[k]);
             if constexpr (theta == Theta::asked) {

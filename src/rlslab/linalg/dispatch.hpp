@@ -18,7 +18,7 @@
 namespace rlslab::kernels {
 
 /// The rows [first, last) of a block.
-struct Present {
+struct RowRange {
     Index first, last;
 };
 
@@ -116,7 +116,7 @@ struct SubtractRankOne {
     Index d, ld;
     T* A;
     T const *w, *f;
-    T excess;
+    T correction;
     T at(Index j) const { return f[j]; }
 };
 template <class T>
@@ -125,7 +125,7 @@ struct SubtractMirrored {
     Index d, ld;
     T* A;
     T const *w, *f;
-    T excess;
+    T correction;
 };
 template <class T>
 struct SubtractRankTwo {
@@ -133,7 +133,7 @@ struct SubtractRankTwo {
     Index d, ld;
     T* A;
     T const *x, *g;
-    T excess;
+    T correction;
 };
 /// Of an upper triangle A, with w running along its rows from zero.
 template <class T>
@@ -158,7 +158,7 @@ struct SweepCarlson : OverTriangle<T> {
         T f, keep, mix;
     };
     T const *f, *keep, *mix;
-    T excess;
+    T correction;
     At at(Index j) const { return {f[j], keep[j], mix[j]}; }
 };
 template <class T>
@@ -167,7 +167,7 @@ struct SweepRotations : OverTriangle<T> {
         T c, s;
     };
     T const *c, *s;
-    T excess;
+    T correction;
     At at(Index j) const { return {c[j], s[j]}; }
 };
 template <class K>
@@ -282,23 +282,23 @@ inline constexpr int register_bytes = 16;
 
 /// Runs the kernel on a square or columns of size N: inline for the smallest fixed sizes, where a call would be felt.
 template <class T, int N, class Kernel>
-[[gnu::always_inline]] inline void run(Kernel const& kernel) {
+[[gnu::always_inline]] inline void run_kernel(Kernel const& kernel) {
     using namespace kernels;
     if constexpr (!Hardware<T>) {
-        portable::run<portable::Any<Kernel, T>>(kernel);
+        portable::evaluate<portable::Any<Kernel, T>>(kernel);
     } else if constexpr (N != Dynamic && N <= 4) {
-        portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+        portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
     } else if constexpr (N != Dynamic && N <= 8) {
-        portable::run<portable::Simd<T, register_bytes>>(kernel);
+        portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
         if constexpr (!OnColumns<Kernel>)
-            if (kernel.d <= 4) return portable::run<portable::Simd<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+            if (kernel.d <= 4) return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
-            if (kernel.d <= 16) return portable::run<portable::Simd<T, register_bytes>>(kernel);
+            if (kernel.d <= 16) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
 #if defined(__x86_64__) && !defined(__AVX2__)
-        if (isa == Isa::avx2) return avx2::call<avx2::InRegisters<Kernel, T, 32>>(kernel);
+        if (isa == Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
-        portable::call<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
+        portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
     }
 }
 

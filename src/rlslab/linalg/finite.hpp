@@ -9,9 +9,9 @@
 namespace rlslab {
 
 template <Field T, int N>
-Truth<T> all_finite(Column<T, N> const& x) {
+Truth<T> all_finite(StateVector<T, N> const& x) {
     Truth<T> out = true;
-    run<T, N>(kernels::AllFinite<T>{{x.size(), x.data(), nullptr}, &out});
+    run_kernel<T, N>(kernels::AllFinite<T>{{x.size(), x.data(), nullptr}, &out});
     return out;
 }
 
@@ -24,7 +24,7 @@ Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
 
 /// The report of a form that keeps theta. K is finite where theta + K e is.
 template <Field T, int N>
-Step<T> report(T const& innovation, T const& lambda, T const& s, Column<T, N> const& theta) {
+Step<T> report(T const& innovation, T const& lambda, T const& s, StateVector<T, N> const& theta) {
     return if_finite(all_finite(theta), report(innovation, lambda, s));
 }
 
@@ -74,8 +74,8 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
 
 /// Whether theta, which is kept, is finite, and K, solved for from X = L diag(D) L', and the pivots. x is workspace.
 template <Field T, int N>
-Truth<T> answers_finite(Square<T, N> const& X, Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& theta, Column<T, N> const& psi,
-                        Column<T, N>& x) {
+Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta, StateVector<T, N> const& psi,
+                        StateVector<T, N>& x) {
     if constexpr (!Real<T>) return true;    // the rationals are finite
     using Bound = BoundOf<T>;
     Truth<T> const kept = all_finite(theta) && all_finite(D);
@@ -91,35 +91,35 @@ Truth<T> answers_finite(Square<T, N> const& X, Square<T, N> const& L, Column<T, 
 template <Field T, int N = Dynamic>
 class Lengths {
     using Bound = BoundOf<T>;
-    Column<Bound, N> squares_;
+    StateVector<Bound, N> squares_;
     Bound right_ = Bound(0);
     Truth<T> determined_ = false;
 
     static Bound square(T const& x) { return Bound(x) * Bound(x); }
 
     /// lambda n_j^2 + psi_j^2, kept as they are asked for.
-    auto with(T const& lambda, Column<T, N> const& psi, T const& y) {
+    auto with(T const& lambda, StateVector<T, N> const& psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
         return [squares = squares_.data(), psi = psi.data(), weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
     }
     /// Solves in place, leaving no trace, and looks.
     template <class Solve>
-    static Truth<T> solved_finitely(Column<T, N> const& right, Column<T, N>& x, Solve solve) {
+    static Truth<T> solved_finitely(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
         Aside<T> const aside;
         x = right;
         solve(x);
         return all_finite(x);
     }
-    [[gnu::noinline]] Truth<T> solved(Square<T, N> const& L, Column<T, N> const& z, Column<T, N> const& psi, Column<T, N>& x) {
+    [[gnu::noinline]] Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
         determined_ = nonsingular(L);
         Truth<T> out = solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
         out = out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, b); });
         for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
         return out;
     }
-    [[gnu::noinline]] static Truth<T> solved(Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& z, Column<T, N> const& psi,
-                                             Column<T, N>& x) {
+    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                                             StateVector<T, N>& x) {
         Truth<T> out = all_finite(D) && solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
         return out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, D, b); });
     }
@@ -127,14 +127,14 @@ class Lengths {
 public:
     explicit Lengths(Index size) : squares_(size) {}
 
-    void start(Square<T, N> const& L, Column<T, N> const& z) {
+    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
         for (Index i = 0; i < z.size(); ++i) {
             for (Index j = i; j < z.size(); ++j) squares_[j] += square(L(j, i));
             right_ += square(z[i]);
         }
         determined_ = nonsingular(L);
     }
-    void start(Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& z) {
+    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z) {
         for (Index i = 0; i < z.size(); ++i) {
             for (Index j = i; j < z.size(); ++j) squares_[j] += Bound(D[i]) * square(L(j, i));
             right_ += Bound(D[i]) * square(z[i]);
@@ -142,13 +142,13 @@ public:
     }
 
     /// The row [psi' y] came under sqrt(lambda) [R z]: whether theta and K, solved for, are finite and so are the pivots. x is workspace.
-    Truth<T> take(T const& lambda, Column<T, N> const& psi, T const& y, Square<T, N> const& L, Column<T, N> const& z, Column<T, N>& x) {
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    Truth<T> take(T const& lambda, Column<T, N> const& psi, T const& y, Square<T, N> const& L, Column<T, N> const& D, Column<T, N> const& z,
-                  Column<T, N>& x) {
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z,
+                  StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
     }
@@ -162,7 +162,7 @@ public:
             for (Index k = 0; k < A.rows(); ++k) length += square(A(k, j));
         }
     }
-    Truth<T> finite(Square<T, N> const& L, Column<T, N> const& z, Column<T, N> const& psi, Column<T, N>& x) {
+    Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;

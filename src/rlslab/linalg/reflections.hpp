@@ -21,7 +21,7 @@ T power(T x, Index n) {
 
 /// A = the rows [psi' y], the oldest first, row k times root^(B-1-k). Returns root^B.
 template <Field T>
-T weigh(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
+T weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
     Index const d = psi.rows();
     A.resize(y.size(), d + 1);
     T weight = T(1);
@@ -41,7 +41,7 @@ T weigh(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const&
 /// A's last column becomes eta. Returns the product of |R_ii / r|. A zero column asks for no reflection.
 /// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
-T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
+T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
     Index const d = z.size(), rows = A.rows();
     for (Index i = 0; i < d; ++i) {
         for (Index j = i; j < d; ++j) L(j, i) *= weight;
@@ -52,22 +52,22 @@ T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Rows<T>& A) {
         T* const v = A.col(i).data();
         T const a = L(i, i);
         T squares = T(0);
-        run<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
+        run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
         Reflector<T> const turn(a, norm(a, squares, v, rows));                                           // (1)
         if (all(turn.tau == T(0))) continue;
-        run<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
+        run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
         L(i, i) = turn.r;
-        ratio *= turn.shrunk(a);
-        run<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
+        ratio *= turn.cosine(a);
+        run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
     }
     return ratio;
 }
 
 /// The same of one row [x' eta], along the rows of R: x becomes v, eta the last number. Returns sqrt(gamma).
 template <Real T, int N>
-T fold(T const& weight, Square<T, N>& L, Column<T, N>& z, Column<T, N>& x, T& eta, Column<T, N>& tau) {
+T reflect_row_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, StateVector<T, N>& x, T& eta, StateVector<T, N>& tau) {
     T ratio = T(1);
-    run<T, N>(kernels::ReflectIn<T>{z.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, tau.data(), &ratio, weight});
+    run_kernel<T, N>(kernels::ReflectIn<T>{z.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, tau.data(), &ratio, weight});
     return ratio;
 }
 

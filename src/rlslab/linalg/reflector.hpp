@@ -53,7 +53,7 @@ struct Reflector {
         pivot = select(nothing, T(1), T(a - r));
     }
     /// |a / r|, the cosine.
-    [[gnu::always_inline]] T shrunk(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
+    [[gnu::always_inline]] T cosine(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
 };
 
 }  // namespace rlslab

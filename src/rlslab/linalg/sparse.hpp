@@ -40,8 +40,8 @@ inline SparseRows start_information(Problem<double> const& problem, Vector<doubl
         L.setIdentity();
         return L;
     }
-    Square<double> dense(problem.size);
-    Column<double> pivots(problem.size);
+    StateMatrix<double> dense(problem.size);
+    StateVector<double> pivots(problem.size);
     start_information(problem, dense, pivots);
     D = pivots.view();
     return dense.view().sparseView();

@@ -23,7 +23,7 @@ inline bool has_pivots(SparseTriangle const& R) {
 
 /// Folds the rows psi' with right-hand sides y into [R z]: R and the rows are stacked and factored, columns in their order,
 /// none dropped. Memory and time follow the fill of R and of the reflections.
-inline void fold(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {
+inline void append_rows(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {
     Index const d = R.cols();
     std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
     entries.reserve(size_t(R.nonZeros() + psi.nonZeros()));

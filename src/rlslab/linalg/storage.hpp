@@ -67,13 +67,13 @@ struct MovedSize {
 
 /// d numbers, zero at first.
 template <class T, int N = Dynamic>
-class Column {
+class StateVector {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
     detail::MovedSize size_;
 
 public:
-    explicit Column(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
+    explicit StateVector(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
     Index size() const { return N == Dynamic ? size_.value : N; }
     T* data() { return buffer_.values.data(); }
     T const* data() const { return buffer_.values.data(); }
@@ -84,13 +84,13 @@ public:
 
 /// d x d numbers by columns, zero at first.
 template <class T, int N = Dynamic>
-class Square {
+class StateMatrix {
     static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
     detail::MovedSize size_;
 
 public:
-    explicit Square(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
+    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
     Index size() const { return N == Dynamic ? size_.value : N; }
     Index stride() const { return padded<T, N>(size()); }    ///< from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }

@@ -10,7 +10,7 @@ namespace rlslab {
 /// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
 /// Returns false when a pivot is not positive (the factors are then meaningless).
 template <Field T, int N>
-Truth<T> factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
+Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     Truth<T> positive = true;
     for (Index j = D.size() - 1; j >= 0; --j) {
         D[j] = X(j, j);
@@ -26,7 +26,7 @@ Truth<T> factor_udu(Matrix<T> X, Square<T, N>& U, Column<T, N>& D) {
 /// X = L diag(D) L' with L unit lower triangular (root-free Cholesky); X's lower triangle is read.
 /// Returns false when a pivot is not positive.
 template <Field T, int N>
-Truth<T> factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
+Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<T, N>& D) {
     Index const d = D.size();
     Truth<T> positive = true;
     for (Index j = 0; j < d; ++j)
@@ -46,7 +46,7 @@ Truth<T> factor_ldl(Square<T, N> const& X, Square<T, N>& L, Column<T, N>& D) {
 
 /// No zero on the diagonal.
 template <Field T, int N>
-Truth<T> nonsingular(Square<T, N> const& L) {
+Truth<T> nonsingular(StateMatrix<T, N> const& L) {
     Truth<T> out = true;
     for (Index i = 0; i < L.size(); ++i) out = out && !(L(i, i) == T(0));
     return out;
@@ -54,7 +54,7 @@ Truth<T> nonsingular(Square<T, N> const& L) {
 
 /// Solves L x = x in place, L lower triangular.
 template <Field T, int N, class X>
-void solve_lower(Square<T, N> const& L, X& x) {
+void solve_lower(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) {
         x[i] /= L(i, i);
@@ -64,7 +64,7 @@ void solve_lower(Square<T, N> const& L, X& x) {
 
 /// Solves L'x = x in place, L lower triangular.
 template <Field T, int N, class X>
-void solve_lower_transposed(Square<T, N> const& L, X& x) {
+void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = d - 1; i >= 0; --i) {
         if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x.data() + i + 1, d - i - 1);
@@ -74,7 +74,7 @@ void solve_lower_transposed(Square<T, N> const& L, X& x) {
 
 /// Solves L diag(D) L'x = x in place; what is not positive has no solution: NaN.
 template <Field T, int N>
-void solve_ldl(Square<T, N> const& L, Column<T, N> const& D, Truth<T> const& positive, Column<T, N>& x) {
+void solve_ldl(StateMatrix<T, N> const& L, StateVector<T, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
     solve_lower(L, x);
     for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], T(1))), undefined<T>());
     solve_lower_transposed(L, x);
@@ -82,13 +82,13 @@ void solve_ldl(Square<T, N> const& L, Column<T, N> const& D, Truth<T> const& pos
 
 /// out = L'x, L lower triangular.
 template <Field T, int N>
-void multiply_lower_transposed(Square<T, N> const& L, Column<T, N> const& x, Column<T, N>& out) {
+void multiply_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& x, StateVector<T, N>& out) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) out[i] = dot(L.column(i) + i, x.data() + i, d - i);
 }
 
 template <Field T, int N>
-Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> const& b) {
+Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
     solve_lower_transposed(L, x);
     return x;
@@ -96,18 +96,18 @@ Vector<T, N> solved_lower_transposed(Square<T, N> const& L, Column<T, N> const& 
 
 /// Solves L L'x = x and L diag(D) L'x = x in place.
 template <Field T, int N, class X>
-void solve_outer(Square<T, N> const& L, X& x) {
+void solve_outer(StateMatrix<T, N> const& L, X& x) {
     solve_lower(L, x);
     solve_lower_transposed(L, x);
 }
 template <Field T, int N, class X>
-void solve_outer(Square<T, N> const& L, Column<T, N> const& D, X& x) {
+void solve_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& D, X& x) {
     solve_lower(L, x);
     for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
     solve_lower_transposed(L, x);
 }
 template <Field T, int N>
-Vector<T, N> solved_outer(Square<T, N> const& L, Column<T, N> const& b) {
+Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
     solve_outer(L, x);
     return x;
@@ -115,21 +115,21 @@ Vector<T, N> solved_outer(Square<T, N> const& L, Column<T, N> const& b) {
 
 /// A A' and A diag(D) A'.
 template <Field T, int N>
-Matrix<T, N> outer(Square<T, N> const& A) {
-    Square<T, N> out(A.size());
+Matrix<T, N> outer(StateMatrix<T, N> const& A) {
+    StateMatrix<T, N> out(A.size());
     multiply_by_transposed(A, A, out);
     return out.view();
 }
 template <Field T, int N>
-void outer(Square<T, N> const& A, Column<T, N> const& D, Square<T, N>& out) {
-    Square<T, N> AD = A;
+void outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D, StateMatrix<T, N>& out) {
+    StateMatrix<T, N> AD = A;
     for (Index j = 0; j < D.size(); ++j)
         for (Index i = 0; i < D.size(); ++i) AD(i, j) *= D[j];
     multiply_by_transposed(AD, A, out);
 }
 template <Field T, int N>
-Matrix<T, N> outer(Square<T, N> const& A, Column<T, N> const& D) {
-    Square<T, N> out(A.size());
+Matrix<T, N> outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D) {
+    StateMatrix<T, N> out(A.size());
     outer(A, D, out);
     return out.view();
 }

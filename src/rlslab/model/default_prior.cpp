@@ -32,8 +32,8 @@ int scale_exponent(Eigen::Ref<Eigen::RowVectorXd const> const& row) {
 }  // namespace
 
 Vector<double> regressor_scales(Records const& records) {
-    Vector<double> s(records.size());
-    for (Index i = 0; i < records.size(); ++i) s[i] = std::ldexp(1.0, std::clamp(scale_exponent(records.psi.row(i)), -largest_exponent, largest_exponent));
+    Vector<double> s(records.parameters());
+    for (Index i = 0; i < records.parameters(); ++i) s[i] = std::ldexp(1.0, std::clamp(scale_exponent(records.psi.row(i)), -largest_exponent, largest_exponent));
     return s;
 }
 
@@ -53,8 +53,8 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
     std::vector<double> lambdas{1.0};
     if (forgetting != 1) lambdas.push_back(forgetting);
     for (double const lambda : lambdas) {
-        Problem<double> problem{.size = records.size(), .forgetting = lambda, .prior = std::nullopt};
-        Exact const without = certified(problem, records, {records.rows()}).front();
+        Problem<double> problem{.size = records.parameters(), .forgetting = lambda, .prior = std::nullopt};
+        CertifiedSolution const without = certified(problem, records, {records.rows()}).front();
         // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
         double bias;
         for (;;) {
@@ -70,7 +70,7 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
         double worst;
         for (;; out.c *= 2) {
             problem.prior = out.prior();
-            Exact const with = certified(problem, records, {records.rows()}).front();
+            CertifiedSolution const with = certified(problem, records, {records.rows()}).front();
             bias = relative_change(with, without, out.s), worst = largest_relative_change(with, without, out.s);
             if (!(worst > most_bias) || out.c / out.s.minCoeff() >= std::ldexp(1.0, largest_exponent)) break;
         }

@@ -87,8 +87,8 @@ Excitation excitation(Signal const& u, Index most, std::function<void(double)> c
     expects(!u.empty() && most >= 1, "a record, and an order of at least 1");
     Excitation out;
     out.resolution = resolution_of(u);
-    while (out.still < Index(u.size()) && u[size_t(out.still)] == u[0]) ++out.still;
-    if (out.still == 1) out.still = 0;
+    while (out.constant_at_start < Index(u.size()) && u[size_t(out.constant_at_start)] == u[0]) ++out.constant_at_start;
+    if (out.constant_at_start == 1) out.constant_at_start = 0;
     double const noise = out.resolution * std::sqrt(4.0 / 12);    // roots are compared: squares may underflow
     bool unbroken = true;
     for (Index n = 1; n <= most && 2 * n - 1 <= Index(u.size()); ++n) {

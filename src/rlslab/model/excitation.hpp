@@ -31,7 +31,7 @@ struct Excitation {
     Index order = 0;                       ///< the largest n up to which all are definite and resolved
     Index exact_order = 0;                 ///< the largest n up to which all are definite
     double resolution = 0;                 ///< the unit of which all the record's numbers are multiples, as near as they say
-    Index still = 0;                       ///< samples at the start over which the input does not change
+    Index constant_at_start = 0;                       ///< samples at the start over which the input does not change
     std::vector<ExcitationOrder> orders;   ///< n = 1 ... most, or up to the first that is singular
 };
 

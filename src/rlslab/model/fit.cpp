@@ -27,9 +27,9 @@ struct Units {
         return size;
     }
     static int above(double size) { return size > 0 && std::isfinite(size) ? std::ilogb(size) + 1 : 0; }
-    explicit Units(Records const& records) : psi(size_t(records.size()), 0), y(above(size_of(records.y))) {
+    explicit Units(Records const& records) : psi(size_t(records.parameters()), 0), y(above(size_of(records.y))) {
         double most = 0;
-        for (Index j = 0; j < records.size(); ++j) {
+        for (Index j = 0; j < records.parameters(); ++j) {
             double const size = size_of(records.psi.row(j));
             psi[size_t(j)] = above(size);
             most = std::max(most, size);
@@ -40,9 +40,9 @@ struct Units {
 
 /// The records in these units.
 Records scaled(Records const& records, Units const& units) {
-    Records out{.psi = Matrix<double>(records.size(), records.rows()), .y = Vector<double>(records.rows()), .names = {}};
+    Records out{.psi = Matrix<double>(records.parameters(), records.rows()), .y = Vector<double>(records.rows()), .names = {}};
     for (Index k = 0; k < records.rows(); ++k) {
-        for (Index j = 0; j < records.size(); ++j) out.psi(j, k) = std::scalbn(records.psi(j, k), -units.psi[size_t(j)]);
+        for (Index j = 0; j < records.parameters(); ++j) out.psi(j, k) = std::scalbn(records.psi(j, k), -units.psi[size_t(j)]);
         out.y[k] = std::scalbn(records.y[k], -units.y);
     }
     return out;
@@ -50,10 +50,10 @@ Records scaled(Records const& records, Units const& units) {
 
 /// R = L' and z = Q'Y, blocks of rows folded in one after another.
 struct Triangle {
-    Square<double> L;
-    Column<double> z;
-    explicit Triangle(Records const& records) : L(records.size()), z(records.size()) {
-        Index const d = records.size(), N = records.rows();
+    StateMatrix<double> L;
+    StateVector<double> z;
+    explicit Triangle(Records const& records) : L(records.parameters()), z(records.parameters()) {
+        Index const d = records.parameters(), N = records.rows();
         constexpr Index block = 64;
         Rows<double> A;
         for (Index k = 0; k < N; k += block) {
@@ -63,17 +63,17 @@ struct Triangle {
                 for (Index j = 0; j < d; ++j) A(i, j) = records.psi(j, k + i);
                 A(i, d) = records.y[k + i];
             }
-            fold(1.0, L, z, A);
+            reflect_block_into(1.0, L, z, A);
         }
     }
 };
 
 /// (R'R)^-1 = R^-1 R^-T, a column at a time.
-Matrix<double> inverse_gram(Square<double> const& L) {
+Matrix<double> inverse_gram(StateMatrix<double> const& L) {
     Index const d = L.size();
     Matrix<double> out(d, d);
     for (Index j = 0; j < d; ++j) {
-        Column<double> unit(d);
+        StateVector<double> unit(d);
         unit[j] = 1;
         out.col(j) = solved_outer(L, unit);
     }
@@ -94,7 +94,7 @@ struct Singular {
     int sweeps = 0;
     bool orthogonal = false;
 
-    Singular(Square<double> const& L, Units const& units) : W(L.view()), U(Matrix<double>::Identity(L.size(), L.size())), sigma(L.size()) {
+    Singular(StateMatrix<double> const& L, Units const& units) : W(L.view()), U(Matrix<double>::Identity(L.size(), L.size())), sigma(L.size()) {
         Index const d = L.size();
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) {
@@ -136,16 +136,16 @@ void solve_by_qr(Triangle const& triangle, Fit& out) {
 }
 
 void solve_by_normal_equations(Records const& records, Fit& out) {
-    Index const d = records.size();
-    Square<double> X(d), L(d);
-    Column<double> b(d), D(d);
+    Index const d = records.parameters();
+    StateMatrix<double> X(d), L(d);
+    StateVector<double> b(d), D(d);
     for (Index k = 0; k < records.rows(); ++k)
         for (Index j = 0; j < d; ++j) {
             for (Index i = 0; i < d; ++i) X(i, j) += records.psi(i, k) * records.psi(j, k);
             b[j] += records.psi(j, k) * records.y[k];
         }
     bool const factors = factor_ldl(X, L, D);
-    auto const solved = [&](Column<double> x) {
+    auto const solved = [&](StateVector<double> x) {
         solve_lower(L, x);
         for (Index i = 0; i < d; ++i) x[i] = factors ? x[i] / D[i] : nan;
         solve_lower_transposed(L, x);
@@ -155,7 +155,7 @@ void solve_by_normal_equations(Records const& records, Fit& out) {
     out.theta = solved(b);
     out.covariance.resize(d, d);
     for (Index j = 0; j < d; ++j) {
-        Column<double> unit(d);
+        StateVector<double> unit(d);
         unit[j] = 1;
         out.covariance.col(j) = solved(unit);
     }
@@ -204,7 +204,7 @@ double fit_percent(Vector<double> const& y, Vector<double> const& predicted) {
 }
 
 Fit fit(Records const& given, FitBy by, double confidence, double tolerance) {
-    Index const d = given.size(), N = given.rows();
+    Index const d = given.parameters(), N = given.rows();
     expects(N >= d && d >= 1, "at least as many rows as parameters");
     expects(given.y.size() == N, "an output for each row");
     expects(0 < confidence && confidence < 1, "a confidence in (0, 1)");

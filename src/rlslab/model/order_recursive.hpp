@@ -8,7 +8,7 @@ namespace rlslab {
 /// What appending one column came to. The pivot is the squared residual of x on the columns before it: its size against x'x
 /// says how much new the column brings.
 template <Field T>
-struct Border {
+struct AppendedColumn {
     T pivot, relative;    ///< 1/beta and (1/beta) / x'x
     Health health;        ///< indefinite: pivot <= 0, which no data give but by rounding; nonfinite
 };
@@ -42,7 +42,7 @@ public:
         : Y_(std::move(Y)), residual_(Y_), theta_(most), Phi_(Y_.size(), most), P_(most, most), J_(inner(Y_, Y_)) {}
 
     /// Throws std::invalid_argument for a column of another length or one too many.
-    Border<T> append(Vector<T> const& x) {
+    AppendedColumn<T> append(Vector<T> const& x) {
         Index const d = size_;
         expects(x.size() == Y_.size() && d < theta_.size(), "a column of Y's length, no more than were announced");
         Vector<T> c(d), g(d);

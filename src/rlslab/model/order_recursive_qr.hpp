@@ -34,7 +34,7 @@ public:
 
     /// Throws std::invalid_argument for a column of another length or one too many. A column that brings nothing (pivot 0) is health
     /// indefinite: theta is then not determined.
-    Border<T> append(Vector<T> x) {
+    AppendedColumn<T> append(Vector<T> x) {
         Index const d = size_, N = w_.size();
         expects(x.size() == N && d < tau_.size() && d < N, "a column of Y's length, no more than were announced or fit");
         T const square = dot(x.data(), x.data(), N);
@@ -54,7 +54,7 @@ public:
 
     Index size() const { return size_; }
     Vector<T> theta() const {                                                                            // (4)
-        Square<T> L(size_);
+        StateMatrix<T> L(size_);
         for (Index j = 0; j < size_; ++j)
             for (Index i = j; i < size_; ++i) L(i, j) = L_(i, j);
         Vector<T> x = w_.head(size_);

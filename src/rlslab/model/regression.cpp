@@ -36,9 +36,9 @@ Records collected(std::string const& file, std::span<double const> y, std::vecto
         if (!records.psi.col(used).hasNaN() && !std::isnan(records.y[used])) ++used;
     }
     records.skipped = most - used;
-    records.lead_in = rows - most;
+    records.presample = rows - most;
     if (used < size) {
-        std::string const history = records.lead_in > 0 ? fmt::format(" a lead-in of {} and", records.lead_in) : "";
+        std::string const history = records.presample > 0 ? fmt::format(" a presample of {} and", records.presample) : "";
         fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values",
                                counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), used, history,
                                records.skipped));
@@ -108,7 +108,7 @@ Records arx_records(std::vector<std::span<double const>> const& inputs, std::vec
     for (std::string const& input : input_names)
         for (int i = 0; i <= model.nb; ++i) names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
     if (model.intercept) names.push_back("c");
-    return collected(file, y, std::move(names), model.lead_in(), [&](Index k, std::span<double> psi) {
+    return collected(file, y, std::move(names), model.presample(), [&](Index k, std::span<double> psi) {
         auto next = psi.begin();
         for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];
         for (auto const& u : inputs)

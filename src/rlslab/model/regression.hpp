@@ -21,7 +21,7 @@ struct Arx {
     bool intercept = false;
     int inputs = 1;                ///< >= 1
     Index size() const { return Index(na) + Index(inputs) * (nb + 1) + intercept; }    ///< d
-    Index lead_in() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
+    Index presample() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
 };
 
 /// The model of that order: na = nb = order, no delay, no intercept. Throws InputError unless order >= 1.

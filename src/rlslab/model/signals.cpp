@@ -15,14 +15,14 @@ Signal white_noise(Index n, Seed seed) {
     return out;
 }
 
-Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index settle) {
-    expects(n >= 0 && settle >= 0, "no negative number of samples");
-    Signal x(size_t(n + settle), 0.0);
+Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index burn_in) {
+    expects(n >= 0 && burn_in >= 0, "no negative number of samples");
+    Signal x(size_t(n + burn_in), 0.0);
     for (size_t k = 0; k < x.size(); ++k) {
         x[k] = seed.bell();
         for (size_t i = 1; i <= a.size() && i <= k; ++i) x[k] -= a[i - 1] * x[k - i];
     }
-    return {x.begin() + settle, x.end()};
+    return {x.begin() + burn_in, x.end()};
 }
 
 Signal prbs(int m, Index n, Index hold) {

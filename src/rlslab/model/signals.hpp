@@ -13,9 +13,9 @@ using Signal = std::vector<double>;
 /// n independent numbers, nearly normal of mean 0 and variance 1 (Seed::bell).
 Signal white_noise(Index n, Seed seed);
 
-/// x_k + a_1 x_{k-1} + ... + a_p x_{k-p} = w_k, w white of variance 1: coloured noise, from rest and past `settle` samples.
-/// Throws std::invalid_argument unless n, settle >= 0.
-Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index settle = 1000);
+/// x_k + a_1 x_{k-1} + ... + a_p x_{k-p} = w_k, w white of variance 1: coloured noise, from rest and past `burn_in` samples.
+/// Throws std::invalid_argument unless n, burn_in >= 0.
+Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index burn_in = 1000);
 
 /// A maximal-length register of m = 2 ... 20 cells, +1 and -1, of period M = 2^m - 1: its circular autocorrelation is M at
 /// multiples of M and -1 elsewhere, so that the n x n Gram matrix of one period has the eigenvalues M + 1 (n - 1 times) and

@@ -39,7 +39,7 @@ BallMatrix prior_part(Problem<double> const& problem, long bits) {
 }
 
 /// (1), (2) from the upper triangle of [M b]. False: M was not shown to be positive definite at this precision.
-bool solve(Exact::Enclosure& to, BallMatrix const& normal) {
+bool solve(CertifiedSolution::Enclosure& to, BallMatrix const& normal) {
     Index const d = normal.rows() - 1;
     BallMatrix M(d, d), L(d, d), b(d, 1);
     for (Index j = 0; j < d; ++j) {
@@ -58,7 +58,7 @@ bool solve(Exact::Enclosure& to, BallMatrix const& normal) {
 }
 
 /// A zero of radius 0 has no relative radius that precision could make small: it is decided exactly.
-bool theta_is_zero(Exact::Enclosure const& x, Problem<double> const& problem, Records const& data, Index k) {
+bool theta_is_zero(CertifiedSolution::Enclosure const& x, Problem<double> const& problem, Records const& data, Index k) {
     for (Index i = 0; i < x.theta.rows(); ++i)
         if (!arb_contains_zero(x.theta(i, 0))) return false;
     return surely_vanishes(problem, data, k);
@@ -69,7 +69,7 @@ bool defined(Problem<double> const& problem) {
     auto const& prior = *problem.prior;
     if (prior.theta && !prior.theta->allFinite()) return false;
     if (!prior.covariance) return std::isfinite(prior.variance);
-    Stored<double> const P0{Stored<double>::Of::covariance, Stored<double>::Kind::plain, *prior.covariance};
+    Stored<double> const P0{Stored<double>::Quantity::covariance, Stored<double>::Form::plain, *prior.covariance};
     return definiteness(P0.mapped<Reference>([](double x) { return widen(x); })) == Definiteness::positive;
 }
 
@@ -82,7 +82,7 @@ Index finite_rows(Records const& data) {
 
 void check(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps, int digits) {
     checked(problem);
-    expects(data.size() == problem.size && data.y.size() == data.rows(), "data of the problem's size");
+    expects(data.parameters() == problem.size && data.y.size() == data.rows(), "data of the problem's size");
     expects(digits >= 1, "digits >= 1");
     expects(std::is_sorted(steps.begin(), steps.end()) &&
                 (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),
@@ -120,7 +120,7 @@ public:
 }  // namespace
 
 // 2^-t <= 10^-digits and 2^-133 <= 10^-40; every step rounds against us.
-bool theta_is_accurate(Exact::Enclosure const& x) {
+bool theta_is_accurate(CertifiedSolution::Enclosure const& x) {
     long const t = bits_for(x.digits);
     Magnitude const largest = size_and_radius(x.theta).first;
     for (Index i = 0; i < x.theta.rows(); ++i) {
@@ -134,14 +134,14 @@ bool theta_is_accurate(Exact::Enclosure const& x) {
     return true;
 }
 
-bool covariance_is_accurate(Exact::Enclosure const& x) {
+bool covariance_is_accurate(CertifiedSolution::Enclosure const& x) {
     auto const [size, radius] = size_and_radius(x.covariance);
     Magnitude allowed;
     mag_mul_2exp_si(allowed, size, -bits_for(x.digits));
     return mag_cmp(radius, allowed) <= 0;
 }
 
-std::vector<Exact> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
                              int digits) {
     check(problem, data, steps, digits);
     Index const d = problem.size;
@@ -152,7 +152,7 @@ std::vector<Exact> certified(Problem<double> const& problem, Records const& data
     std::vector<Index> const ranks =
         problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
 
-    std::vector<Exact> answers;
+    std::vector<CertifiedSolution> answers;
     std::vector<size_t> pending;
     for (size_t s = 0; s < steps.size(); ++s) {
         bool const regular = s < ranks.size() && ranks[s] == d;
@@ -169,13 +169,13 @@ std::vector<Exact> certified(Problem<double> const& problem, Records const& data
     // Doubled, and the last one is `most` itself; then 0.
     auto const after = [most](long bits) { return bits == most ? 0 : std::min(2 * bits, most); };
     auto settled = [&](size_t s, BallMatrix const& normal, long bits) {
-        auto enclosure = std::make_shared<Exact::Enclosure>(Exact::Enclosure{{}, {}, bits, digits});
+        auto enclosure = std::make_shared<CertifiedSolution::Enclosure>(CertifiedSolution::Enclosure{{}, {}, bits, digits});
         if (!solve(*enclosure, normal) || !covariance_is_accurate(*enclosure)) return false;
         if (!theta_is_accurate(*enclosure)) {
             if (bits < most || !theta_is_zero(*enclosure, problem, data, steps[s])) return false;
             arb_mat_zero(enclosure->theta);
         }
-        answers[s] = Exact(steps[s], d, std::move(enclosure));
+        answers[s] = CertifiedSolution(steps[s], d, std::move(enclosure));
         return true;
     };
     Normal normal(problem, data);

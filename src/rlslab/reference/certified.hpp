@@ -36,12 +36,12 @@ constexpr std::string_view name_of(Status status) {
 /// itself the answer is about the digits asked of `certified`; ask it for more to see further. +infinity: equal, and
 /// the solution is known exactly. -infinity: an error against an exact solution of norm zero. NaN: the estimate has an
 /// infinity or a NaN. All throw std::invalid_argument when the estimate's size is not d.
-class Exact {
+class CertifiedSolution {
 public:
     struct Enclosure;
 
-    Exact(Index step, Index size, Index rank, Status status);
-    Exact(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure);
+    CertifiedSolution(Index step, Index size, Index rank, Status status);
+    CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure);
 
     Index step() const { return step_; }          ///< k
     Index size() const { return size_; }          ///< d
@@ -95,7 +95,7 @@ private:
 /// forgetting at the working precision; per step asked for: O(d^3).
 /// Throws std::invalid_argument for a problem that is not well posed, data of another size, steps out of order or
 /// range, a P0 that is not symmetric.
-std::vector<Exact> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
                              int digits = 30);
 
 /// kappa_2 of the weighted data matrix, rows scaled by sqrt(lambda^(N-k)): to about 12 digits, from the certified
@@ -105,11 +105,11 @@ double condition(Records const& data, double forgetting);
 
 /// ||theta - theta_from||_2 / ||theta_from||_2 of two exact solutions: what the prior costs, whatever the variant, or the
 /// rounding of the data. 0 for two zeros, infinity for a change of zero, NaN unless both are certified.
-double relative_change(Exact const& theta, Exact const& from);
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from);
 /// The same in the norm |x|^2 = sum (s_i x_i)^2, s_i > 0: with s_i the size of regressor i it does not depend on units.
-double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s);
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
 /// The largest change of a component, max_i |x_i - from_i| / max(|from_i|, 2^-20 |from| / s_i) in the same norm: a component that
 /// adds less than a millionth to the prediction is not asked for its own digits.
-double largest_relative_change(Exact const& theta, Exact const& from, Vector<double> const& s);
+double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
 
 }  // namespace rlslab

@@ -51,7 +51,7 @@ double log2_norm(BallMatrix const& A) {
 }
 
 BallMatrix gram_of(Records const& data, double forgetting, long bits) {
-    Index const d = data.size();
+    Index const d = data.parameters();
     BallMatrix gram(d, d);
     auto fill = [&](auto entry) {
         for (Index j = 0; j < d; ++j)
@@ -78,10 +78,10 @@ double condition(Records const& data, double forgetting) {
     constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     if (data.rows() == 0) return infinity;
     constexpr int digits = 20;    // more than doubles, in which the norms are then found, can hold
-    Problem<double> const problem{.size = data.size(), .forgetting = forgetting, .prior = std::nullopt};
+    Problem<double> const problem{.size = data.parameters(), .forgetting = forgetting, .prior = std::nullopt};
     // y has no part in it: zeros also keep an infinity or a NaN there from being anyone's business.
     Records const regressors{.psi = data.psi, .y = Vector<double>::Zero(data.rows()), .names = {}};
-    Exact const exact = certified(problem, regressors, {data.rows()}, digits).front();
+    CertifiedSolution const exact = certified(problem, regressors, {data.rows()}, digits).front();
     switch (exact.status()) {
         case Status::undefined: return nan;
         case Status::singular:
@@ -93,7 +93,7 @@ double condition(Records const& data, double forgetting) {
     return correctly::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
 }
 
-double relative_change(Exact const& theta, Exact const& from) {
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from) {
     return relative_change(theta, from, Vector<double>::Ones(theta.size()));
 }
 
@@ -104,7 +104,7 @@ struct Scaled {
     long bits;
     BallMatrix change, size;
 };
-std::optional<Scaled> scaled(Exact const& theta, Exact const& from, Vector<double> const& s) {
+std::optional<Scaled> scaled(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     expects(theta.size() == from.size() && s.size() == from.size(), "two solutions of one size");
     if (!theta.enclosure() || !from.enclosure()) return std::nullopt;
     auto const &a = *theta.enclosure(), &b = *from.enclosure();
@@ -127,12 +127,12 @@ double ratio(Ball change, Ball const& size, long bits) {
 
 }  // namespace
 
-double relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
     return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits) : std::numeric_limits<double>::quiet_NaN();
 }
 
-double largest_relative_change(Exact const& theta, Exact const& from, Vector<double> const& s) {
+double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
     if (!x) return std::numeric_limits<double>::quiet_NaN();
     Ball least = norm(x->size, x->bits);

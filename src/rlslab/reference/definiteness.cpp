@@ -70,7 +70,7 @@ Definiteness definiteness(Stored<Reference> const& stored) {
     expects(stored.F.rows() == stored.F.cols(), "a square F");
     expects(stored.D.size() == 0 || stored.D.size() == stored.F.rows(), "D of F's size");
     if (!all_finite(stored)) return Definiteness::nonfinite;
-    if (stored.kind == Stored<Reference>::Kind::plain) return definiteness_of_plain(stored.F);
+    if (stored.form == Stored<Reference>::Form::plain) return definiteness_of_plain(stored.F);
     for (Reference const& d : stored.D)
         if (d <= 0) return Definiteness::not_positive;
     int const regular = triangle_is_regular(stored.F);

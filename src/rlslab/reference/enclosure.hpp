@@ -1,4 +1,4 @@
-// What a certified Exact holds. Internal: includes arb.h.
+// What a CertifiedSolution holds. Internal: includes arb.h.
 #pragma once
 
 #include <rlslab/reference/balls.hpp>
@@ -6,7 +6,7 @@
 
 namespace rlslab {
 
-struct Exact::Enclosure {
+struct CertifiedSolution::Enclosure {
     balls::BallMatrix theta;         ///< d x 1
     balls::BallMatrix covariance;    ///< d x d
     long bits;                       ///< working precision
@@ -16,7 +16,7 @@ struct Exact::Enclosure {
 /// What `certified` promises of theta, and of P, read off the balls:
 ///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
 /// False also for some that are less than twice as accurate as promised.
-bool theta_is_accurate(Exact::Enclosure const& enclosure);
-bool covariance_is_accurate(Exact::Enclosure const& enclosure);
+bool theta_is_accurate(CertifiedSolution::Enclosure const& enclosure);
+bool covariance_is_accurate(CertifiedSolution::Enclosure const& enclosure);
 
 }  // namespace rlslab

@@ -73,10 +73,10 @@ bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
 
 /// P from what is stored:  F,  F D F',  F^-1,  F^-T D^-1 F^-1. False: not shown to be invertible at this precision.
 bool rebuild(BallMatrix& P, Stored<Reference> const& stored, long bits) {
-    using Of = Stored<Reference>::Of;
-    using Kind = Stored<Reference>::Kind;
-    bool const inverted = stored.of == Of::information;
-    if (stored.kind == Kind::plain) {
+    using Quantity = Stored<Reference>::Quantity;
+    using Form = Stored<Reference>::Form;
+    bool const inverted = stored.quantity == Quantity::information;
+    if (stored.form == Form::plain) {
         if (inverted) return invert(P, stored.F, bits);
         P = exact(stored.F);
         return true;
@@ -148,31 +148,31 @@ bool contains(arb_srcptr ball, Rational const& x) {
 
 }  // namespace
 
-Exact::Exact(Index step, Index size, Index rank, Status status)
+CertifiedSolution::CertifiedSolution(Index step, Index size, Index rank, Status status)
     : step_(step), size_(size), rank_(rank), status_(status) {}
 
-Exact::Exact(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure)
+CertifiedSolution::CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure)
     : step_(step), size_(enclosure->theta.rows()), rank_(rank), status_(Status::certified),
       enclosure_(std::move(enclosure)) {}
 
-int Exact::bits() const { return enclosure_ ? int(enclosure_->bits) : 0; }
-double Exact::radius() const { return enclosure_ ? relative_radius(enclosure_->theta) : nan; }
-double Exact::covariance_radius() const { return enclosure_ ? relative_radius(enclosure_->covariance) : nan; }
+int CertifiedSolution::bits() const { return enclosure_ ? int(enclosure_->bits) : 0; }
+double CertifiedSolution::radius() const { return enclosure_ ? relative_radius(enclosure_->theta) : nan; }
+double CertifiedSolution::covariance_radius() const { return enclosure_ ? relative_radius(enclosure_->covariance) : nan; }
 
-Vector<Reference> Exact::theta() const {
+Vector<Reference> CertifiedSolution::theta() const {
     Vector<Reference> x = Vector<Reference>::Constant(size_, Reference(nan));
     for (Index i = 0; enclosure_ && i < size_; ++i) x(i) = midpoint(enclosure_->theta(i, 0));
     return x;
 }
 
-Matrix<Reference> Exact::covariance() const {
+Matrix<Reference> CertifiedSolution::covariance() const {
     Matrix<Reference> P = Matrix<Reference>::Constant(size_, size_, Reference(nan));
     for (Index j = 0; enclosure_ && j < size_; ++j)
         for (Index i = 0; i < size_; ++i) P(i, j) = midpoint(enclosure_->covariance(i, j));
     return P;
 }
 
-std::vector<std::string> Exact::theta_strings(int digits) const {
+std::vector<std::string> CertifiedSolution::theta_strings(int digits) const {
     expects(digits >= 1, "digits >= 1");
     std::vector<std::string> texts(size_t(size_), "nan");
     for (Index i = 0; enclosure_ && i < size_; ++i)
@@ -180,13 +180,13 @@ std::vector<std::string> Exact::theta_strings(int digits) const {
     return texts;
 }
 
-double Exact::theta_digits(Vector<Reference> const& estimate) const {
+double CertifiedSolution::theta_digits(Vector<Reference> const& estimate) const {
     expects(estimate.size() == size_, "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(estimate)) return nan;
     return digits_between(exact(estimate), enclosure_->theta, enclosure_->bits + 257);
 }
 
-double Exact::theta_digits_worst(Vector<Reference> const& estimate) const {
+double CertifiedSolution::theta_digits_worst(Vector<Reference> const& estimate) const {
     expects(estimate.size() == size_, "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(estimate)) return nan;
     long const bits = enclosure_->bits + 257;
@@ -203,14 +203,14 @@ double Exact::theta_digits_worst(Vector<Reference> const& estimate) const {
     return worst;
 }
 
-double Exact::covariance_digits(Stored<Reference> const& estimate) const {
+double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) const {
     auto const& [of, kind, F, D] = estimate;
     expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_),
             "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
     // As precise as the solution itself: relative to its largest entry, three digits more than were asked for.
     long const wanted = bits_for(enclosure_->digits + 3);
-    bool known_regular = of == Stored<Reference>::Of::covariance;
+    bool known_regular = of == Stored<Reference>::Quantity::covariance;
     BallMatrix P;
     for (long bits = wanted + 128; bits <= 1L << 20; bits *= 2) {
         if (rebuild(P, estimate, bits)) {
@@ -224,14 +224,14 @@ double Exact::covariance_digits(Stored<Reference> const& estimate) const {
     return nan;
 }
 
-bool Exact::encloses(Vector<Rational> const& theta) const {
+bool CertifiedSolution::encloses(Vector<Rational> const& theta) const {
     expects(theta.size() == size_, "a solution of this size");
     for (Index i = 0; enclosure_ && i < size_; ++i)
         if (!contains(enclosure_->theta(i, 0), theta(i))) return false;
     return bool(enclosure_);
 }
 
-bool Exact::encloses(Matrix<Rational> const& covariance) const {
+bool CertifiedSolution::encloses(Matrix<Rational> const& covariance) const {
     expects(covariance.rows() == size_ && covariance.cols() == size_, "a covariance of this size");
     for (Index j = 0; enclosure_ && j < size_; ++j)
         for (Index i = 0; i < size_; ++i)

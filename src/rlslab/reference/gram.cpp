@@ -24,15 +24,15 @@ Dyadic dyadic(double x) {
     return {wide >> zeros, exponent - 53 + zeros};
 }
 
-double entry_of(Records const& data, Index j, Index k) { return j < data.size() ? data.psi(j, k) : data.y(k); }
+double entry_of(Records const& data, Index j, Index k) { return j < data.parameters() ? data.psi(j, k) : data.y(k); }
 
 }  // namespace
 
 IntegerGram::IntegerGram(Records const& data, Index last)
-    : data_(data), unit_(size_t(data.size() + 1), std::numeric_limits<int>::max()),
-      sum_(data.size() + 1, data.size() + 1) {
+    : data_(data), unit_(size_t(data.parameters() + 1), std::numeric_limits<int>::max()),
+      sum_(data.parameters() + 1, data.parameters() + 1) {
     for (Index k = 0; k < last; ++k)
-        for (Index j = 0; j <= data.size(); ++j)
+        for (Index j = 0; j <= data.parameters(); ++j)
             if (auto const x = dyadic(entry_of(data, j, k)); x.mantissa != 0)
                 unit_[size_t(j)] = std::min(unit_[size_t(j)], x.exponent);
     for (int& e : unit_)
@@ -46,7 +46,7 @@ void IntegerGram::advance(Index k) {
 }
 
 void IntegerGram::add(Index first, Index count) {
-    Index const m = data_.size() + 1;
+    Index const m = data_.parameters() + 1;
     IntegerMatrix A(m, count), transposed(count, m), product(m, m);
     for (Index k = 0; k < count; ++k)
         for (Index j = 0; j < m; ++j) {
@@ -67,7 +67,7 @@ void IntegerGram::entry(arb_ptr ball, Index i, Index j, long bits) const {
 
 ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power)
     : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)),
-      a_(data.size() + 1, block), wa_(data.size() + 1, block) {
+      a_(data.parameters() + 1, block), wa_(data.parameters() + 1, block) {
     Ball lambda(forgetting);
     arb_pow_ui(lambda, lambda, power, bits_);
     for (Index i = 1; i <= block; ++i) arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);
@@ -78,7 +78,7 @@ void ForgettingGram::advance(Index k) {
 }
 
 void ForgettingGram::add(Index first, Index count) {                                      // (1)
-    Index const m = data_.size() + 1;
+    Index const m = data_.parameters() + 1;
     for (Index j = 0; j < m; ++j)
         for (Index k = 0; k < count; ++k) {
             arb_set_d(a_(j, k), entry_of(data_, j, first + k));

@@ -98,7 +98,7 @@ bool full_rank_modulo_prime(IntegerMatrix const& A) {
 }  // namespace
 
 std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps) {
-    Index const d = data.size();
+    Index const d = data.parameters();
     std::vector<Index> lower, upper;
     ModularEchelon echelon(d);
     Index row = 0;

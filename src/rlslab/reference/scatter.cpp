@@ -26,7 +26,7 @@ class WeightedGram {
 
 public:
     WeightedGram(Records const& data, double lambda, Index last, unsigned power, long bits) : bits_(bits) {
-        Index const m = data.size() + 1;
+        Index const m = data.parameters() + 1;
         if (lambda == 1) exact_ = std::make_unique<IntegerGram>(data, last);
         else forgetting_ = std::make_unique<ForgettingGram>(data, lambda, BallMatrix(m, m), bits, power);
     }
@@ -156,7 +156,7 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
     for (int digits = 30;; digits *= 2) {
         out.clear();
         long bits = 0;
-        for (Exact& exact : certified(problem, data, steps, digits)) {
+        for (CertifiedSolution& exact : certified(problem, data, steps, digits)) {
             if (exact.enclosure()) bits = std::max(bits, exact.enclosure()->bits);
             out.push_back({std::move(exact), without(d, out.size() + 1 == steps.size())});
         }

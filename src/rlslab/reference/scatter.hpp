@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// For y_i = psi_i' theta + xi_i, xi white of variance sigma^2, weights w_i = lambda^(k-i), and P_k as in Exact (M_k^-1 there):
+/// For y_i = psi_i' theta + xi_i, xi white of variance sigma^2, weights w_i = lambda^(k-i), and P_k as in CertifiedSolution (M_k^-1 there):
 ///
 ///   (1) cov theta_k = sigma^2 P_k M_k P_k                    M_k = sum_i w_i^2 psi_i psi_i'
 ///   (2) J_k = sum_i w_i (y_i - psi_i' theta_k)^2             G_k = sum_i w_i psi_i psi_i'
@@ -25,7 +25,7 @@ struct Scatter {
 
 /// A minimiser and its scatter after step k.
 struct Scattered {
-    Exact exact;
+    CertifiedSolution exact;
     Scatter scatter;
 };
 

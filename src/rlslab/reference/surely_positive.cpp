@@ -105,7 +105,7 @@ bool surely_positive(Stored<double> const& stored, double relative_perturbation)
     expects(stored.F.rows() == stored.F.cols(), "a square F");
     expects(stored.D.size() == 0 || stored.D.size() == stored.F.rows(), "D of F's size");
     if (!(relative_perturbation >= 0 && relative_perturbation < 0.5)) return false;
-    return stored.kind == Stored<double>::Kind::plain ? plain_is_positive(stored.F, relative_perturbation)
+    return stored.form == Stored<double>::Form::plain ? plain_is_positive(stored.F, relative_perturbation)
                                                       : factor_is_positive(stored.F, stored.D, relative_perturbation);
 }
 

@@ -12,12 +12,12 @@
 
 /// What a kernel's text is written in: for any arithmetic, and for registers of so many bytes.
 template <class K, class T>
-using Any = std::conditional_t<OnColumns<K>, Lane<T>, Single<T>>;
+using Any = std::conditional_t<OnColumns<K>, Lane<T>, ScalarRow<T>>;
 template <class K, class T, int bytes>
-using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, Simd<T, bytes>>;
+using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, SimdBlock<T, bytes>>;
 
 template <class B, class K>
-[[gnu::noinline, gnu::aligned(64)]] void call(K const& kernel) {    // on a cache line, whatever is linked beside it
+[[gnu::noinline, gnu::aligned(64)]] void run_outlined(K const& kernel) {    // on a cache line, whatever is linked beside it
     K const copy = kernel;    // whose address nobody has: its fields stay in registers
-    run<B>(copy);
+    evaluate<B>(copy);
 }

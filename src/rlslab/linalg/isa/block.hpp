@@ -1,35 +1,35 @@
-// What the kernels' texts are written in: a row (Single), or a block of eight (four for the smallest fixed sizes).
+// What the kernels' texts are written in: a row (ScalarRow), or a block of eight (four for the smallest fixed sizes).
 // Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 //
-// Single works in every arithmetic. Simd holds whole registers: rows that are not there are padding, which may hold anything
+// ScalarRow works in every arithmetic. SimdBlock holds whole registers: rows that are not there are padding, which may hold anything
 // and is read by nobody; where it would be (sums) it is masked out.
 
 template <class T>
-struct Single {
+struct ScalarRow {
     using scalar = T;
     static constexpr int rows = 1, registers = 2;    // what a Pack takes
     static constexpr bool padded = false;
     T x;
 
-    [[gnu::always_inline]] void zero(Present) { x = T(0); }
-    [[gnu::always_inline]] void load(T const* from, Present) { x = *from; }
+    [[gnu::always_inline]] void zero(RowRange) { x = T(0); }
+    [[gnu::always_inline]] void load(T const* from, RowRange) { x = *from; }
     [[gnu::always_inline]] void store(T* to) const { *to = x; }
-    [[gnu::always_inline]] void store_present(T* to, Present) const { *to = x; }
+    [[gnu::always_inline]] void store_present(T* to, RowRange) const { *to = x; }
     [[gnu::always_inline]] void scale(T const& a) { x *= a; }
     [[gnu::always_inline]] void divide(T const& a) { x /= a; }
-    [[gnu::always_inline]] void scale(Single const& a) { x *= a.x; }
-    [[gnu::always_inline]] void divide(Single const& a) { x /= a.x; }
-    [[gnu::always_inline]] void subtract(Single const& a) { x -= a.x; }
-    [[gnu::always_inline]] void add(Single const& a) { x += a.x; }
+    [[gnu::always_inline]] void scale(ScalarRow const& a) { x *= a.x; }
+    [[gnu::always_inline]] void divide(ScalarRow const& a) { x /= a.x; }
+    [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
+    [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
     [[gnu::always_inline]] void take_root() { x = square_root(x); }
     [[gnu::always_inline]] void clear(Truth<T> const& where) { x = select(where, T(0), x); }
-    [[gnu::always_inline]] void take(Single const& a) { x = a.x; }
-    [[gnu::always_inline]] void add_product(Single const& a, T const& b) { x += a.x * b; }
-    [[gnu::always_inline]] void subtract_product(Single const& a, T const& b) { x -= a.x * b; }
+    [[gnu::always_inline]] void take(ScalarRow const& a) { x = a.x; }
+    [[gnu::always_inline]] void add_product(ScalarRow const& a, T const& b) { x += a.x * b; }
+    [[gnu::always_inline]] void subtract_product(ScalarRow const& a, T const& b) { x -= a.x * b; }
 };
 
 template <class T, int Bytes, int Rows = 8>
-struct Simd {
+struct SimdBlock {
     using scalar = T;
     using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
     typedef T V __attribute__((vector_size(Bytes)));
@@ -40,13 +40,13 @@ struct Simd {
     static constexpr bool padded = true;
     V v[registers];
 
-    [[gnu::always_inline]] void zero(Present) {
+    [[gnu::always_inline]] void zero(RowRange) {
         for (V& r : v) r = V{};
     }
-    [[gnu::always_inline]] void load(T const* from, Present) {
+    [[gnu::always_inline]] void load(T const* from, RowRange) {
         for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
     }
-    [[gnu::always_inline]] void load_unpadded(T const* from, Present p) {
+    [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
         for (int m = 0; m < registers; ++m) {
             Index const left = p.last - m * W;
             T const* const at = from + m * W;
@@ -70,35 +70,35 @@ struct Simd {
         for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
     }
     /// The present rows alone; the others keep what they hold.
-    [[gnu::always_inline]] void store_present(T* to, Present p) const {
+    [[gnu::always_inline]] void store_present(T* to, RowRange p) const {
         for (int m = 0; m < registers; ++m) {
             auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
             Mask const here = mask(p.last, m) & ~mask(p.first, m);
             *there = V((here & Mask(v[m])) | (~here & Mask(V(*there))));
         }
     }
-    [[gnu::always_inline]] void take(Simd const& a) { *this = a; }
+    [[gnu::always_inline]] void take(SimdBlock const& a) { *this = a; }
     [[gnu::always_inline]] void scale(T a) {
         for (V& r : v) r = r * a;
     }
     [[gnu::always_inline]] void divide(T a) {
         for (V& r : v) r = r / a;
     }
-    [[gnu::always_inline]] void scale(Simd const& a) {
+    [[gnu::always_inline]] void scale(SimdBlock const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] * a.v[m];
     }
-    [[gnu::always_inline]] void divide(Simd const& a) {
+    [[gnu::always_inline]] void divide(SimdBlock const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] / a.v[m];
     }
-    [[gnu::always_inline]] void subtract(Simd const& a) {
+    [[gnu::always_inline]] void subtract(SimdBlock const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
     }
-    [[gnu::always_inline]] void add(Simd const& a) {
+    [[gnu::always_inline]] void add(SimdBlock const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
     }
     /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}. Put together in registers, because narrow stores do not
     /// forward to the wide loads that follow.
-    [[gnu::always_inline]] void accumulate(T& s, Simd& before, Simd& after, Present p) const {
+    [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
         T here[Rows + 1];
         here[0] = T(0);
         for (int m = 0; m < registers; ++m) {
@@ -117,21 +117,21 @@ struct Simd {
     [[gnu::always_inline]] void take_root() {
         for (V& r : v) root(r);
     }
-    [[gnu::always_inline]] void add_product(Simd const& a, T b) {
+    [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b;
     }
-    [[gnu::always_inline]] void subtract_product(Simd const& a, T b) {
+    [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
     }
     /// Rows before `first` less a b, those from there on less c d.
     template <int first>
-    [[gnu::always_inline]] void subtract_either(Simd const& a, T b, Simd const& c, T d) {
+    [[gnu::always_inline]] void subtract_either(SimdBlock const& a, T b, SimdBlock const& c, T d) {
         [&]<int... m>(std::integer_sequence<int, m...>) {
             (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
         }(std::make_integer_sequence<int, registers>());
     }
     /// x - x: zero for a number, NaN for an infinity or a NaN.
-    [[gnu::always_inline]] void add_difference(Simd const& x, Present p) {
+    [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
         for (int m = 0; m < registers; ++m) {
             V difference = x.v[m] - x.v[m];
             if (p.last < Rows) leave_out(difference, p.last, m);
@@ -153,17 +153,17 @@ struct Simd {
         return out;
     }
     /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
-    [[gnu::always_inline]] void start_sum_all(Simd const& a, Simd const& b) {
+    [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
     }
-    [[gnu::always_inline]] void start_sum(Simd const& a, Simd const& b, Present p) {
+    [[gnu::always_inline]] void start_sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
         start_sum_all(a, b);
         for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
     }
-    [[gnu::always_inline]] void sum_all(Simd const& a, Simd const& b) {
+    [[gnu::always_inline]] void sum_all(SimdBlock const& a, SimdBlock const& b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
     }
-    [[gnu::always_inline]] void sum(Simd const& a, Simd const& b, Present p) {
+    [[gnu::always_inline]] void sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
         for (int m = 0; m < registers; ++m) {
             V product = a.v[m] * b.v[m];
             leave_out(product, p.last, m);
@@ -171,7 +171,7 @@ struct Simd {
         }
     }
     /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks; out is padded: four are always written.
-    [[gnu::always_inline]] static void sums(Simd (&a)[4], T* out, Index) {
+    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out, Index) {
         if constexpr (W == 2) {
             V pair[4];
             for (int c = 0; c < 4; ++c) {

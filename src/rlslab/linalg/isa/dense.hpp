@@ -2,7 +2,7 @@
 
 /// Which rows of the block at i0 come before `end`.
 template <class B>
-inline Present rows_of(Index i0, Index end) {
+inline RowRange rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
 }
 
@@ -44,7 +44,7 @@ template <class B, class T>
     before.store(k.before + i0);
 }
 template <class B, Elementwise K>
-[[gnu::always_inline]] inline void run(K const& k) {
+[[gnu::always_inline]] inline void evaluate(K const& k) {
     for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
         B x = block_of<B>(k.x, i0, k.d);
         apply(k, i0, x);
@@ -56,7 +56,7 @@ template <class B, Elementwise K>
 /// addition only. The same in single rows.
 template <class B, class T>
     requires(B::rows == 1)
-[[gnu::always_inline]] inline void run(PrefixSums<T> const& k) {
+[[gnu::always_inline]] inline void evaluate(PrefixSums<T> const& k) {
     T s = *k.s;
     for (Index i0 = 0; i0 < k.d; i0 += 8) {
         T here = k.x[i0], last = s;
@@ -74,13 +74,13 @@ template <class B, class T>
 /// Whether every number of a column is finite.
 template <class B, class T>
     requires(B::rows == 1)
-[[gnu::always_inline]] inline void run(AllFinite<T> const& k) {
+[[gnu::always_inline]] inline void evaluate(AllFinite<T> const& k) {
     *k.finite = true;
     for (Index i = 0; i < k.d; ++i) *k.finite = *k.finite && is_finite(k.x[i]);
 }
 template <class B, class T>
     requires(B::rows > 1)
-[[gnu::always_inline]] inline void run(AllFinite<T> const& k) {
+[[gnu::always_inline]] inline void evaluate(AllFinite<T> const& k) {
     B differences;
     differences.zero({});
     for (Index i0 = 0; i0 < k.d; i0 += B::rows) differences.add_difference(block_of<B>(k.x, i0, k.d), rows_of<B>(i0, k.d));
@@ -92,7 +92,7 @@ template <class B, class T>
 /// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
 template <class B, class T, Shape shape>
     requires(B::rows == 1)
-[[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
+[[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
     for (Index j = 0; j < k.d; ++j) {
         Index const n = shape == Shape::full ? k.d : j + 1;
         k.out[j] = dot(k.A + j * k.ld, k.x, n);
@@ -100,7 +100,7 @@ template <class B, class T, Shape shape>
 }
 template <class B, class T, Shape shape>
     requires(B::rows > 1)
-[[gnu::always_inline]] inline void run(MultiplyTransposed<T, shape> const& k) {
+[[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
     constexpr bool upper = shape == Shape::upper;
     Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
     B x_tail;
@@ -129,7 +129,7 @@ template <class B, class T, Shape shape>
         x = x_tail;
         if (last < tail) x.load(k.x + last, {0, B::rows});
         for (int c = 0; c < 4; ++c) {
-            Present const present{0, (upper ? j0 + c + 1 : k.d) - last};
+            RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
             a.load(column[c] + last, present);
             if (last > 0)
                 sum[c].sum(a, x, present);

@@ -4,7 +4,7 @@
 /// Columns i0 ... of L against the rows below them: t is a block of column i, x the block of the row that is folded in.
 template <class B, class S>
 [[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
-    Present const here = rows_of<B>(j0, s.d);
+    RowRange const here = rows_of<B>(j0, s.d);
     B x;
     x.load(s.x + j0, here);
     for (Index i = i0; i < i0 + B::rows; ++i) {
@@ -59,7 +59,7 @@ template <class B, class T>
 
 /// Row i of the m x m corner L on the diagonal against what follows it there, in scalars.
 template <class T>
-[[gnu::always_inline]] inline void settle(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
+[[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
@@ -71,7 +71,7 @@ template <class T>
     a = turned;
 }
 template <class T>
-[[gnu::always_inline]] inline void settle(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
+[[gnu::always_inline]] inline void finish_corner_row(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
     Rotation<T> const turn = givens(T(s.root_lambda * row[i]), x[i]);
     row[i] = turn.r;
@@ -96,12 +96,12 @@ template <class T>
     below -= t * v;
 }
 template <class T>
-[[gnu::always_inline]] inline void settle(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
+[[gnu::always_inline]] inline void finish_corner_row(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
     T const a = s.weight * row[i], here = x[i];
     Reflector<T> const turn(a, norm(a, T(here * here), &here, 1));
     row[i] = turn.r;
-    *s.ratio *= turn.shrunk(a);
+    *s.ratio *= turn.cosine(a);
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
     if (all(turn.tau == T(0))) {
@@ -114,33 +114,33 @@ template <class T>
 }
 /// The rows of a whole corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>
-[[gnu::always_inline]] inline void settle_all(S const& s, Index i0, T* x) {
-    settle(s, i0, i, m, x);
-    if constexpr (i + 1 < m) settle_all<i + 1, m>(s, i0, x);
+[[gnu::always_inline]] inline void finish_corner_rows(S const& s, Index i0, T* x) {
+    finish_corner_row(s, i0, i, m, x);
+    if constexpr (i + 1 < m) finish_corner_rows<i + 1, m>(s, i0, x);
 }
 template <int m, class S, class T>
 [[gnu::always_inline]] inline void whole_corner(S const& s, Index i0, T* x) {
     T copy[m];
     for (Index i = 0; i < m; ++i) copy[i] = x[i];
-    settle_all<0, m>(s, i0, copy);
+    finish_corner_rows<0, m>(s, i0, copy);
     for (Index i = 0; i < m; ++i) x[i] = copy[i];
 }
 
 template <class B, ByPanels S>
-[[gnu::always_inline]] inline void run(S const& s) {
+[[gnu::always_inline]] inline void evaluate(S const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         Index const m = rows_of<B>(i0, s.d).last;
         if (B::padded && m == B::rows)
             whole_corner<B::padded ? B::rows : 1>(s, i0, s.x + i0);
         else
-            for (Index i = 0; i < m; ++i) settle(s, i0, i, m, s.x + i0);
+            for (Index i = 0; i < m; ++i) finish_corner_row(s, i0, i, m, s.x + i0);
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
     }
 }
 
 /// Gentleman's rows with all coefficients known: the corner needs no order of its own, only its upper part left alone.
 template <class B, class T>
-[[gnu::always_inline]] inline void run(SweepGentleman<T> const& s) {
+[[gnu::always_inline]] inline void evaluate(SweepGentleman<T> const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         if constexpr (B::rows > 1) {
             B x;

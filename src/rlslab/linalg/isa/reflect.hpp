@@ -92,7 +92,7 @@ template <class P, int C, class T = typename P::scalar>
 }
 
 template <class P, class T>
-[[gnu::always_inline]] inline void run(Reflection<T> const& h) {
+[[gnu::always_inline]] inline void evaluate(Reflection<T> const& h) {
     Index j = 0;
     for (; j + P::columns <= h.columns; j += P::columns) reflect_columns<P, P::columns>(h, j);
     if constexpr (P::columns > 4)
@@ -105,7 +105,7 @@ template <class P, class T>
 
 /// v'v.
 template <class P, class T>
-[[gnu::always_inline]] inline void run(SumOfSquares<T> const& s) {
+[[gnu::always_inline]] inline void evaluate(SumOfSquares<T> const& s) {
     T const* const x[1] = {s.v};
     T out[1];
     dots<P, 1>(s.v, x, s.rows, out);
@@ -114,7 +114,7 @@ template <class P, class T>
 
 /// v /= pivot.
 template <class P, class T>
-[[gnu::always_inline]] inline void run(Division<T> const& s) {
+[[gnu::always_inline]] inline void evaluate(Division<T> const& s) {
     Index k = 0;
     for (; k + 8 <= s.rows; k += 8)
         for (int r = 0; r < 8; r += P::width) P::store(s.v + k + r, P::load(s.v + k + r) / s.pivot);

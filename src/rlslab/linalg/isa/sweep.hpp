@@ -12,7 +12,7 @@ template <class B, class T>
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SubtractRankOne<T> const& k, T const& f, B& t, B& w) {
     t.subtract_product(w, f);
-    t.add_product(t, k.excess);
+    t.add_product(t, k.correction);
 }
 
 // A_ij = t - w_i mu_j,  w_i += t g_j
@@ -29,14 +29,14 @@ template <class B, class T>
     B const old = t;
     t.scale(at.keep);
     t.subtract_product(w, at.mix);
-    t.add_product(t, k.excess);
+    t.add_product(t, k.correction);
     w.add_product(old, at.f);
 }
 
 // [w t/sqrt(lambda)] times the rotation j
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepRotations<T> const& k, typename SweepRotations<T>::At const& at, B& t, B& w) {
-    t.add_product(t, k.excess);
+    t.add_product(t, k.correction);
     B turned = t;
     turned.scale(at.s);
     turned.add_product(w, at.c);
@@ -76,7 +76,7 @@ template <class B, int K, Sweep S>
     Index j0 = 0;
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
-        Present const here = rows_of<B>(i, s.d);
+        RowRange const here = rows_of<B>(i, s.d);
         if constexpr (S::starts == Start::column) {
             w[m].load(s.w + i, here);
         } else if constexpr (S::starts == Start::zero) {
@@ -108,7 +108,7 @@ template <int m, int p, int c, class B, int K, class T>
         t.subtract_product(running[m], w);
     else
         t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
-    t.add_product(t, s.excess);
+    t.add_product(t, s.correction);
     t.store(here + m * B::rows);
     if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
 }
@@ -157,7 +157,7 @@ template <class B, int K, class T>
             both.scale(gj);
             both.add_product(g[m], xj);
             t.subtract(both);
-            t.add_product(t, s.excess);
+            t.add_product(t, s.correction);
             t.store(here);
         }
     }
@@ -172,15 +172,15 @@ template <class B, int K, class S>
 /// The triangle once and copied: a stochastic arithmetic would round its mirror image otherwise.
 template <class B, class T>
     requires(B::rows == 1)
-[[gnu::always_inline]] inline void run(SubtractMirrored<T> const& s) {
+[[gnu::always_inline]] inline void evaluate(SubtractMirrored<T> const& s) {
     for (Index j = 0; j < s.d; ++j)
         for (Index i = 0; i <= j; ++i) {
             T const t = s.A[j * s.ld + i] - s.w[i] * s.f[j];
-            s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.excess;
+            s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.correction;
         }
 }
 
 template <class B, ByRows S>
-[[gnu::always_inline]] inline void run(S const& s) {
+[[gnu::always_inline]] inline void evaluate(S const& s) {
     groups<B, S::registers <= B::registers ? 1 : S::registers / B::registers>(s, 0);
 }

@@ -19,7 +19,7 @@ Instances any_length() {
 
 }  // namespace
 
-std::vector<Entry> const& in_bits() {
+std::vector<Entry> const& variable_precision_catalogue() {
     static Instances const all = any_length();
     return all.entries;
 }

@@ -11,7 +11,7 @@
 namespace rlslab {
 
 /// P or P^-1 or R as it slides: double, sums in order, small on purpose. `weight` is lambda^window, that of the row that leaves.
-struct Downdated {
+struct WindowFilter {
     static constexpr Index n = 4;
     std::string method;
     double lambda, weight;
@@ -112,7 +112,7 @@ struct Downdated {
         Matrix<Reference> F(n, n);
         for (Index i = 0; i < n; ++i)
             for (Index j = 0; j < n; ++j) F(i, j) = plain ? A[i][j] : A[j][i];    // R'
-        return {method == "covariance" ? S::Of::covariance : S::Of::information, plain ? S::Kind::plain : S::Kind::factor, F};
+        return {method == "covariance" ? S::Quantity::covariance : S::Quantity::information, plain ? S::Form::plain : S::Form::factor, F};
     }
 };
 
