@@ -104,6 +104,36 @@ TEST(AdviceParts, LagsBeyondTheBound) {
     EXPECT_EQ(beyond({}, 0.3, 0), (std::vector<Index>{}));
 }
 
+/// A model whose structure was given and that nothing else is wrong with.
+Identified unremarkable() {
+    Identified m{};
+    m.options.inputs = {"u"}, m.options.output = "y", m.options.order = 1, m.options.delay = {0};
+    m.order = 1;
+    m.ljung_box = {10, 0.5, 25, 24};
+    m.bound = 0.3;
+    return m;
+}
+/// One lag in a hundred lies beyond the bound by luck: one alone is not called a trace of the input, two are.
+TEST(AdviceParts, ResidualsFollowAnInputFromTwoLagsOn) {
+    for (double const second : {0.3, 0.31}) {
+        Identified m = unremarkable();
+        m.ljung_box.p = 1e-4;
+        m.cross_correlation = {{0.1, -0.5, 0.2, second}};
+        advise(m, 0);
+        ASSERT_EQ(m.warnings.size(), 1u);
+        EXPECT_THAT(m.warnings[0], HasSubstr(second > 0.3 ? "they follow past u (lags 1, 3)" : "they do not follow the inputs"));
+    }
+}
+TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
+    for (std::complex<double> const pole : {std::complex<double>(1, 0), {-1, 0}, {0, 1}, {1.001, 0}, {std::nextafter(1, 0), 0}, {-0.999, 0}}) {
+        Identified m = unremarkable();
+        m.poles = {pole, {0.5, 0}};
+        advise(m, 0);
+        if (std::abs(pole) >= 1) EXPECT_THAT(m.warnings, Contains(HasSubstr("a pole lies on or outside the unit circle"))) << pole;
+        else EXPECT_THAT(m.warnings, IsEmpty()) << pole;
+    }
+}
+
 // --- delay --------------------------------------------------------------------------------------------------------------------
 
 TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {

@@ -203,6 +203,22 @@ TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
     EXPECT_GT(claimed, 100);
 }
 
+/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for delta > (d + 1) u d + 2 u:
+/// half of it proves nothing, twice as much (and what the factorisation itself rounds away) is enough.
+TEST(SurelyPositive, AsksForTheLeastEigenvalueOfItsBound) {
+    constexpr double u = 0x1p-53;
+    for (Index const d : {2, 4, 8, 16, 32, 40}) {
+        double const c = double((d + 1) * d + 2) * u;
+        auto const claimed = [&](double delta) {
+            Matrix<double> A = Matrix<double>::Constant(d, d, 1 - delta);
+            A.diagonal().setOnes();
+            return surely_positive(plain(A));
+        };
+        EXPECT_FALSE(claimed(c / 2)) << d;
+        EXPECT_TRUE(claimed(2 * c + 8 * u)) << d;
+    }
+}
+
 TEST(SurelyPositive, AlmostAlwaysSeesHealth) {
     Random random{9};
     for (Index const d : {1, 2, 9, 33, 64})
@@ -253,6 +269,9 @@ TEST(SurelyPositive, ReadsFactors) {
     EXPECT_TRUE(surely_positive(factor(two(1, 2, 2, std::nextafter(4.0, 5))))) << "full, proven modulo a prime";
     EXPECT_FALSE(surely_positive(factor(two(1, 2, 2, 4))));
     EXPECT_FALSE(surely_positive(factor(two(1, 2, 2, 5)), 0x1p-53)) << "full and rounded: not tried";
+    // The third column is the sum of the first two; that of the magnitudes is not.
+    EXPECT_FALSE(surely_positive(factor((Matrix<double>(3, 3) << 1, 4, 5, 2, -5, -3, -3, 6, 3).finished())));
+    EXPECT_TRUE(surely_positive(factor((Matrix<double>(3, 3) << 1, 4, 5, 2, -5, -3, -3, 6, 4).finished())));
 }
 
 }  // namespace

@@ -69,6 +69,20 @@ TEST(Certified, NearlyZeroIsNotZero) {
         }
 }
 
+/// Columns of both signs of which the third is the difference of the first two: their magnitudes are independent.
+TEST(Certified, ARankIsThatOfTheSignedNumbers) {
+    Records data{.psi = Eigen::MatrixXd(3, 12), .y = Vector<double>::Ones(12), .names = {}};
+    for (Index k = 0; k < 12; ++k) {
+        double const a = double(k * 7 % 11) - 5, b = double(k * 5 % 9) - 4;
+        data.psi.col(k) << a, b, a - b;
+    }
+    CertifiedSolution const singular = certified({.size = 3, .prior = std::nullopt}, data, {12}).front();
+    EXPECT_EQ(singular.status(), Status::singular);
+    EXPECT_EQ(singular.rank(), 2);
+    data.psi(2, 11) += 0x1p-30;
+    EXPECT_EQ(certified({.size = 3, .prior = std::nullopt}, data, {12}).front().status(), Status::certified);
+}
+
 /// 2^-t <= 10^-digits for t = bits(digits), and hardly more, where digits log2(10) is just above a whole number: denominators
 /// of its continued fraction.
 template <class Bits>

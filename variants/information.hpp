@@ -68,7 +68,7 @@ public:
     }
     void accumulate(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        rlslab::accumulate(X_, b_, lambda_, psi_, y);                                                            // (2)
+        add_sample(X_, b_, lambda_, psi_, y);                                                                      // (2)
         ++rows_;
         solved_ = false;
         if (!all(started_)) solve();    // breakdown is told from a start by X having factored once

@@ -130,7 +130,7 @@ void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVe
 
 /// A = weight A + x x' and b = weight b + x y: a row of normal equations.
 template <Field T, int N>
-void accumulate(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, StateVector<T, N> const& x, T const& y) {
+void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, StateVector<T, N> const& x, T const& y) {
     for (Index j = 0; j < x.size(); ++j) {
         for (Index i = 0; i < x.size(); ++i) {
             T const square = x[i] * x[j];
