@@ -12,7 +12,7 @@ template <class F>
 void add_blocks() {
     add_batch_rows("batch/" + std::string(F::name), [](Records const& records) { return &records; },
                    [](Records const* records) {
-                       F filter({.size = records->size(), .forgetting = 1, .prior = std::nullopt});
+                       F filter({.size = records->parameters(), .forgetting = 1, .prior = std::nullopt});
                        process(filter, records->psi, records->y);
                        return Vector<double>(filter.theta());
                    });
@@ -22,7 +22,7 @@ void add_threads(unsigned threads) {
     add_batch_rows(threads == 1 ? "fold_all/1_thread" : "fold_all/" + std::to_string(threads) + "_threads",
                    [](Records const& records) { return &records; },
                    [threads](Records const* records) {
-                       Problem<double> const problem{.size = records->size(), .forgetting = 1, .prior = std::nullopt};
+                       Problem<double> const problem{.size = records->parameters(), .forgetting = 1, .prior = std::nullopt};
                        return Vector<double>(fold_all<QrBlock<double>>(problem, RowsInMemory(*records), threads).theta());
                    });
 }

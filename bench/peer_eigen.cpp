@@ -44,7 +44,7 @@ void add_householder() {
 void add_normal_equations() {
     add_batch_rows("peer/normal_equations", [](Records const& records) { return &records; },
                    [](Records const* records) -> VectorXd {
-                       MatrixXd M = MatrixXd::Zero(records->size(), records->size());
+                       MatrixXd M = MatrixXd::Zero(records->parameters(), records->parameters());
                        M.selfadjointView<Eigen::Lower>().rankUpdate(records->psi);
                        return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
                    });

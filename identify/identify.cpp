@@ -92,7 +92,7 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
     Vector<double> predicted(all.rows());
     for (Index k = 0; k < all.rows(); ++k) {
         double sum = 0;
-        for (Index i = 0; i < all.size(); ++i) sum += all.psi(i, k) * theta[i];
+        for (Index i = 0; i < all.parameters(); ++i) sum += all.psi(i, k) * theta[i];
         predicted[k] = sum;
     }
     Signal const free = simulate_from(out.model, data.inputs, data.y, first);

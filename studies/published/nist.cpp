@@ -13,9 +13,9 @@ using namespace strd;
 void measure(Trial const& trial, TrialOutput& out) {
     std::string const& set = trial.text("set");
     Records const original = records_of(set);
-    Problem<double> const problem{.size = original.size(), .prior = Prior<double>{.variance = trial.number("c2")}};
+    Problem<double> const problem{.size = original.parameters(), .prior = Prior<double>{.variance = trial.number("c2")}};
     CertifiedSolution const with_prior = certified(problem, original, {original.rows()}).front();
-    CertifiedSolution const stored = certified({.size = original.size(), .prior = std::nullopt}, original, {original.rows()}).front();
+    CertifiedSolution const stored = certified({.size = original.parameters(), .prior = std::nullopt}, original, {original.rows()}).front();
     // The exact minimiser as a variant: what the prior and the storage of the data cost whoever computes.
     out({"exact", 0.0, "exact", with_prior.theta_digits_worst(with_prior.theta()), stored.theta_digits_worst(with_prior.theta()),
          decimal_digits(set, with_prior.theta())});

@@ -32,7 +32,7 @@ public:
     explicit RowsInMemory(Records const& records) : records_(&records) {
         expects(records.y.size() == records.rows(), "as many outputs as regressors");
     }
-    Index size() const { return records_->size(); }
+    Index size() const { return records_->parameters(); }
     Index rows() const { return records_->rows(); }
     void read(Index first, Eigen::Ref<Matrix<double>> block) const {
         block.topRows(size()) = records_->psi.middleCols(first, block.cols());
