@@ -94,7 +94,7 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     Axis x(along, figure.log_x, figure.cells ? 0.5 / columns : figure.x_names.empty() ? 0.03 : 0);
     bool const logarithmic = logarithmic_y(figure, panel) && !figure.cells;
     Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5} : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
-           logarithmic, figure.cells ? 0 : 0.05);
+           logarithmic, figure.cells ? 0 : names_points(figure) ? 0.1 : 0.05);
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 

@@ -8,6 +8,10 @@
 
 namespace rlslab::plot {
 
+bool names_points(Figure const& figure) {
+    return figure.names && std::ranges::all_of(figure.panels, [](Panel const& panel) { return std::ranges::none_of(panel.curves, &Curve::line); });
+}
+
 Names names_of(Figure const& figure, Panel const& panel, bool named, double most) {
     Names out;
     if (!named || !figure.names) return out;

@@ -39,7 +39,7 @@ std::string panel_html(Figure const& figure, size_t i, double width, double heig
     if (!named) return out;
     std::string names;
     for (Curve const* curve : not_named(figure, i, width, height))
-        names += fmt::format("{}{}{}", names.empty() ? "not labelled: " : ", ", key_svg(*curve), escaped(curve->name));
+        names += fmt::format("{}<span>{}{}</span>", names.empty() ? "not labelled: " : ", ", key_svg(*curve), escaped(curve->name));
     return names.empty() ? out : out + fmt::format("<p class=\"soft unnamed\">{}</p>\n", names);
 }
 
@@ -56,8 +56,8 @@ std::string figure_html(Figure const& figure) {
     if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
     size_t const panels = figure.panels.size();
     // Names beside points need room: such panels stand one below the other, as wide as the page.
-    bool const alone = panels == 1 || (figure.names && std::ranges::all_of(figure.panels, [](Panel const& p) { return std::ranges::none_of(p.curves, &Curve::line); }));
-    bool const three = (figure.cells && panels > 4) || (figure.own_y && panels == 3);
+    bool const alone = panels == 1 || plot::names_points(figure);
+    bool const three = (figure.cells && panels > 4) || (figure.own_y && !figure.names && panels == 3);
     bool at_ends = false;    // names at the curves' ends make a legend superfluous where they are shown
     if (figure.names && panels == 1)
         for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;

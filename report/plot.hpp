@@ -79,6 +79,9 @@ std::string labels_group(Frame const& frame, double height);
 /// The place in the legend; its size if the name is not in it.
 size_t series_number(std::vector<Curve const*> const& legend, std::string const& name);
 
+/// Whether names stand beside single points: such a figure needs room.
+bool names_points(Figure const& figure);
+
 /// Where a panel's curves are named in it: at their ends, in a margin of this width, or beside single points.
 struct Names {
     double width = 0;

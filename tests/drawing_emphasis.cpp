@@ -80,8 +80,8 @@ TEST(Names, ThatFindNoPlaceAreListed) {
     EXPECT_EQ(not_named(figure, 0, 520, 350).size(), 5u);
     EXPECT_THAT(svg(figure), testing::HasSubstr("not labelled: n0ooooooo, n1ooooooo"));
     std::string const html = figure_html(figure);
-    EXPECT_THAT(html, testing::HasSubstr("not labelled: <svg class=\"key\""));
-    EXPECT_THAT(html, testing::HasSubstr("n4ooooooo</p>"));
+    EXPECT_THAT(html, testing::HasSubstr("not labelled: <span><svg class=\"key\""));
+    EXPECT_THAT(html, testing::HasSubstr("n4ooooooo</span></p>"));
     EXPECT_THAT(figure_html(named_points({{1, 1}, {2, 2}})), testing::Not(testing::HasSubstr("not labelled")));
 }
 TEST(Names, OfASparsePlotAllFindAPlaceWithoutALeader) {
