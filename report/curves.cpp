@@ -130,7 +130,7 @@ std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
     std::string path, edges;
     for (size_t i = 0; i < curve.x.size(); ++i) {
         if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i) || curve.high[i] < panel.y_least) continue;
-        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes), bottom = inside(curve.low[i], axes);
+        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes), bottom = curve.low[i] < panel.y_least ? axes.box.bottom : inside(curve.low[i], axes);
         path += fmt::format("M{0} {1}h6M{2} {1}V{3}", fixed(x - 3), fixed(top), fixed(x), fixed(bottom));
         if (curve.low[i] < panel.y_least) edges += edge_mark(x, axes);
         else path += fmt::format("M{} {}h6", fixed(x - 3), fixed(bottom));
