@@ -1,8 +1,8 @@
 // batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts on
 // several cores; reference/ROWSxSIZE: the certified solution.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
-#include <rlslab/batch.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {
@@ -13,7 +13,7 @@ void add_blocks() {
     add_batch_rows("batch/" + std::string(F::name), [](Records const& records) { return &records; },
                    [](Records const* records) {
                        F filter({.size = records->size(), .forgetting = 1, .prior = std::nullopt});
-                       feed(filter, records->psi, records->y);
+                       process(filter, records->psi, records->y);
                        return Vector<double>(filter.theta());
                    });
 }

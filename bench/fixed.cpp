@@ -1,5 +1,5 @@
 // fixed/VARIANT/double/SIZE: the filters whose size the compiler knows.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <rlslab/variants/variants.hpp>
 

@@ -1,6 +1,6 @@
 // limit/read/BYTES and limit/read_modify_write/BYTES: one pass over the size^2 doubles of a full P, as fast as this
 // machine can; no update that reads P, or changes it, takes less.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 namespace rlslab::bench {
 namespace {

@@ -1,5 +1,5 @@
 // lockstep/VARIANT/double8/SIZE and float16: as many filters as a Pack has lanes, one row each at a time; ns per filter.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/variants/variants.hpp>

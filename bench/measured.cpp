@@ -1,5 +1,5 @@
 // Takes the names apart; one unit of time for every order of magnitude.
-#include "measured.hpp"
+#include "bench/measured.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,10 @@ double size_of(std::string const& group, std::string const& what) {
     return group == "limit" ? std::sqrt(last / sizeof(double)) : last;
 }
 
-Measured measured(json const& row) {
+BenchRow measured(json const& row) {
     std::vector<std::string> const parts = parts_of(row.at("run_name"));
     if (parts.size() < 2) throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
-    Measured out{.group = parts.front(),
+    BenchRow out{.group = parts.front(),
                  .name = parts.size() > 2 ? parts[1] : parts.front(),
                  .arithmetic = parts.size() > 3 ? parts[2] : "",
                  .what = parts.back(),

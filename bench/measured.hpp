@@ -8,7 +8,7 @@
 namespace rlslab::bench {
 
 /// One row, its name taken apart: GROUP/NAME/ARITHMETIC/CASE, GROUP/NAME/CASE or GROUP/CASE.
-struct Measured {
+struct BenchRow {
     std::string group, name, arithmetic, what;    ///< what: the last part, "64" or "200000x10"
     std::string family;                           ///< "covariance", "factored covariance", "information", "peer", "limit"
     double size;                                  ///< parameters; a limit's are those whose d x d doubles have its bytes
@@ -20,7 +20,7 @@ struct Measured {
 
 struct Run {
     std::string machine;    ///< one line for people
-    std::vector<Measured> rows;
+    std::vector<BenchRow> rows;
 };
 
 /// Medians where the run was repeated, else the rows as they are. Throws std::runtime_error for what is not such a file.

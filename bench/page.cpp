@@ -1,5 +1,5 @@
 // Writes the page of a run: rlslab_bench_page RUN.json PAGE.html. Plots and tables in one file that loads nothing.
-#include "measured.hpp"
+#include "bench/measured.hpp"
 #include "report/page.hpp"
 
 #include <rlslab/core/files.hpp>
@@ -18,7 +18,7 @@ namespace {
 using namespace rlslab;
 using namespace rlslab::bench;
 
-using Rows = std::vector<Measured>;
+using Rows = std::vector<BenchRow>;
 
 template <class Keep>
 Rows kept(Rows const& rows, Keep keep) {
@@ -31,18 +31,18 @@ Rows kept(Rows const& rows, Keep keep) {
 template <class Part>
 std::vector<std::string> distinct(Rows const& rows, Part part) {
     std::vector<std::string> out;
-    for (Measured const& row : rows)
+    for (BenchRow const& row : rows)
         if (std::ranges::find(out, part(row)) == out.end()) out.push_back(part(row));
     return out;
 }
 
-Measured const* find(Rows const& rows, std::string const& name, std::string const& what) {
-    auto const found = std::ranges::find_if(rows, [&](Measured const& r) { return r.name == name && r.what == what; });
+BenchRow const* find(Rows const& rows, std::string const& name, std::string const& what) {
+    auto const found = std::ranges::find_if(rows, [&](BenchRow const& r) { return r.name == name && r.what == what; });
     return found == rows.end() ? nullptr : &*found;
 }
 
 /// The row as a tooltip.
-std::string sentence(Measured const& row) {
+std::string sentence(BenchRow const& row) {
     std::string out = fmt::format("{}, {}: {} per row, ", row.name, row.what, time_for_people(row.nanoseconds));
     out += row.finite ? fmt::format("{:.1f} digits", row.digits) : "not finite";
     if (row.theta_nanoseconds && *row.theta_nanoseconds > 5)
@@ -51,7 +51,7 @@ std::string sentence(Measured const& row) {
 }
 
 /// A variant has its own look in every page; peers share a colour, and limits another.
-Look look_in_bench(Measured const& row, size_t place) {
+Look look_in_bench(BenchRow const& row, size_t place) {
     constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
     if (row.family == "limit") return {"#555555", true};
     if (row.group == "peer") return {"#8c510a", true, marks[place % marks.size()]};
@@ -64,11 +64,11 @@ std::string drawn(Rows const& rows, std::string const& title) {
     std::ranges::replace_if(figure.name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '-');
     std::set<double> sizes;
     size_t place = 0, peers = 0;
-    for (std::string const& name : distinct(rows, std::mem_fn(&Measured::name))) {
-        Rows mine = kept(rows, [&](Measured const& r) { return r.name == name; });
-        std::ranges::sort(mine, {}, &Measured::size);
+    for (std::string const& name : distinct(rows, std::mem_fn(&BenchRow::name))) {
+        Rows mine = kept(rows, [&](BenchRow const& r) { return r.name == name; });
+        std::ranges::sort(mine, {}, &BenchRow::size);
         Curve curve{.name = name, .look = look_in_bench(mine.front(), mine.front().group == "peer" ? peers++ : place++), .x = {}, .y = {}};
-        for (Measured const& row : mine) {
+        for (BenchRow const& row : mine) {
             sizes.insert(row.size);
             curve.x.push_back(row.size), curve.y.push_back(row.nanoseconds), curve.says.push_back(sentence(row));
         }
@@ -80,7 +80,7 @@ std::string drawn(Rows const& rows, std::string const& title) {
     return figure_html(figure);
 }
 
-std::string cell(Measured const* row, Measured const* yardstick, bool least) {
+std::string cell(BenchRow const* row, BenchRow const* yardstick, bool least) {
     if (!row) return "<td></td>";
     std::string out = fmt::format("<td{}><b>{}</b>", least ? " class=\"best\"" : "", time_for_people(row->nanoseconds));
     out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class=\"bad\">not finite</small>";
@@ -101,13 +101,13 @@ std::string breakable(std::string name) {
 
 /// Names down, cases across; the variant with the least time to an answer in each column is shaded.
 std::string table(Rows const& rows, std::string const& yardstick) {
-    auto const names = distinct(rows, std::mem_fn(&Measured::name)), cases = distinct(rows, std::mem_fn(&Measured::what));
+    auto const names = distinct(rows, std::mem_fn(&BenchRow::name)), cases = distinct(rows, std::mem_fn(&BenchRow::what));
     std::string out = "<div class=\"scroll\"><table><thead>\n<tr><th></th>";
     for (std::string const& what : cases) out += fmt::format("<th>{}</th>", what);
-    std::vector<Measured const*> least;
+    std::vector<BenchRow const*> least;
     for (std::string const& what : cases) {
-        Measured const* best = nullptr;
-        for (Measured const& row : rows)
+        BenchRow const* best = nullptr;
+        for (BenchRow const& row : rows)
             if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered()))
                 best = &row;
         least.push_back(best);
@@ -116,7 +116,7 @@ std::string table(Rows const& rows, std::string const& yardstick) {
     for (std::string const& name : names) {
         out += fmt::format("\n<tr><th>{}</th>", breakable(name));
         for (size_t j = 0; j < cases.size(); ++j) {
-            Measured const* const row = find(rows, name, cases[j]);
+            BenchRow const* const row = find(rows, name, cases[j]);
             out += cell(row, find(rows, yardstick, cases[j]), names.size() > 1 && row && row == least[j]);
         }
         out += "</tr>";
@@ -134,20 +134,20 @@ std::string title_of(std::string const& group, std::string const& arithmetic) {
 /// Filters: one panel for each group and arithmetic, with the peers and, where it has its sizes, the machine's limit.
 std::string filters(Rows const& rows) {
     std::string out;
-    Rows const single = kept(rows, [](Measured const& r) { return !r.arithmetic.empty() && r.group != "peer"; });
-    auto const panel_of = [](Measured const& r) { return title_of(r.group, r.arithmetic); };
+    Rows const single = kept(rows, [](BenchRow const& r) { return !r.arithmetic.empty() && r.group != "peer"; });
+    auto const panel_of = [](BenchRow const& r) { return title_of(r.group, r.arithmetic); };
     for (std::string const& title : distinct(single, panel_of)) {
-        Rows panel = kept(single, [&](Measured const& r) { return panel_of(r) == title; });
+        Rows panel = kept(single, [&](BenchRow const& r) { return panel_of(r) == title; });
         std::string const group = panel.front().group, arithmetic = panel.front().arithmetic;
-        auto const cases = distinct(panel, std::mem_fn(&Measured::what));
-        for (Measured peer : kept(rows, [](Measured const& r) { return r.group == "peer" && !r.arithmetic.empty(); })) {
+        auto const cases = distinct(panel, std::mem_fn(&BenchRow::what));
+        for (BenchRow peer : kept(rows, [](BenchRow const& r) { return r.group == "peer" && !r.arithmetic.empty(); })) {
             if (std::ranges::find(cases, peer.what) == cases.end()) continue;
             if (peer.arithmetic != arithmetic) peer.name += " (" + peer.arithmetic + ")";
             panel.push_back(peer);
         }
         Rows with_limit = panel;
         if (arithmetic == "double" && group == "update")
-            for (Measured limit : kept(rows, [](Measured const& r) { return r.group == "limit"; })) {
+            for (BenchRow limit : kept(rows, [](BenchRow const& r) { return r.group == "limit"; })) {
                 limit.name = "limit: " + limit.name;
                 with_limit.push_back(limit);
             }
@@ -175,7 +175,7 @@ std::string others(Rows const& rows) {
           Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
           Section{"The machine's limit",
                   "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
-        Rows const mine = kept(rows, [&](Measured const& r) {
+        Rows const mine = kept(rows, [&](BenchRow const& r) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
         if (mine.empty()) continue;

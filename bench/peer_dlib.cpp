@@ -1,5 +1,5 @@
 // peer/dlib/double/SIZE: dlib::rls, P0 = C I.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <dlib/svm/rls.h>
 

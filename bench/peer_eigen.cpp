@@ -1,6 +1,6 @@
 // What people write with Eigen: peer/eigen_textbook/double/SIZE, peer/eigen_householder/ROWSxSIZE, and the normal
 // equations, peer/normal_equations/ROWSxSIZE.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <Eigen/Dense>
 

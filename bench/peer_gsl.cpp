@@ -1,5 +1,5 @@
 // peer/gsl_tsqr/ROWSxSIZE: GSL's multilarge TSQR, fed in blocks.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <gsl/gsl_multilarge.h>
 

@@ -1,5 +1,5 @@
 // peer/lapack_dgels/ROWSxSIZE: LAPACK's least squares driver as OpenBLAS has it, on one thread.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 // Fortran's, with the types of OpenBLAS' default build; lapacke.h would be one package more for this line.
 extern "C" void dgels_(char const* trans, int const* m, int const* n, int const* nrhs, double* a, int const* lda, double* b,

@@ -1,5 +1,5 @@
 // peer/liquid/float/SIZE: liquid-dsp's eqrls_rrrf, P0 = 10 I and a delay line of its own.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <liquid/liquid.h>
 #include <memory>

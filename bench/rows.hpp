@@ -1,10 +1,10 @@
 // How a row is timed and what it carries: the one harness under update/, fixed/, batch/, sparse/ and peer/.
 #pragma once
 
-#include "scenario.hpp"
+#include "bench/scenario.hpp"
 
-#include <rlslab/concept.hpp>
-#include <rlslab/timing.hpp>
+#include <rlslab/core/concept.hpp>
+#include <rlslab/lab/timing.hpp>
 
 #include <benchmark/benchmark.h>
 #include <map>
@@ -64,7 +64,7 @@ Problem<T> problem_in(Problem<double> const& problem) {
 template <class F>
 std::string family_of(F const& filter) {
     if constexpr (ReportsCovariance<F>)
-        return filter.stored().kind == Stored<typename F::scalar>::Kind::factor ? "factored covariance" : "covariance";
+        return filter.stored().form == Stored<typename F::scalar>::Form::factor ? "factored covariance" : "covariance";
     else
         return RecursiveLeastSquares<F> ? "information" : "peer";
 }

@@ -1,7 +1,7 @@
 // Makes the scenarios and certifies their solutions, each when it is first asked for.
-#include "scenario.hpp"
+#include "bench/scenario.hpp"
 
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <algorithm>
 #include <map>
@@ -18,7 +18,7 @@ Scenario measured(Problem<double> problem, Matrix<double> psi, Index scored, See
     Vector<double> y = psi.transpose() * theta;
     for (double& v : y) v = rounded_to_float(v + 0.1 * seed.bell());
     Records records{.psi = std::move(psi), .y = std::move(y), .names = {}};
-    std::vector<Exact> exact = certified(problem, records, {scored});
+    std::vector<CertifiedSolution> exact = certified(problem, records, {scored});
     return {std::move(problem), std::move(records), scored, std::move(exact.front())};
 }
 
@@ -79,7 +79,7 @@ Scenario const& interpolation(Index size) {
     });
 }
 
-double digits(Exact const& exact, Vector<double> const& theta, int arithmetic_bits) {
+double digits(CertifiedSolution const& exact, Vector<double> const& theta, int arithmetic_bits) {
     if (!theta.allFinite()) return 0;
     return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })),
                     arithmetic_bits * std::log10(2.0));

@@ -1,7 +1,7 @@
 // The data every row is timed on and scored by: made once, the same bits for every variant, arithmetic and peer.
 #pragma once
 
-#include <rlslab/model/records.hpp>
+#include <rlslab/core/records.hpp>
 #include <rlslab/reference/certified.hpp>
 
 namespace rlslab::bench {
@@ -12,7 +12,7 @@ struct Scenario {
     Problem<double> problem;
     Records records;
     Index scored;    ///< theta is scored after this many rows; those that follow are for timing
-    Exact exact;     ///< the certified solution there
+    CertifiedSolution exact;     ///< the certified solution there
 };
 
 /// The filters' scenario: a transversal filter of d taps fed with white noise, psi_k = (x_k, x_{k-1}, ..., x_{k-d+1}), x = 0
@@ -30,6 +30,6 @@ Scenario const& interpolation(Index size);
 Index stretch_rows(Index size);
 
 /// The digits of an answer, at most those its arithmetic has; 0 when it is not finite.
-double digits(Exact const& exact, Vector<double> const& theta, int arithmetic_bits);
+double digits(CertifiedSolution const& exact, Vector<double> const& theta, int arithmetic_bits);
 
 }  // namespace rlslab::bench

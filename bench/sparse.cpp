@@ -1,8 +1,8 @@
 // sparse/VARIANT/SIZE: rows with two numbers that are not zero; blocks where the variant takes them.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
+#include <rlslab/core/process.hpp>
 #include <rlslab/variants/cholesky_sparse.hpp>
-#include <rlslab/feed.hpp>
 #include <rlslab/variants/qr_sparse.hpp>
 
 namespace rlslab::bench {
@@ -15,7 +15,7 @@ void add() {
             Scenario const& scenario = interpolation(size);
             run_batch(state, scenario, [&](Records const&) { return F(scenario.problem); },
                       [&](F& filter) {
-                          feed(filter, scenario.records.psi, scenario.records.y);
+                          process(filter, scenario.records.psi, scenario.records.y);
                           return Vector<double>(filter.theta());
                       });
         });

@@ -1,5 +1,5 @@
 // update/VARIANT/ARITHMETIC/SIZE: one filter, one row at a time; compiled once for each arithmetic.
-#include "rows.hpp"
+#include "bench/rows.hpp"
 
 #include <rlslab/variants/variants.hpp>
 

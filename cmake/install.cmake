@@ -3,13 +3,14 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)
 
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab
-  FILES_MATCHING PATTERN "*.hpp" PATTERN doors EXCLUDE)
+# In the tree rlslab/variants is a link: the variants are installed from where they are. The catalogue is not installed.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab
+  FILES_MATCHING PATTERN "*.hpp" PATTERN doors EXCLUDE PATTERN variants EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants
   FILES_MATCHING PATTERN "*.hpp")
 install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR})
 # A cross-compiled program that cannot run here has written none of these.
-set(written ${PROJECT_BINARY_DIR}/studies)
+set(written ${PROJECT_BINARY_DIR}/program)
 install(FILES ${written}/rlslab.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL)
 install(FILES ${written}/rlslab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rlslab OPTIONAL)
 install(FILES ${written}/_rlslab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions OPTIONAL)

@@ -1,9 +1,9 @@
 // From a comparison to a sentence and a few lines of C++.
-#include "answer.hpp"
-#include "words.hpp"
+#include "compare/answer.hpp"
+#include "compare/words.hpp"
 
+#include <rlslab/core/input_error.hpp>
 #include <rlslab/core/text.hpp>
-#include <rlslab/model/input_error.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -73,11 +73,30 @@ Recommendation const* coded(Comparison const& c) {
     return out;
 }
 
+namespace {
+
+/// Why the code is not for a shorter arithmetic that has a recommendation too; "" where there is none.
+std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
+    std::vector<std::string> out;
+    for (auto const& [name, type] : hardware)
+        for (Recommendation const& r : c.recommendations) {
+            if (r.arithmetic != name || r.variant.empty()) continue;
+            double const low = result_of(c, r).spread->worst.low;
+            if (low < enough_digits) out.push_back(fmt::format("{} in {}", tenths(low), name));
+            if (&r == &taken)
+                return out.empty() ? "" : fmt::format("// digits of the worst component that nine tenths of the counts reach: {}; {} are wanted\n", fmt::join(out, ", "), enough_digits);
+        }
+    return "";
+}
+
+}  // namespace
+
 std::string code(Comparison const& c) {
     Recommendation const* const r = coded(c);
     if (!r) return "";
     std::string const T = std::ranges::find(hardware, r->arithmetic, &std::pair<std::string, std::string>::first)->second, type = class_of(r->variant);
     std::string out = fmt::format("#include <rlslab/variants/{}.hpp>\n\n", r->variant);
+    out += why_not_shorter(c, *r);
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
     out += comment("theta = ", c.names);
     std::vector<std::string> means;
@@ -95,7 +114,7 @@ std::string code(Comparison const& c) {
     constexpr Index largest_fixed = 16;    // a fixed size keeps everything in the object: no heap after the start
     out += fmt::format("rlslab::{}<{}{}> filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, T,
                        c.size <= largest_fixed ? fmt::format(", {}", c.size) : "", c.size, c.options.forgetting, T, prior);
-    out += "// each row: step = filter.update(psi, y); trust filter.theta() while step.health is rlslab::Health::sound\n";
+    out += "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";
     return out;
 }
 

@@ -1,7 +1,7 @@
 // The short answer: which variant, at what price, and the code to paste.
 #pragma once
 
-#include "compare.hpp"
+#include "compare/compare.hpp"
 
 namespace rlslab {
 

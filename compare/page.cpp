@@ -1,7 +1,7 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
-#include "answer.hpp"
+#include "compare/answer.hpp"
+#include "compare/words.hpp"
 #include "report/page.hpp"
-#include "words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -198,6 +198,9 @@ std::string as_page(Comparison const& c) {
     std::string const what = c.model.file.empty() ? "a record" : c.model.file.substr(c.model.file.rfind('/') + 1);
     std::string body = fmt::format("<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab {}</p>\n",
                                    escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
+    std::string told;
+    for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+    if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
     body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty()) body += pre(paste);
     body += fmt::format("<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them. "

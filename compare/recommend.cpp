@@ -1,5 +1,5 @@
 // The rules of recommend.hpp, over digits as they are printed.
-#include "recommend.hpp"
+#include "compare/recommend.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -19,11 +19,16 @@ std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
     if (!(c.prior_bias <= most_prior_bias))
         return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g}): {}", c.prior_bias,
                            c.options.p0 ? "leave out --p0" : "rescale the columns");
+    if (!(c.component_bias <= most_component_bias))
+        return fmt::format("the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself): {}", c.component_bias,
+                           c.options.p0 ? "leave out --p0" : "rescale the columns");
     for (Storage const& s : c.storage) {
         if (s.arithmetic != arithmetic.name) continue;
         if (!s.in_range) return s.forgetting > 0 ? "P0 leaves its range" : "lambda is zero there";
         if (s.rank < c.size) return fmt::format("as stored there the regressors have rank {} of {}", s.rank, c.size);
         if (!(s.prior_bias <= most_prior_bias)) return fmt::format("as stored there the prior, not the data, decides theta (it moves it by {:.2g})", s.prior_bias);
+        if (!(s.component_bias <= most_component_bias))
+            return fmt::format("as stored there the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself)", s.component_bias);
     }
     return "";
 }

@@ -1,7 +1,7 @@
 // Which variant to use in an arithmetic, and why; or why none.
 #pragma once
 
-#include "compare.hpp"
+#include "compare/compare.hpp"
 
 namespace rlslab {
 

@@ -1,7 +1,7 @@
 // A filter is fed row by row; what it stores is judged after each, what it answers at the checkpoints.
-#include "score.hpp"
+#include "compare/score.hpp"
 
-#include <rlslab/probes.hpp>
+#include <rlslab/lab/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ std::optional<double> at_most(double digits, double largest) {
 
 /// max |F_ij - F_ji| / max |F_ij|.
 std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
-    if (stored.kind == Stored<Reference>::Kind::factor) return 0.0;
+    if (stored.form == Stored<Reference>::Form::factor) return 0.0;
     Reference difference = 0, largest = 0;
     for (Index j = 0; j < stored.F.cols(); ++j)
         for (Index i = 0; i < stored.F.rows(); ++i) {
@@ -51,11 +51,11 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
             Health health;
             if (entry.block == 1) {
                 Index const k = permuted ? order.rows[size_t(first)] : first;
-                health = filter->update(stored.records.row(k), stored.records.y[k]).health;
+                health = filter->update(stored.records.sample(k), stored.records.y[k]).health;
             } else if (permuted) {
-                health = filter->absorb(in_order(stored.records, {order.rows.begin() + first, order.rows.begin() + last}), 0, last - first).health;
+                health = filter->update_block(in_order(stored.records, {order.rows.begin() + first, order.rows.begin() + last}), 0, last - first).health;
             } else {
-                health = filter->absorb(stored.records, first, last).health;
+                health = filter->update_block(stored.records, first, last).health;
             }
             first = last;
             if (out.breakdown) continue;
@@ -64,7 +64,7 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
             if (!kind.empty()) out.breakdown = Breakdown{last, kind};
         }
         if (order.exact.empty()) continue;
-        Exact const& exact = order.exact[c];
+        CertifiedSolution const& exact = order.exact[c];
         Vector<Reference> const theta = filter->theta();
         double const most = arithmetic.decimal_digits();
         out.digits.push_back({at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
@@ -73,7 +73,7 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
     Stored<Reference> const last = filter->stored();
     if (!out.breakdown && !is_finite(filter->theta())) out.breakdown = Breakdown{stored.records.rows(), "nonfinite"};
     out.asymmetry = asymmetry_of(last);
-    out.factor = last.kind == Stored<Reference>::Kind::factor;
+    out.factor = last.form == Stored<Reference>::Form::factor;
     return out;
 }
 
@@ -98,7 +98,7 @@ Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed
     Seed draws{seed};
     PerMeasure<std::vector<std::optional<double>>> all;
     std::vector<Index> const checkpoints = checkpoints_of(stored.records.rows());
-    Index const settled = std::min(stored.records.rows(), 2 * stored.records.size());
+    Index const settled = std::min(stored.records.rows(), 2 * stored.records.parameters());
     for (size_t i = 0; i < runs; ++i) {
         RowOrder const& order = stored.orders[i % stored.orders.size()];
         Run const one = run(entry, stored, order, i == 0 ? Seed{seed} : Seed{draws.next()});

@@ -1,8 +1,8 @@
 // How many digits one variant keeps in one arithmetic along the record, and how much that depends on luck.
 #pragma once
 
-#include "compare.hpp"
-#include "stored_problem.hpp"
+#include "compare/compare.hpp"
+#include "compare/stored_problem.hpp"
 
 namespace rlslab {
 

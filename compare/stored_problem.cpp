@@ -1,5 +1,5 @@
 // Rounding a problem, and solving it exactly along each order of its rows.
-#include "stored_problem.hpp"
+#include "compare/stored_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::u
 
 Records in_order(Records const& records, std::vector<Index> const& rows) {
     if (rows.empty()) return records;
-    Records out{.psi = Eigen::MatrixXd(records.size(), Index(rows.size())), .y = Vector<double>(Index(rows.size())), .names = records.names};
+    Records out{.psi = Eigen::MatrixXd(records.parameters(), Index(rows.size())), .y = Vector<double>(Index(rows.size())), .names = records.names};
     for (size_t k = 0; k < rows.size(); ++k) {
         out.psi.col(Index(k)) = records.psi.col(rows[k]);
         out.y[Index(k)] = records.y[rows[k]];

@@ -1,7 +1,7 @@
 // The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried.
 #pragma once
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 namespace rlslab {
@@ -9,7 +9,7 @@ namespace rlslab {
 /// The rows in one order, and the exact solution at each checkpoint.
 struct RowOrder {
     std::vector<Index> rows;      ///< row k of this order is row rows[k] of the record; empty: the record's own order
-    std::vector<Exact> exact;     ///< one a checkpoint; empty: the stored problem has no exact solution
+    std::vector<CertifiedSolution> exact;     ///< one a checkpoint; empty: the stored problem has no exact solution
 };
 
 /// Data, lambda and P0 rounded to an arithmetic: what its variants are given, and its exact solutions with them.

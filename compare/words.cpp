@@ -1,5 +1,5 @@
 // Sentences, and lines of a certain width.
-#include "words.hpp"
+#include "compare/words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,8 +56,20 @@ std::string prior_text(Comparison const& c) {
     } else {
         out += fmt::format("{} I: ", *c.options.p0);
     }
-    out += fmt::format("moves theta by {:.1e} of itself", c.prior_bias);
-    if (c.scaled_prior && c.scaled_prior->reached) out += " (c is the least power of two that leaves 1e-3 at most)";
+    out += fmt::format("moves theta by {:.1e} of itself, its worst component by {:.1e}", c.prior_bias, c.component_bias);
+    if (c.scaled_prior && c.scaled_prior->reached)
+        out += fmt::format(" (c is the least power of two that leaves 1e-3 at most of either{})", c.options.forgetting == 1 ? "" : ", at this lambda and at 1");
+    return out;
+}
+
+std::vector<std::string> warnings(Comparison const& c) {
+    std::vector<std::string> out;
+    std::string const remedy = c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
+    if (!(c.prior_bias <= most_prior_bias)) out.push_back(fmt::format("the prior moves theta by {:.2g} of itself: {}", c.prior_bias, remedy));
+    else if (!(c.component_bias <= most_component_bias)) out.push_back(fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
+    if (c.offset > most_offset)
+        out.push_back(fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that the offset is fitted as dynamics: --detrend or --intercept",
+                                  c.model.output.empty() ? "y" : c.model.output, c.offset));
     return out;
 }
 

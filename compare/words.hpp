@@ -1,12 +1,15 @@
 // What the text and the page of a comparison say in the same words.
 #pragma once
 
-#include "compare.hpp"
+#include "compare/compare.hpp"
 
 namespace rlslab {
 
 /// The width of the widest table, and of the text around it.
 inline constexpr size_t text_width = 114;
+
+/// A mean of y of more standard deviations than this is told of, where no regressor is constant.
+inline constexpr double most_offset = 2;
 
 /// "first, second, third" in lines of that width; it begins at column `at`, further lines with `indent`.
 std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at);
@@ -28,5 +31,8 @@ bool is_recommended(Comparison const& comparison, Result const& result);
 
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
+
+/// What makes the answer one to another question than was meant, and the remedy; a sentence each.
+std::vector<std::string> warnings(Comparison const& comparison);
 
 }  // namespace rlslab

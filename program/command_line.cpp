@@ -1,8 +1,8 @@
 // The program's command line: its commands, and what a person is told whose words are none.
-#include "commands.hpp"
-#include "described.hpp"
+#include "program/commands.hpp"
+#include "program/described.hpp"
 
-#include <rlslab/model/suggestion.hpp>
+#include <rlslab/core/suggestion.hpp>
 
 #include <fmt/format.h>
 #include <sstream>

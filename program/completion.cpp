@@ -1,7 +1,8 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
-#include "described.hpp"
+#include "catalogue/catalogue.hpp"
+#include "program/described.hpp"
 
-#include "study.hpp"
+#include "studies/engine/study.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // The definitions, taken from CLI11's structures; what no definition has, the exit codes and the environment, is said here.
-#include "described.hpp"
+#include "program/described.hpp"
 
 #include <fmt/format.h>
 

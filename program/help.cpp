@@ -1,5 +1,5 @@
 // The help: the definitions in lines of at most 79 letters.
-#include "described.hpp"
+#include "program/described.hpp"
 
 #include <rlslab/core/text.hpp>
 

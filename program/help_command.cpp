@@ -1,8 +1,8 @@
 // rlslab help, and what the build asks for: the manual page and the completions.
-#include "commands.hpp"
-#include "described.hpp"
+#include "program/commands.hpp"
+#include "program/described.hpp"
 
-#include <rlslab/model/suggestion.hpp>
+#include <rlslab/core/suggestion.hpp>
 
 namespace rlslab {
 

@@ -1,7 +1,8 @@
 // rlslab list: what there is to choose from.
-#include "commands.hpp"
-#include "described.hpp"
-#include "study.hpp"
+#include "catalogue/catalogue.hpp"
+#include "program/commands.hpp"
+#include "program/described.hpp"
+#include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/core/text.hpp>

@@ -1,5 +1,5 @@
 // The manual page: one page for the program and all its commands, in the man macros.
-#include "described.hpp"
+#include "program/described.hpp"
 
 #include <fmt/format.h>
 #include <sstream>

@@ -1,5 +1,5 @@
 // What a signal that ends the program leaves behind: as git does it, a handler that cleans up and dies of the same signal.
-#include "commands.hpp"
+#include "program/commands.hpp"
 
 #include <rlslab/core/files.hpp>
 

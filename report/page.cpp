@@ -1,8 +1,8 @@
 // The skeleton of a page and what stands in it.
 #include "report/page.hpp"
 
-#include "page_assets.hpp"
 #include "report/formulas.hpp"
+#include "report/page_assets.hpp"
 #include "report/plot.hpp"
 #include "report/svg.hpp"
 

@@ -1,5 +1,5 @@
 // Fixed-size filters never touch the heap; dynamic ones only when they are made.
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

@@ -344,11 +344,11 @@ TEST(Chopped, RootsOfEveryHalf) {
     EXPECT_FALSE(all_roots(&operate<Half>, Rounding::stochastic));
 }
 TEST(Chopped, TailsAreSeenAcrossTheWholeRange) {
-    EXPECT_EQ(double(BrainZero(1) - BrainZero(0x1p-100)), 1 - 0x1p-8);
-    EXPECT_EQ(double(BrainZero(0x1p-133) - BrainZero(largest(bfloat16))), -largest(bfloat16) + 0x1p120);
-    EXPECT_EQ(double(BrainZero(1) + BrainZero(0x1p-100)), 1);
-    EXPECT_EQ(double(BrainZero(largest(bfloat16)) * BrainZero(2)), largest(bfloat16));
-    EXPECT_EQ(double(Brain(largest(bfloat16)) * Brain(2)), infinity);
+    EXPECT_EQ(double(BFloat16Zero(1) - BFloat16Zero(0x1p-100)), 1 - 0x1p-8);
+    EXPECT_EQ(double(BFloat16Zero(0x1p-133) - BFloat16Zero(largest(bfloat16))), -largest(bfloat16) + 0x1p120);
+    EXPECT_EQ(double(BFloat16Zero(1) + BFloat16Zero(0x1p-100)), 1);
+    EXPECT_EQ(double(BFloat16Zero(largest(bfloat16)) * BFloat16Zero(2)), largest(bfloat16));
+    EXPECT_EQ(double(BFloat16(largest(bfloat16)) * BFloat16(2)), infinity);
 }
 /// Double rounding: the operation in double, rounded as C rounds. Innocuous to nearest, not otherwise.
 template <class C>
@@ -371,9 +371,9 @@ TEST(Chopped, ChecksOfOperationsCanFail) {
     EXPECT_FALSE(all_pairs(&operate<Nearest>, few, Rounding::toward_zero, all));
     EXPECT_FALSE(all_pairs(&operate<Nearest>, few, Rounding::stochastic, all));
     // The same without its tail, and with half of every fraction.
-    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BrainZero>, Rounding::toward_zero)));
-    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BrainStochastic>, Rounding::stochastic)));
-    EXPECT_FALSE(random_pairs(bfloat16, 1000, turning_at_the_fraction(&twice<BrainStochastic>)));
+    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BFloat16Zero>, Rounding::toward_zero)));
+    EXPECT_FALSE(random_pairs(bfloat16, 4000, rounding_once(&twice<BFloat16Stochastic>, Rounding::stochastic)));
+    EXPECT_FALSE(random_pairs(bfloat16, 1000, turning_at_the_fraction(&twice<BFloat16Stochastic>)));
     EXPECT_FALSE(all_pairs(&biased<small>, few, Rounding::stochastic, all));
     EXPECT_TRUE(all_pairs(&operate<Stochastic>, few, Rounding::stochastic, all));
     auto const drawing_twice = [](char op, double a, double b) {

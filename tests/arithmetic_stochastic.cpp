@@ -66,23 +66,23 @@ std::uint64_t seeded_run(Seed seed, int steps = 4000) {
 }
 
 TEST(Stochastic, IsReplayedBySeedAndThreadsDoNotInteract) {
-    std::uint64_t const alone = seeded_run<BrainStochastic>(Seed{5}), other = seeded_run<BrainStochastic>(Seed{6});
-    EXPECT_EQ(alone, seeded_run<BrainStochastic>(Seed{5}));
+    std::uint64_t const alone = seeded_run<BFloat16Stochastic>(Seed{5}), other = seeded_run<BFloat16Stochastic>(Seed{6});
+    EXPECT_EQ(alone, seeded_run<BFloat16Stochastic>(Seed{5}));
     EXPECT_NE(alone, other);
     std::uint64_t there = 0;
-    std::thread thread([&] { there = seeded_run<BrainStochastic>(Seed{6}); });
-    std::uint64_t const here = seeded_run<BrainStochastic>(Seed{5});
+    std::thread thread([&] { there = seeded_run<BFloat16Stochastic>(Seed{6}); });
+    std::uint64_t const here = seeded_run<BFloat16Stochastic>(Seed{5});
     thread.join();
     EXPECT_EQ(here, alone);
     EXPECT_EQ(there, other);
 }
 TEST(Stochastic, InterleavedStreamsDoNotInteract) {
-    auto const step = [](Seed& seed, BrainStochastic& x) {
+    auto const step = [](Seed& seed, BFloat16Stochastic& x) {
         StochasticStream const stream(seed);
-        x = x * x / BrainStochastic(1.5) + BrainStochastic(0.25);
+        x = x * x / BFloat16Stochastic(1.5) + BFloat16Stochastic(0.25);
     };
     Seed alone{5}, a{5}, b{6};
-    BrainStochastic x_alone(0.25), x(0.25), y(0.25);
+    BFloat16Stochastic x_alone(0.25), x(0.25), y(0.25);
     for (int k = 0; k < 100; ++k) step(alone, x_alone);
     for (int k = 0; k < 100; ++k) {
         step(a, x);
@@ -92,7 +92,7 @@ TEST(Stochastic, InterleavedStreamsDoNotInteract) {
     EXPECT_EQ(a, alone);
 }
 TEST(Stochastic, StreamsNestAndTheOwnersSeedAdvances) {
-    BrainStochastic const one(1), divisor(0.328125);
+    BFloat16Stochastic const one(1), divisor(0.328125);
     Seed outer{1}, inner{2};
     {
         StochasticStream const stream(outer);
@@ -124,13 +124,13 @@ TEST(Stochastic, AStreamIsRestoredWhenAnExceptionPasses) {
 }
 TEST(Stochastic, WithoutAStreamOnlyExactResultsAreComputed) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    BrainStochastic const one(1), zero(0), endless(infinity);
-    EXPECT_THROW(one / BrainStochastic(3), std::logic_error);
-    EXPECT_THROW(one - BrainStochastic(0x1p-100), std::logic_error);
-    EXPECT_THROW(sqrt(BrainStochastic(2)), std::logic_error);
-    EXPECT_THROW(BrainStochastic(0.1), std::logic_error);
-    EXPECT_NO_THROW(one + one * BrainStochastic(0.5) - endless);
-    EXPECT_NO_THROW(sqrt(BrainStochastic(2.25)) / BrainStochastic(1.5));
+    BFloat16Stochastic const one(1), zero(0), endless(infinity);
+    EXPECT_THROW(one / BFloat16Stochastic(3), std::logic_error);
+    EXPECT_THROW(one - BFloat16Stochastic(0x1p-100), std::logic_error);
+    EXPECT_THROW(sqrt(BFloat16Stochastic(2)), std::logic_error);
+    EXPECT_THROW(BFloat16Stochastic(0.1), std::logic_error);
+    EXPECT_NO_THROW(one + one * BFloat16Stochastic(0.5) - endless);
+    EXPECT_NO_THROW(sqrt(BFloat16Stochastic(2.25)) / BFloat16Stochastic(1.5));
     EXPECT_NO_THROW(one / endless + zero / one + one / zero + zero / zero + sqrt(zero) + sqrt(-one) + sqrt(endless));
 }
 
@@ -140,8 +140,8 @@ TEST(Chopped, SameBitsInEveryBuild) {
     EXPECT_EQ(seeded_run<Half>(Seed{1}, steps), 8626577044937698187u);
     EXPECT_EQ(seeded_run<HalfZero>(Seed{1}, steps), 4214837405022159798u);
     EXPECT_EQ(seeded_run<HalfStochastic>(Seed{1}, steps), 16145621835945972688u);
-    EXPECT_EQ(seeded_run<BrainZero>(Seed{1}, steps), 897796715624102084u);
-    EXPECT_EQ(seeded_run<TensorStochastic>(Seed{1}, steps), 10578779623462078578u);
+    EXPECT_EQ(seeded_run<BFloat16Zero>(Seed{1}, steps), 897796715624102084u);
+    EXPECT_EQ(seeded_run<Tf32Stochastic>(Seed{1}, steps), 10578779623462078578u);
     EXPECT_EQ((seeded_run<Chopped<Format{25, -400, 400}, Rounding::stochastic>>(Seed{1}, steps)), 3738872335928380218u);
 }
 

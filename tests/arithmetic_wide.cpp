@@ -1,8 +1,8 @@
 // The wide scalars: widen loses nothing, Quad rounds once; and what Eigen and the lab are told of every scalar is true.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/model/random.hpp>
-#include <rlslab/problem.hpp>
+#include <rlslab/core/problem.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
 
@@ -103,7 +103,7 @@ TEST(Widen, HardwareLosesNothing) {
     EXPECT_EQ(widen(5e-324), ldexp(Reference(1), -1074));
     Reference const third = Reference(1) / 3;
     EXPECT_EQ(widen(third), third);
-    for (Reference const& zero : {widen(-0.0), widen(-0.0f), widen(-0.0L), widen(Quad(-0.0)), widen(Brain(-0.0))})
+    for (Reference const& zero : {widen(-0.0), widen(-0.0f), widen(-0.0L), widen(Quad(-0.0)), widen(BFloat16(-0.0))})
         EXPECT_TRUE(zero == 0 && signbit(zero));
     EXPECT_FALSE(signbit(widen(Quad(0))));
 }
@@ -198,7 +198,7 @@ bool are_exponents_of_normal_numbers(int min_exp, int max_exp) {
 }
 template <class T>
 struct Traits : testing::Test {};
-using Nearest = testing::Types<Half, Brain, Tensor, Chopped<Format{25, -400, 400}>, float, double,
+using Nearest = testing::Types<Half, BFloat16, Tf32, Chopped<Format{25, -400, 400}>, float, double,
                                long double, Quad, Reference, Counted<double>, Counted<Half>>;
 TYPED_TEST_SUITE(Traits, Nearest);
 
@@ -232,12 +232,12 @@ bool has_traits(std::string_view name, Format f) {
            double(Storage::epsilon()) == std::ldexp(1, 1 - f.digits) && Storage::dummy_precision() > C(0);
 }
 TEST(Chopped, TraitsAreTheFormat) {
-    static_assert(Real<Half> && Real<BrainZero> && Real<TensorStochastic>);
-    EXPECT_TRUE(has_traits<Half>("binary16", binary16) && has_traits<Brain>("bfloat16", bfloat16));
-    EXPECT_TRUE(has_traits<HalfZero>("binary16-zero", binary16) && has_traits<TensorZero>("tf32-zero", tf32));
-    EXPECT_TRUE(has_traits<BrainStochastic>("bfloat16-stochastic", bfloat16));
-    EXPECT_FALSE(has_traits<Brain>("bfloat16", binary16));
-    EXPECT_EQ(widen(Brain(-0x1.fep-126)), Reference(-0x1.fep-126));
+    static_assert(Real<Half> && Real<BFloat16Zero> && Real<Tf32Stochastic>);
+    EXPECT_TRUE(has_traits<Half>("binary16", binary16) && has_traits<BFloat16>("bfloat16", bfloat16));
+    EXPECT_TRUE(has_traits<HalfZero>("binary16-zero", binary16) && has_traits<Tf32Zero>("tf32-zero", tf32));
+    EXPECT_TRUE(has_traits<BFloat16Stochastic>("bfloat16-stochastic", bfloat16));
+    EXPECT_FALSE(has_traits<BFloat16>("bfloat16", binary16));
+    EXPECT_EQ(widen(BFloat16(-0x1.fep-126)), Reference(-0x1.fep-126));
     EXPECT_TRUE(isnan(widen(Half(nan))) && isinf(widen(Half(-infinity))) && widen(Half(-infinity)) < 0);
     EXPECT_TRUE(is_finite(Half(65504)) && !is_finite(Half(65520)) && !is_finite(Half(nan)));
     EXPECT_EQ((Matrix<Half>::Identity(3, 3) * Half(2)).trace(), Half(6));
@@ -248,11 +248,11 @@ bool all_names_differ(std::tuple<T...>*) {
     return std::set<std::string_view>{ArithmeticTraits<T>::name...}.size() == sizeof...(T);
 }
 TEST(Names, AreUnique) {
-    using Others = std::tuple<HalfZero, BrainZero, Tensor, TensorZero, TensorStochastic, Counted<double>,
+    using Others = std::tuple<HalfZero, BFloat16Zero, Tf32, Tf32Zero, Tf32Stochastic, Counted<double>,
                               Chopped<Format{4, -3, 4}>>;
     EXPECT_TRUE(all_names_differ(static_cast<Arithmetics*>(nullptr)));
     EXPECT_TRUE(all_names_differ(static_cast<decltype(std::tuple_cat(Arithmetics(), Others()))*>(nullptr)));
-    EXPECT_FALSE(all_names_differ(static_cast<std::tuple<Half, Brain, Half>*>(nullptr)));
+    EXPECT_FALSE(all_names_differ(static_cast<std::tuple<Half, BFloat16, Half>*>(nullptr)));
 }
 
 }  // namespace

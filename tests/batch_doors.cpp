@@ -1,12 +1,12 @@
 // Many rows at once: wrong sizes are refused at the door, and every thread computes as the calling one would.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/arithmetic/bits.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/batch.hpp>
-#include <rlslab/datum.hpp>
-#include <rlslab/type_list.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/core/type_list.hpp>
+#include <rlslab/lab/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -24,9 +24,9 @@ TEST(Feed, RefusesOtherSizes) {
             Matrix<double> wide = Matrix<double>::Ones(parameters, regressors);
             wide.topRows(psi.rows()) = psi;
             if (throws)
-                EXPECT_THROW(feed(f, wide, records.y.head(outputs)), std::invalid_argument) << F::name;
+                EXPECT_THROW(process(f, wide, records.y.head(outputs)), std::invalid_argument) << F::name;
             else
-                feed(f, wide, records.y.head(outputs));
+                process(f, wide, records.y.head(outputs));
             return Vector<double>(f.theta());
         };
         F const untouched(problem);
@@ -63,8 +63,8 @@ TEST(FoldAll, NoRowsAreThePrior) {
 /// Everything that a filter of this arithmetic holds after all rows, on so many threads.
 template <class T>
 Matrix<double> folded(Records const& records, unsigned threads) {
-    auto const filter = fold_all<QrBlock<T>>(converted<T>({.size = records.size()}), RowsInMemory(records), threads, 20);
-    Matrix<double> out(records.size(), records.size() + 1);
+    auto const filter = fold_all<QrBlock<T>>(problem_as<T>({.size = records.parameters()}), RowsInMemory(records), threads, 20);
+    Matrix<double> out(records.parameters(), records.parameters() + 1);
     out << filter.stored().F.unaryExpr([](T const& x) { return static_cast<double>(x); }),
         Vector<T>(filter.theta()).unaryExpr([](T const& x) { return static_cast<double>(x); });
     return out;
@@ -72,11 +72,11 @@ Matrix<double> folded(Records const& records, unsigned threads) {
 TEST(FoldAll, EveryThreadHasTheCallersPrecision) {
     Records const records = laws::noise_records(3, 300, Seed{5});
     for (int const bits : {8, 12, 30, 53}) {
-        Precision const precision(bits);
-        Matrix<double> const one = folded<Bits>(records, 1);
+        PrecisionScope const precision(bits);
+        Matrix<double> const one = folded<VariablePrecision>(records, 1);
         for (double const x : one.reshaped()) EXPECT_EQ(x, round_to_bits(x, 0, bits));
         for (unsigned const threads : {2u, 3u, 8u})
-            for (int again = 0; again < 5; ++again) EXPECT_EQ(folded<Bits>(records, threads), one) << bits << " bits, " << threads;
+            for (int again = 0; again < 5; ++again) EXPECT_EQ(folded<VariablePrecision>(records, threads), one) << bits << " bits, " << threads;
     }
 }
 TEST(FoldAll, StochasticRoundingIsThatOfTheSeedOnAnyThreads) {
@@ -84,15 +84,15 @@ TEST(FoldAll, StochasticRoundingIsThatOfTheSeedOnAnyThreads) {
     auto const with_seed = [&](std::uint64_t seed, unsigned threads) {
         Seed own{seed};
         StochasticStream const stream(own);
-        Matrix<double> const first = folded<BrainStochastic>(records, threads);
-        return std::pair(first, folded<BrainStochastic>(records, threads));    // the seed goes on, whatever the threads
+        Matrix<double> const first = folded<BFloat16Stochastic>(records, threads);
+        return std::pair(first, folded<BFloat16Stochastic>(records, threads));    // the seed goes on, whatever the threads
     };
     auto const one = with_seed(9, 1);
     for (unsigned const threads : {2u, 3u, 8u})
         for (int again = 0; again < 5; ++again) EXPECT_EQ(with_seed(9, threads), one) << threads;
     EXPECT_NE(with_seed(10, 1).first, one.first);
     EXPECT_NE(one.first, one.second);
-    EXPECT_THROW(folded<BrainStochastic>(records, 2), std::logic_error) << "no seed in the calling thread";
+    EXPECT_THROW(folded<BFloat16Stochastic>(records, 2), std::logic_error) << "no seed in the calling thread";
 }
 TEST(FoldAll, CountsWhatEveryThreadDid) {
     Records const records = laws::noise_records(3, 300, Seed{7});

@@ -1,6 +1,7 @@
 // The battery: every law of tests/laws.hpp over every variant in every arithmetic, and each law failing on a saboteur.
-#include "laws.hpp"
-#include "variants/erase.hpp"
+#include "catalogue/catalogue.hpp"
+#include "catalogue/erase.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/linalg/start.hpp>
@@ -75,8 +76,8 @@ TEST_P(Battery, StartsFromNothingWhereItSaysSo) {
     }
     Records const records = rounded(noise_records(3, 30, Seed{33}), entry.arithmetic->round);
     auto const f = entry.make(p, Seed{1});
-    for (Index k = 0; k < 3; ++k) EXPECT_EQ(name_of(f->update(records.row(k), records.y[k]).health), "undetermined") << k;
-    for (Index k = 3; k < 30; ++k) EXPECT_EQ(name_of(f->update(records.row(k), records.y[k]).health), "sound") << k;
+    for (Index k = 0; k < 3; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "undetermined") << k;
+    for (Index k = 3; k < 30; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "sound") << k;
     Errors const e = errors(entry, p, noise_records(3, 30, Seed{33}));
     EXPECT_LE(e.theta, 2 * solution_budget(entry));
     EXPECT_LE(e.covariance, 2 * solution_budget(entry));
@@ -111,9 +112,9 @@ enum class Fault {
 template <Fault fault>
 class Saboteur {
     double lambda_;
-    DividedBy<double> by_lambda_;
-    Column<double> theta_, f_, K_;
-    Square<double> P_;
+    DivisorNearOne<double> by_lambda_;
+    StateVector<double> theta_, f_, K_;
+    StateMatrix<double> P_;
     static inline int shared_ = 0;
     mutable int looks_ = 0;
 
@@ -151,7 +152,7 @@ public:
     Vector<double> gain() const { return fault == Fault::wrong_gain ? f_.view() : K_.view(); }
     Stored<double> stored() const {
         ++looks_;
-        return {Stored<double>::Of::covariance, Stored<double>::Kind::plain, P_.view()};
+        return {Stored<double>::Quantity::covariance, Stored<double>::Form::plain, P_.view()};
     }
 };
 

@@ -1,7 +1,8 @@
 // The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
-#include "compare.hpp"
+#include "catalogue/catalogue.hpp"
 #include "compare/answer.hpp"
-#include "files.hpp"
+#include "compare/compare.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
@@ -31,7 +32,7 @@ std::string learnt_by(std::string const& text, Records const& records) {
                "int main() {\n"
                "    using T = std::remove_cvref_t<decltype(filter.theta()[0])>;\n"
                "    std::FILE* const rows = std::fopen(\"rows.txt\", \"r\");\n"
-               "    std::vector<T> psi(" << records.size() << ");\n"
+               "    std::vector<T> psi(" << records.parameters() << ");\n"
                "    for (double x;;) {\n"
                "        for (T& p : psi) { if (std::fscanf(rows, \"%la\", &x) != 1) return 0; p = T(x); }\n"
                "        if (std::fscanf(rows, \"%la\", &x) != 1) return 1;\n"
@@ -45,7 +46,7 @@ std::string learnt_by(std::string const& text, Records const& records) {
     std::ofstream(folder.path / "filter.cpp") << text;
     std::ofstream rows(folder.path / "rows.txt");
     for (Index k = 0; k < records.rows(); ++k) {
-        for (Index i = 0; i < records.size(); ++i) rows << hex(records.psi(i, k)) << ' ';
+        for (Index i = 0; i < records.parameters(); ++i) rows << hex(records.psi(i, k)) << ' ';
         rows << hex(records.y[k]) << '\n';
     }
     rows.close();
@@ -63,9 +64,9 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records const& records
     std::string out;
     for (Entry const& entry : catalogue()) {
         if (entry.variant != r.variant || entry.arithmetic->name != r.arithmetic) continue;
-        auto const filter = entry.make({.size = records.size(), .forgetting = c.options.forgetting, .prior = prior}, Seed{1});
+        auto const filter = entry.make({.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior}, Seed{1});
         for (Index k = 0; k < records.rows(); ++k) {
-            filter->update(records.row(k), records.y[k]);
+            filter->update(records.sample(k), records.y[k]);
             for (Reference const& x : filter->theta()) out += hex(static_cast<double>(x)) + " ";
             out += '\n';
         }

@@ -1,5 +1,5 @@
 // `rlslab compare` as a person meets it: what it asks for, what it answers first, what it writes.
-#include "program.hpp"
+#include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -145,7 +145,7 @@ TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
 
 TEST_F(CompareCommand, TakesSeveralInputs) {
     json const arx = compared("two.csv --input u,v --output y --na 1 --nb 1 --delay 1 --intercept");
-    EXPECT_EQ(arx["data"]["parameters"], (json{"a1", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "1"}));
+    EXPECT_EQ(arx["data"]["parameters"], (json{"a1", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "c"}));
     EXPECT_EQ(arx["data"]["regressors"], (json{"-y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]", "1"}));
     json const listed = compared("two.csv --regressors 'y[k-1],u[k-1..k-2],v[k-1],v[k-2]' --output y --intercept");
     EXPECT_EQ(listed["data"]["regressors"], (json{"1", "-y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));

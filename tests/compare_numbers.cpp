@@ -1,6 +1,7 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
+#include "catalogue/catalogue.hpp"
 #include "compare/score.hpp"
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
 
@@ -54,12 +55,12 @@ double worst_digits(Vector<Reference> const& x, Solved const& s) {
 }
 Matrix<Reference> rebuilt(Stored<Reference> const& stored) {
     Matrix<Reference> X = stored.F;
-    if (stored.kind == Stored<Reference>::Kind::factor) {
+    if (stored.form == Stored<Reference>::Form::factor) {
         Matrix<Reference> scaled = stored.F;
         for (Index j = 0; j < stored.D.size(); ++j) scaled.col(j) *= stored.D[j];
         X = scaled.lazyProduct(stored.F.transpose());
     }
-    if (stored.of == Stored<Reference>::Of::covariance) return X;
+    if (stored.quantity == Stored<Reference>::Quantity::covariance) return X;
     Reference const det = X(0, 0) * X(1, 1) - X(0, 1) * X(1, 0);
     return Matrix<Reference>{{X(1, 1) / det, -X(0, 1) / det}, {-X(1, 0) / det, X(0, 0) / det}};
 }
@@ -100,8 +101,8 @@ TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
             auto const filter = r.entry->make({.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()}, Seed{1});
             ASSERT_EQ(r.path.size(), c.checkpoints.size());
             for (Index k = 0; k < given.rows(); ++k) {
-                if (r.entry->block == 1) filter->update(stored.row(k), stored.y[k]);
-                else filter->absorb(stored, k, k + 1);
+                if (r.entry->block == 1) filter->update(stored.sample(k), stored.y[k]);
+                else filter->update_block(stored, k, k + 1);
                 std::string const what = std::string(r.entry->variant) + " in " + std::string(a.name) + " at " + std::to_string(k);
                 Solved const s = solved(stored, k + 1, lambda, P0(0, 0), P0(1, 1));
                 Digits const& said = r.path[size_t(k)];
@@ -140,11 +141,11 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                 auto const filter = r.entry->make(problem, Seed{1});
                 std::optional<Index> first;
                 for (Index k = 0; k < rows.rows(); ++k) {
-                    filter->update(rows.row(k), rows.y[k]);
+                    filter->update(rows.sample(k), rows.y[k]);
                     Stored<Reference> const held = filter->stored();
                     Vector<Reference> const theta = filter->theta();
                     bool const finite = is_finite(theta[0]) && is_finite(theta[1]);
-                    Matrix<Reference> const X = rebuilt({Stored<Reference>::Of::covariance, held.kind, held.F, held.D});
+                    Matrix<Reference> const X = rebuilt({Stored<Reference>::Quantity::covariance, held.form, held.F, held.D});
                     // A 2 x 2 matrix is definite if its trace and determinant are positive; 257 bits hold the products of short words.
                     Reference const off = (X(0, 1) + X(1, 0)) / 2;
                     if (!(X(0, 0) + X(1, 1) > 0 && X(0, 0) * X(1, 1) - off * off > 0) && !first) first = k + 1;
@@ -268,10 +269,10 @@ TEST(ComparisonNumbers, Asymmetry) {
         Records const stored = laws::rounded(given, a.round);
         auto const filter = r.entry->make({.size = 2, .forgetting = 0.875, .prior = c.scaled_prior->prior()}, Seed{1});
         for (Index k = 0; k < stored.rows(); ++k)
-            if (r.entry->block == 1) filter->update(stored.row(k), stored.y[k]);
-            else filter->absorb(stored, k, k + 1);
+            if (r.entry->block == 1) filter->update(stored.sample(k), stored.y[k]);
+            else filter->update_block(stored, k, k + 1);
         Stored<Reference> const held = filter->stored();
-        if (held.kind == Stored<Reference>::Kind::factor) {
+        if (held.form == Stored<Reference>::Form::factor) {
             EXPECT_EQ(r.asymmetry, 0) << r.entry->variant;
             EXPECT_TRUE(r.factor) << r.entry->variant;
             continue;

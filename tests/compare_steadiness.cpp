@@ -1,5 +1,5 @@
 // The recommendation on real records is not the luck of a last row: it stays when lambda or the length of the record changes a little.
-#include "program.hpp"
+#include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>
 

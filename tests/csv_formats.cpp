@@ -1,5 +1,5 @@
 // Separators and decimal marks are found out, or given; what could be read in two ways is refused in a line that says how to go on.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/csv.hpp>
 

@@ -1,5 +1,6 @@
 // The default prior: its formula in rationals, its two roundings from both sides, units that change no digit.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -126,8 +127,8 @@ TEST(DefaultPrior, ChangesNoDigitWithTheUnits) {
             EXPECT_EQ(q.s[1], std::ldexp(p.s[1], -a));
             Ud<double> f({.size = 2, .prior = p.prior()}), g({.size = 2, .prior = q.prior()});
             for (Index k = 0; k < r.rows(); ++k) {
-                f.update(r.row(k), r.y[k]);
-                g.update(scaled.row(k), scaled.y[k]);
+                f.update(r.sample(k), r.y[k]);
+                g.update(scaled.sample(k), scaled.y[k]);
             }
             EXPECT_EQ(g.theta()[0], std::ldexp(f.theta()[0], y - a));
             EXPECT_EQ(g.theta()[1], std::ldexp(f.theta()[1], y + a));

@@ -1,9 +1,9 @@
 // The quick look at a stored P and the exact decision agree in every arithmetic, at every scale that it has.
 #include <rlslab/arithmetic/arithmetics.hpp>
-#include <rlslab/model/random.hpp>
-#include <rlslab/probes.hpp>
+#include <rlslab/core/random.hpp>
+#include <rlslab/lab/breakdown.hpp>
 #include <rlslab/reference/definiteness.hpp>
-#include <rlslab/variants/erase.hpp>
+#include "catalogue/erase.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ struct Holds final : AnyFilter {
     Holds(Stored<T> stored, Shown* in_double) : held(std::move(stored)), shown(in_double) {}
     Step<double> update(Regressor<double>, double) override { throw std::logic_error("not asked"); }
     Step<double> update(Regressor<double>, double, Vector<double> const&) override { throw std::logic_error("not asked"); }
-    Step<double> absorb(Records const&, Index, Index) override { throw std::logic_error("not asked"); }
+    Step<double> update_block(Records const&, Index, Index) override { throw std::logic_error("not asked"); }
     Vector<Reference> theta() const override { return {}; }
     Vector<Reference> gain() const override { return {}; }
     Stored<Reference> stored() const override { return held.template mapped<Reference>(&widened<T>); }
@@ -41,8 +41,8 @@ int whole(Seed& seed, int least, int most) { return least + int(seed.next() % st
 /// a triangle, in parts one but for an entry.
 template <class T>
 Stored<T> random_stored(Seed& seed) {
-    using Of = typename Stored<T>::Of;
-    using Kind = typename Stored<T>::Kind;
+    using Quantity = typename Stored<T>::Quantity;
+    using Form = typename Stored<T>::Form;
     constexpr int scales[] = {0, 12, 400, 1500, 3000};
     Index const d = whole(seed, 1, 4);
     int const scale = scales[whole(seed, 0, 4)];
@@ -59,7 +59,7 @@ Stored<T> random_stored(Seed& seed) {
         rows.push_back(graded ? all - i * grade : whole(seed, -scale, scale) / 2);
         columns.push_back(graded ? i * grade : whole(seed, -scale, scale) / 2);
     }
-    Stored<T> out{whole(seed, 0, 1) == 0 ? Of::covariance : Of::information, plain ? Kind::plain : Kind::factor, Matrix<T>(d, d)};
+    Stored<T> out{whole(seed, 0, 1) == 0 ? Quantity::covariance : Quantity::information, plain ? Form::plain : Form::factor, Matrix<T>(d, d)};
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) out.F(i, j) = times_power(T(B(i, j)), rows[size_t(i)] + (plain ? rows : columns)[size_t(j)]);
     if (!plain && whole(seed, 0, 1) == 0) {
@@ -76,7 +76,7 @@ template <class T>
 Found over_random(int trials, typename Holds<T>::Shown* shown) {
     Found found;
     Seed seed{12}, draws{1};
-    Draws<T> const rounding(draws);
+    RoundingSeedScope<T> const rounding(draws);
     Arithmetic const arithmetic = arithmetic_of<T>();
     for (int k = 0; k < trials; ++k) {
         Holds<T> const filter(random_stored<T>(seed), shown);
@@ -122,7 +122,7 @@ std::string of_the_disguised_triangle() {
     T const a = times_power(T(1), -700), b = times_power(T(1), -1400);
     Matrix<T> F(2, 2);
     F << a, T(1), b, a;
-    return breakdown(Holds<T>({Stored<T>::Of::covariance, Stored<T>::Kind::factor, F}, &in_double<T>), arithmetic_of<T>());
+    return breakdown(Holds<T>({Stored<T>::Quantity::covariance, Stored<T>::Form::factor, F}, &in_double<T>), arithmetic_of<T>());
 }
 TEST(ALook, SeesThroughADisguisedTriangle) {
     EXPECT_EQ(of_the_disguised_triangle<Quad>(), "indefinite");

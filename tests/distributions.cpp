@@ -1,6 +1,6 @@
 // Tails and quantiles against closed forms in 257 bits, and against another library.
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 #include <rlslab/reference/distributions.hpp>
 
 #include <boost/math/distributions/chi_squared.hpp>

@@ -1,8 +1,8 @@
 // Compressed data are read as what they unpack to, and MATLAB's variables as columns; what cannot be read is refused in one line.
-#include "files.hpp"
+#include "tests/files.hpp"
 
-#include <rlslab/doors/gzip.hpp>
-#include <rlslab/doors/open.hpp>
+#include <rlslab/model/doors/gzip.hpp>
+#include <rlslab/model/doors/open.hpp>
 
 #include <gtest/gtest.h>
 #include <zlib.h>

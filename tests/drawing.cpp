@@ -4,7 +4,7 @@
 #include "report/page.hpp"
 #include "report/svg.hpp"
 
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Elementary functions: every result is the double nearest to the exact one, as 257 bits show it.
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
 

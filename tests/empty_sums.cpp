@@ -2,7 +2,7 @@
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/pack.hpp>
-#include <rlslab/variants/order_recursive_qr.hpp>
+#include <rlslab/model/order_recursive_qr.hpp>
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ template <class T>
 
 template <class T>
 struct EmptySum : testing::Test {};
-using Scalars = testing::Types<Brain, BrainStochastic, Bits, float, double, long double, Quad, Reference, Rational, Counted<double>>;
+using Scalars = testing::Types<BFloat16, BFloat16Stochastic, VariablePrecision, float, double, long double, Quad, Reference, Rational, Counted<double>>;
 TYPED_TEST_SUITE(EmptySum, Scalars);
 TYPED_TEST(EmptySum, IsZero) {
     litter();

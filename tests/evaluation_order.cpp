@@ -1,6 +1,6 @@
 // No operator has two operands that both round: the language leaves open which comes first, and stochastic rounding tells.
 // (Arguments of one call are seen by tests/compilers/ alone.)
-#include "compilers/everything.hpp"
+#include "tests/compilers/everything.hpp"
 
 #include <rlslab/arithmetic/storage_traits.hpp>
 

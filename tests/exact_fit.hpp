@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/records.hpp>
+#include <rlslab/core/records.hpp>
 
 #include <cmath>
 
@@ -18,7 +18,7 @@ struct Fit {
 
 /// By Gauss and Jordan on [Phi'W Phi, Phi'W Y, I], w_k = lambda^(N-1-k); Phi'Phi must be regular. J is weighted.
 inline Fit of(Records const& records, Rational const& lambda = 1) {
-    Index const d = records.size(), N = records.rows();
+    Index const d = records.parameters(), N = records.rows();
     Matrix<Rational> A(d, 2 * d + 1);
     for (Index i = 0; i < d; ++i)
         for (Index j = 0; j < 2 * d + 1; ++j) A(i, j) = j == d + 1 + i ? 1 : 0;

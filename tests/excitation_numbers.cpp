@@ -1,5 +1,5 @@
 // What `excitation` prints, and the signals and equations beneath it: closed forms, rationals, thresholds from both sides.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/model/difference.hpp>
@@ -69,10 +69,10 @@ TEST(ExcitationNumbers, DiagonalDominanceIsStrict) {
     EXPECT_FALSE(diagonally_dominant(Matrix<double>{{2, -2.1}, {1, 2}}));
 }
 TEST(ExcitationNumbers, AStandstillIsCountedFromTheStart) {
-    EXPECT_EQ(excitation({1, 2, 3}, 1).still, 0);
-    EXPECT_EQ(excitation({1, 1, 3}, 1).still, 2);
-    EXPECT_EQ(excitation({1, 1, 3, 3, 3}, 1).still, 2);
-    EXPECT_EQ(excitation({1, 1, 1}, 1).still, 3);
+    EXPECT_EQ(excitation({1, 2, 3}, 1).constant_at_start, 0);
+    EXPECT_EQ(excitation({1, 1, 3}, 1).constant_at_start, 2);
+    EXPECT_EQ(excitation({1, 1, 3, 3, 3}, 1).constant_at_start, 2);
+    EXPECT_EQ(excitation({1, 1, 1}, 1).constant_at_start, 3);
 }
 
 // --- resolution ---------------------------------------------------------------------------------------------------------------
@@ -292,7 +292,7 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     EXPECT_EQ(said["exciting_of_order"], 4);
     EXPECT_EQ(said["exact_order"], 4);
     EXPECT_EQ(said["resolution"], e.resolution);
-    EXPECT_EQ(said["still"], e.still);
+    EXPECT_EQ(said["still"], e.constant_at_start);
     for (size_t i = 0; i < 4; ++i)
         EXPECT_EQ(said["orders"][i], (json{{"order", i + 1}, {"least_eigenvalue", e.orders[i].least}, {"condition", e.orders[i].condition}, {"definite", true}, {"resolved", true}}));
     std::string const table = run("--max-order 4");

@@ -1,7 +1,7 @@
 // What tests of files share: a folder that goes with its test, and what an action is refused with.
 #pragma once
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/core/input_error.hpp>
 
 #include <filesystem>
 #include <fstream>

@@ -1,8 +1,9 @@
 // What is said of theta and K without solving for them: never more than is so, and enough for ordinary data.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/feed.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/linalg/finite.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -14,8 +15,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
 template <class T>
-Column<T> column(Vector<T> const& x) {
-    Column<T> out(x.size());
+StateVector<T> column(Vector<T> const& x) {
+    StateVector<T> out(x.size());
     for (Index i = 0; i < x.size(); ++i) out[i] = x[i];
     return out;
 }
@@ -28,8 +29,8 @@ std::pair<int, int> proven_and_wrong(int cases, int lowest, int highest) {
     int proven = 0, wrong = 0;
     for (int n = 0; n < cases; ++n) {
         Index const d = Index(1 + seed.next() % 6);
-        Square<T> L(d);
-        Column<T> z(d), psi(d);
+        StateMatrix<T> L(d);
+        StateVector<T> z(d), psi(d);
         double right = 0;
         double const of_z = scale();
         for (Index i = 0; i < d; ++i) {
@@ -122,7 +123,7 @@ TEST(Finite, AnOverflowIsReportedAtOnce) {
 template <class F>
 Health fed(Problem<typename F::scalar> const& problem, Eigen::MatrixXd const& psi, Vector<double> const& y) {
     F f(problem);
-    return feed(f, psi, y).health;
+    return process(f, psi, y).health;
 }
 TEST(Finite, WhatIsFedInBlocksIsReported) {
     Records const records = laws::noise_records(3, 200, Seed{6});

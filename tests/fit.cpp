@@ -1,7 +1,7 @@
 // Batch fits do not depend on the units of the data, to the bit, from 2^-1000 to 2^1000; they end, and find ranks.
+#include <rlslab/core/random.hpp>
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/model/random.hpp>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -30,7 +30,7 @@ Records integers(Index d, Index rank, Index rows, Seed seed, unsigned zeros) {
     return out;
 }
 Records times(Records records, std::vector<int> const& psi, int y) {
-    for (Index j = 0; j < records.size(); ++j)
+    for (Index j = 0; j < records.parameters(); ++j)
         for (Index k = 0; k < records.rows(); ++k) records.psi(j, k) = std::scalbn(records.psi(j, k), psi[size_t(j)]);
     for (double& v : records.y) v = std::scalbn(v, y);
     return records;

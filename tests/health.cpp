@@ -1,13 +1,13 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "compare/compare.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/reference/definiteness.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include "studies/compare.hpp"
 
 namespace rlslab {
 namespace {
@@ -43,14 +43,14 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
     Comparison const c = compare(records, {.p0 = 60000, .arithmetics = {"binary16"}, .timings = false});
     int factors = 0;
     for (Result const& r : c.results) {
-        bool const factor = r.entry->make(laws::problem(2), Seed{1})->stored().kind == Stored<Reference>::Kind::factor;
+        bool const factor = r.entry->make(laws::problem(2), Seed{1})->stored().form == Stored<Reference>::Form::factor;
         factors += factor;
         if (factor && r.breakdown) {
             auto const f = r.entry->make({.size = 2, .prior = Prior<double>{.variance = r.entry->arithmetic->round(60000)}}, Seed{1});
             Records const rounded = laws::rounded(records, r.entry->arithmetic->round);
             bool definite = true;
             for (Index k = 0; k < r.breakdown->step; ++k) {
-                f->update(rounded.row(k), rounded.y[k]);
+                f->update(rounded.sample(k), rounded.y[k]);
                 definite = definite && definiteness(f->stored()) == Definiteness::positive;
             }
             EXPECT_FALSE(definite) << r.entry->variant;
@@ -114,8 +114,8 @@ TEST(Health, InformationAnswersAfterARowWithoutReport) {
     Records const rows = laws::noise_records(3, 20, Seed{5});
     Information<double> taken({.size = 3, .prior = std::nullopt}), reported = taken;
     for (Index k = 0; k < rows.rows(); ++k) {
-        taken.take(rows.row(k), rows.y[k]);
-        reported.update(rows.row(k), rows.y[k]);
+        taken.accumulate(rows.sample(k), rows.y[k]);
+        reported.update(rows.sample(k), rows.y[k]);
         EXPECT_TRUE(laws::identical(taken.theta(), reported.theta())) << k;
         EXPECT_TRUE(laws::identical(taken.gain(), reported.gain())) << k;
     }

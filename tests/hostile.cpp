@@ -1,8 +1,9 @@
 // Random cases nobody would write down: any shape, any scale, what is not a number, at every variant in every arithmetic.
 // No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/feed.hpp>
+#include <rlslab/core/process.hpp>
 #include <rlslab/variants/information.hpp>
 #include <rlslab/variants/qr_block.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -146,12 +147,12 @@ std::string run(Seed seed) {
         Health health;
         bool const in_block = rows > 1 || (entry.block > 1 && c.one_in(2));
         if (in_block) {
-            health = f->absorb(records, 0, rows).health;
+            health = f->update_block(records, 0, rows).health;
         } else {
             std::vector<double> at(size_t(before + c.size));
             std::copy(last.begin(), last.end(), at.begin() + before);
             Regressor<double> const psi(at.data() + before, c.size);
-            if (entry.takes_gain_error && c.one_in(8)) {
+            if (entry.gain_perturbable && c.one_in(8)) {
                 Vector<double> const relative = Vector<double>::NullaryExpr(c.size, [&c] { return c.number() * c.scale(); });
                 told << "\n  gain changed by" << text(relative);
                 health = f->update(psi, records.y[0], relative).health;
@@ -203,11 +204,11 @@ void strides_make_no_difference(Seed seed) {
         Eigen::Map<Vector<double> const, 0, Eigen::InnerStride<>> const outputs(y.data(), rows, Eigen::InnerStride<>(of_y));
         Problem<T> const problem{.size = d, .forgetting = T(0.96875)};
         F as_given(problem), copied(problem), backwards(problem), turned(problem);
-        feed(as_given, strided, outputs);
-        feed(copied, Eigen::MatrixXd(strided), Vector<double>(outputs));
+        process(as_given, strided, outputs);
+        process(copied, Eigen::MatrixXd(strided), Vector<double>(outputs));
         ASSERT_TRUE(laws::identical(Vector<T>(as_given.theta()), Vector<T>(copied.theta()))) << F::name << ' ' << n;
-        feed(backwards, strided.rowwise().reverse(), outputs.reverse());
-        feed(turned, Eigen::MatrixXd(strided.rowwise().reverse()), Vector<double>(outputs.reverse()));
+        process(backwards, strided.rowwise().reverse(), outputs.reverse());
+        process(turned, Eigen::MatrixXd(strided.rowwise().reverse()), Vector<double>(outputs.reverse()));
         ASSERT_TRUE(laws::identical(Vector<T>(backwards.theta()), Vector<T>(turned.theta()))) << F::name << ' ' << n;
     }
 }

@@ -1,12 +1,15 @@
-// The house keeps its rules: one list of variants, files of the size their kind should have.
-#include <rlslab/erased.hpp>
+// The house keeps its rules: one list of variants, files of the size their kind should have, folders in one order.
+#include "catalogue/catalogue.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
+#include <sstream>
 
 namespace rlslab {
 namespace {
@@ -23,20 +26,28 @@ std::string text(fs::path const& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::vector<fs::path> sources(char const* folder) {
-    std::vector<fs::path> out;
-    for (auto const& file : fs::recursive_directory_iterator(root / folder))
-        if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp") out.push_back(file.path());
-    return out;
-}
+/// Files of C++ and what is in them, by their path from the project's folder.
+using Tree = std::map<std::string, std::string>;
 
-/// Headers in variants/ that hold the list or the boundary, not a variant; and the recursions in order, which take columns.
-std::set<std::string> const not_a_variant{"variants", "instances", "erase", "order_recursive", "order_recursive_qr"};
+/// This tree. Links are not followed: what they lead to is there under its own name.
+Tree const& project() {
+    static Tree const tree = [] {
+        Tree out;
+        for (auto const& room : fs::directory_iterator(root)) {
+            std::string const name = room.path().filename();
+            if (!room.is_directory() || name.starts_with(".") || name == "build" || name == "out") continue;
+            for (auto const& file : fs::recursive_directory_iterator(room))
+                if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp") out[file.path().lexically_relative(root)] = text(file);
+        }
+        return out;
+    }();
+    return tree;
+}
 
 std::set<std::string> variant_files() {
     std::set<std::string> out;
     for (auto const& file : fs::directory_iterator(root / "variants"))
-        if (file.path().extension() == ".hpp" && !not_a_variant.contains(file.path().stem())) out.insert(file.path().stem());
+        if (file.path().extension() == ".hpp" && file.path().stem() != "variants") out.insert(file.path().stem());
     return out;
 }
 
@@ -68,21 +79,150 @@ TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
     }
 }
 TEST(House, NoFileIsLongerThanFourHundredLines) {
-    for (char const* folder : {"src", "variants", "tests", "bench", "studies", "compare", "program", "report"})
-        for (fs::path const& file : sources(folder)) EXPECT_LE(lines(file), 400) << file;
+    for (auto const& [path, code] : project()) EXPECT_LE(std::ranges::count(code, '\n'), 400) << path;
 }
-TEST(House, TheRendererStandsOnTheCoreAlone) {
-    for (fs::path const& file : sources("report")) {
-        std::ifstream lines(file);
-        for (std::string line; std::getline(lines, line);) {
-            if (line.starts_with("#include \"")) { EXPECT_TRUE(line.starts_with("#include \"report/") || line.find("page_assets.hpp") != line.npos) << file << ": " << line; }
-            if (line.starts_with("#include <rlslab/")) { EXPECT_TRUE(line.starts_with("#include <rlslab/core/")) << file << ": " << line; }
+
+struct Folder {
+    std::string path;
+    std::vector<std::string> stands_on;    ///< and on all that these stand on
+};
+/// THE order of the house: a folder includes what it stands on, and nothing else. Each names folders that come before it.
+std::vector<Folder> const house{
+    {"src/rlslab/core", {}},
+    {"src/rlslab/arithmetic", {"src/rlslab/core"}},
+    {"src/rlslab/linalg/isa", {"src/rlslab/arithmetic"}},
+    {"src/rlslab/linalg", {"src/rlslab/linalg/isa"}},
+    {"src/rlslab/reference", {"src/rlslab/arithmetic"}},
+    {"src/rlslab/model", {"src/rlslab/linalg", "src/rlslab/reference"}},
+    {"src/rlslab/model/doors", {"src/rlslab/model"}},
+    {"src/rlslab/adapt", {"src/rlslab/linalg"}},
+    {"src/rlslab/lab", {"src/rlslab/adapt", "src/rlslab/model"}},
+    {"variants", {"src/rlslab/linalg"}},
+    {"catalogue", {"src/rlslab/lab", "variants"}},
+    {"report", {"src/rlslab/core"}},
+    {"compare", {"catalogue", "report"}},
+    {"identify", {"catalogue", "report", "src/rlslab/model/doors"}},
+    {"studies/engine", {"catalogue", "report"}},
+    {"studies/gain", {"studies/engine"}},
+    {"studies/definiteness", {"studies/engine"}},
+    {"studies/accuracy", {"studies/engine"}},
+    {"studies/forgetting", {"studies/engine"}},
+    {"studies/published", {"studies/engine"}},
+    {"studies/theory", {"studies/engine"}},
+    {"bench", {"catalogue", "report"}},
+    {"program", {"compare", "identify", "studies/engine"}},
+    {"tests/compilers", {"variants"}},
+    {"tests/portability", {"src/rlslab/lab", "variants"}},
+    {"tests/consumer", {"src/rlslab/model", "variants"}},
+    {"tests/fuzz", {"program"}},
+    {"tests", {"program", "tests/compilers"}},
+};
+
+/// What each folder stands on, itself included.
+std::map<std::string, std::set<std::string>> foundations() {
+    std::map<std::string, std::set<std::string>> out;
+    for (Folder const& folder : house) {
+        std::set<std::string> under{folder.path};
+        for (std::string const& direct : folder.stands_on) under.insert(out.at(direct).begin(), out.at(direct).end());
+        out[folder.path] = under;
+    }
+    return out;
+}
+
+std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
+
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants is a link; what is in quotes
+/// starts at the project's folder.
+std::vector<std::string> included(std::string const& code) {
+    std::vector<std::string> out;
+    std::istringstream lines(code);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string word, name;
+        words >> word;
+        if (word == "#") words >> word, word = "#" + word;
+        if (word != "#include" || !(words >> name)) continue;
+        bool const quoted = name.front() == '"';
+        name = name.substr(1, name.find_first_of("\">", 1) - 1);
+        if (quoted) out.push_back(name);
+        else if (name.starts_with("rlslab/variants/")) out.push_back(name.substr(7));
+        else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
+    }
+    return out;
+}
+
+/// One line for each include that leads nowhere, or to a folder on which its own does not stand, and for each folder without a
+/// place in the order; and one for each folder that, by way of others, includes itself.
+std::vector<std::string> faults(Tree const& tree) {
+    std::vector<std::string> out;
+    auto const under = foundations();
+    std::map<std::string, std::set<std::string>> reached;    // folders, by the folder that includes of them
+    for (auto const& [path, code] : tree) {
+        std::string const from = folder_of(path);
+        if (!under.contains(from)) out.push_back(path + ": its folder has no place in the house");
+        for (std::string const& target : included(code)) {
+            std::string const to = folder_of(target);
+            if (!tree.contains(target)) out.push_back(path + ": " + target + " is not in the tree");
+            else if (under.contains(from) && !under.at(from).contains(to)) out.push_back(path + ": does not stand on " + target);
+            if (from != to) reached[from].insert(to);
         }
     }
+    for (size_t growing = 1, before = 0; growing != before;) {    // until ways of any length are in it
+        before = growing;
+        growing = 0;
+        for (auto& [from, to] : reached) {
+            for (std::string const& by : std::set(to))
+                if (auto const further = reached.find(by); further != reached.end()) to.insert(further->second.begin(), further->second.end());
+            growing += to.size();
+        }
+    }
+    for (auto const& [from, to] : reached)
+        if (to.contains(from)) out.push_back(from + ": in a circle");
+    return out;
+}
+
+using testing::Contains;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST(House, NothingPointsUpAndNothingGoesRound) {
+    EXPECT_GT(project().size(), 250u);
+    EXPECT_THAT(faults(project()), IsEmpty());
+}
+TEST(House, AnArrowUpIsRefusedInEveryFolder) {
+    auto const under = foundations();
+    Tree tree = project();
+    std::vector<std::string> expected;
+    for (Folder const& above : house) {
+        std::string const target = above.path + "/planted_target.hpp";
+        tree[target] = "";
+        for (Folder const& below : house) {
+            if (under.at(below.path).contains(above.path)) continue;
+            std::string const path = below.path + "/planted.hpp";
+            tree[path] += above.path.starts_with("src/") ? "#include <" + target.substr(4) + ">\n" : "#include \"" + target + "\"\n";
+            expected.push_back(path + ": does not stand on " + target);
+        }
+    }
+    EXPECT_GT(expected.size(), 400u);
+    std::vector<std::string> const found = faults(tree);
+    for (std::string const& line : expected) EXPECT_TRUE(std::ranges::count(found, line)) << line;
+}
+TEST(House, ACircleIsRefused) {
+    Tree tree = project();
+    tree["src/rlslab/core/planted.hpp"] = "// By way of two others.\n#pragma once\n\n#  include <rlslab/reference/certified.hpp>\n";
+    EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle", "src/rlslab/reference: in a circle"}));
+    EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}), Not(Contains("bench: in a circle")));
+}
+TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
+    Tree tree = project();
+    tree["variants/planted.hpp"] = "#include <rlslab/problem.hpp>\n#include \"page.hpp\"\n#include <vector>\n#include <rlslab/variants/ud.hpp>\n";
+    tree["attic/planted.cpp"] = "";
+    EXPECT_THAT(faults(tree), testing::UnorderedElementsAre("variants/planted.hpp: src/rlslab/problem.hpp is not in the tree",
+                                                            "variants/planted.hpp: page.hpp is not in the tree",
+                                                            "attic/planted.cpp: its folder has no place in the house"));
 }
 TEST(House, EveryFileSaysWhatItIs) {
-    for (char const* folder : {"src", "variants", "tests", "bench", "studies", "compare", "program", "report"})
-        for (fs::path const& file : sources(folder)) EXPECT_EQ(text(file).substr(0, 3), "// ") << file;
+    for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
-#include "files.hpp"
-#include "identify.hpp"
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "identify/identify.hpp"
+#include "tests/files.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/variants/order_recursive.hpp>
-#include <rlslab/variants/order_recursive_qr.hpp>
+#include <rlslab/model/order_recursive.hpp>
+#include <rlslab/model/order_recursive_qr.hpp>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -66,7 +67,7 @@ TEST(Excitation, OfWhatIsKnown) {
     EXPECT_EQ(excitation(prbs(5, 300), 31).order, 31);    // of order M, as its mean is not zero
     EXPECT_EQ(excitation(Signal(300, 2.5), 6).order, 1);
     EXPECT_EQ(excitation(Signal(300, 0.0), 6).order, 0);
-    EXPECT_EQ(excitation(Signal(300, 2.5), 6).still, 300);
+    EXPECT_EQ(excitation(Signal(300, 2.5), 6).constant_at_start, 300);
     Signal sine(400);
     for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
     EXPECT_EQ(excitation(sine, 6).order, 2);
@@ -87,7 +88,7 @@ TEST(Excitation, TheCorrelationMatrixIsToeplitzInTheLimitAndDominantForWhiteNois
 TEST(Batch, ThreeWaysAgreeWithTheCertifiedMinimiser) {
     Records const records = laws::noise_records(6, 200, Seed{5});
     Problem<double> const problem{.size = 6, .prior = std::nullopt};
-    Exact const exact = certified(problem, records, {200}).front();
+    CertifiedSolution const exact = certified(problem, records, {200}).front();
     for (FitBy by : {FitBy::normal_equations, FitBy::qr, FitBy::svd}) {
         Fit const f = fit(records, by);
         EXPECT_GT(exact.theta_digits(f.theta.cast<Reference>()), 14.5) << name_of(by);
@@ -149,7 +150,7 @@ TEST(OrderRecursive, TheQrTwinKeepsTwiceTheDigits) {
         return out;
     }();
     Problem<double> const problem{.size = 6, .prior = std::nullopt};
-    Exact const exact = certified(problem, records, {100}).front();
+    CertifiedSolution const exact = certified(problem, records, {100}).front();
     OrderRecursive<double> bordered(records.y, 6);
     OrderRecursiveQr<double> qr(records.y, 6);
     for (Index j = 0; j < 6; ++j) {
@@ -171,14 +172,14 @@ TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
         for (auto const& pole : poles(model)) EXPECT_LT(std::abs(pole), 1);
         Signal const u = prbs(10, 1500), y = simulate(model, {u}, Signal(u.size(), 0.0));
         Records const records = arx_records(u, y, arx_of_order(order));
-        Vector<Reference> theta(records.size());
+        Vector<Reference> theta(records.parameters());
         for (int i = 0; i < order; ++i) theta[i] = model.a[size_t(i)];
         for (int i = 0; i <= order; ++i) theta[order + i] = model.b[0][size_t(i)];
         Reference size = sqrt(Reference(theta.squaredNorm()));
         for (auto variant : {"ud", "carlson", "potter", "inverse_qr", "qr", "gentleman", "qr_block"}) {
             auto const entry = std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.variant == variant && e.arithmetic->name == "double"; });
-            auto const filter = entry->make({.size = records.size(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
-            filter->absorb(records, 0, records.rows());
+            auto const filter = entry->make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
+            filter->update_block(records, 0, records.rows());
             Vector<Reference> const off = filter->theta() - theta;
             Reference const error = sqrt(Reference(off.squaredNorm())) / size;
             EXPECT_LT(error, 1e-10) << variant << " system " << system << " order " << order;

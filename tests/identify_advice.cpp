@@ -1,7 +1,7 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
-#include "checks.hpp"
-#include "files.hpp"
-#include "text.hpp"
+#include "identify/checks.hpp"
+#include "identify/text.hpp"
+#include "tests/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -87,21 +87,51 @@ TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
     // Noise with dynamics of its own: nothing to do with u.
     Identified const coloured = identified(u, simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u}, scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
                                            {.na = 0, .nb = {1}});
-    EXPECT_FALSE(coloured.whiteness.white());
+    EXPECT_FALSE(coloured.ljung_box.white());
     EXPECT_THAT(coloured.warnings, Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "), HasSubstr("the noise has dynamics of its own"), HasSubstr("--forgetting 0.99"))));
     // Order 1 of a system of order 3: they follow u.
     Identified const low = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
-    EXPECT_FALSE(low.whiteness.white());
+    EXPECT_FALSE(low.ljung_box.white());
     EXPECT_THAT(low.warnings, Contains(HasSubstr("they follow past u (lags ")));
     EXPECT_THAT(low.warnings, Not(Contains(HasSubstr("the noise has dynamics of its own"))));
     Identified const right = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 3});
-    EXPECT_TRUE(right.whiteness.white());
+    EXPECT_TRUE(right.ljung_box.white());
     EXPECT_THAT(right.warnings, IsEmpty());
 }
 TEST(AdviceParts, LagsBeyondTheBound) {
     EXPECT_EQ(beyond({0.5, 0.3, -0.31, 0.29, 0.3}, 0.3, 1), (std::vector<Index>{2}));
     EXPECT_EQ(beyond({0.5, 0.3, -0.31, 0.29, 0.3}, 0.3, 0), (std::vector<Index>{0, 2}));
     EXPECT_EQ(beyond({}, 0.3, 0), (std::vector<Index>{}));
+}
+
+/// A model whose structure was given and that nothing else is wrong with.
+Identified unremarkable() {
+    Identified m{};
+    m.options.inputs = {"u"}, m.options.output = "y", m.options.order = 1, m.options.delay = {0};
+    m.order = 1;
+    m.ljung_box = {10, 0.5, 25, 24};
+    m.bound = 0.3;
+    return m;
+}
+/// One lag in a hundred lies beyond the bound by luck: one alone is not called a trace of the input, two are.
+TEST(AdviceParts, ResidualsFollowAnInputFromTwoLagsOn) {
+    for (double const second : {0.3, 0.31}) {
+        Identified m = unremarkable();
+        m.ljung_box.p = 1e-4;
+        m.cross_correlation = {{0.1, -0.5, 0.2, second}};
+        advise(m, 0);
+        ASSERT_EQ(m.warnings.size(), 1u);
+        EXPECT_THAT(m.warnings[0], HasSubstr(second > 0.3 ? "they follow past u (lags 1, 3)" : "they do not follow the inputs"));
+    }
+}
+TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
+    for (std::complex<double> const pole : {std::complex<double>(1, 0), {-1, 0}, {0, 1}, {1.001, 0}, {std::nextafter(1, 0), 0}, {-0.999, 0}}) {
+        Identified m = unremarkable();
+        m.poles = {pole, {0.5, 0}};
+        advise(m, 0);
+        if (std::abs(pole) >= 1) EXPECT_THAT(m.warnings, Contains(HasSubstr("a pole lies on or outside the unit circle"))) << pole;
+        else EXPECT_THAT(m.warnings, IsEmpty()) << pole;
+    }
 }
 
 // --- delay --------------------------------------------------------------------------------------------------------------------
@@ -250,7 +280,7 @@ TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
         Signal u = white_noise(600, Seed{5});
         for (size_t k = 0; k < still; ++k) u[k] = 0.5;
         Identified const m = identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
-        EXPECT_EQ(m.excitation[0].still, Index(still));
+        EXPECT_EQ(m.excitation[0].constant_at_start, Index(still));
         auto const named = Contains(HasSubstr("stands still over the first 21 of 400 fitted samples"));
         if (still == 21) EXPECT_THAT(m.warnings, named);
         else EXPECT_THAT(m.warnings, Not(Contains(HasSubstr("stands still"))));

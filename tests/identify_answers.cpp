@@ -1,7 +1,8 @@
 // What identify answers where the record or the variant is bad: words, never a NaN, and the exit code to match.
-#include "exact_fit.hpp"
-#include "files.hpp"
-#include "identify.hpp"
+#include "catalogue/catalogue.hpp"
+#include "identify/identify.hpp"
+#include "tests/exact_fit.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/reference/scatter.hpp>
 
@@ -81,7 +82,7 @@ TEST(IdentifyAnswers, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
     std::string const file = folder.file(record(slow_input(200), 0, 3));
     Columns const columns = read_columns(file, {"u", "y"});
     Records const records = arx_records(columns, "u", "y", arx_of_order(6));
-    Index const d = records.size(), N = records.rows();
+    Index const d = records.parameters(), N = records.rows();
     exact_fit::Fit const exact = exact_fit::of(records);
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {N}).front();
     EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(exact.J));
@@ -116,7 +117,7 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
                     }
                     if (std::ranges::any_of(m.parameters, [](Parameter const& p) { return std::isnan(p.value); })) {
                         EXPECT_TRUE(m.failure) << what;
-                        EXPECT_FALSE(m.whiteness.white()) << what;
+                        EXPECT_FALSE(m.ljung_box.white()) << what;
                         EXPECT_THAT(as_table(m), Not(HasSubstr("pass for white"))) << what;
                     }
                 }

@@ -1,8 +1,8 @@
 // Every number that identify answers with, worked out another way: rationals, finite differences, closed forms, loops of their own.
-#include "checks.hpp"
-#include "exact_fit.hpp"
-#include "files.hpp"
-#include "structure.hpp"
+#include "identify/checks.hpp"
+#include "identify/structure.hpp"
+#include "tests/exact_fit.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/reference/certified.hpp>
 
@@ -125,8 +125,8 @@ TEST_F(IdentifyNumbers, CriteriaDigitsAndCondition) {
 }
 TEST_F(IdentifyNumbers, ResidualsAndTheirCorrelations) {
     Index const lags = 25;
-    EXPECT_EQ(m.whiteness.lags, lags);
-    EXPECT_EQ(m.whiteness.freedom, lags - 2) << "two past outputs";
+    EXPECT_EQ(m.ljung_box.lags, lags);
+    EXPECT_EQ(m.ljung_box.freedom, lags - 2) << "two past outputs";
     Rational Q = 0, power = exact.J, of_v = 0;
     for (Index lag = 1; lag <= lags; ++lag) {
         Rational r = 0;
@@ -135,8 +135,8 @@ TEST_F(IdentifyNumbers, ResidualsAndTheirCorrelations) {
         EXPECT_NEAR(m.auto_correlation[size_t(lag)], number(r / power), 1e-12);
     }
     EXPECT_DOUBLE_EQ(m.auto_correlation[0], 1);
-    EXPECT_NEAR(m.whiteness.Q / (N * (N + 2) * number(Q)), 1, 1e-10);
-    EXPECT_NEAR(m.whiteness.p / exact_fit::chi_squared_tail(lags - 2, N * (N + 2) * number(Q)), 1, 1e-9);
+    EXPECT_NEAR(m.ljung_box.Q / (N * (N + 2) * number(Q)), 1, 1e-10);
+    EXPECT_NEAR(m.ljung_box.p / exact_fit::chi_squared_tail(lags - 2, N * (N + 2) * number(Q)), 1, 1e-9);
     auto const v = [&](Index k) { return Rational(trial.v[size_t(2 + k)] - m.means[1]); };
     for (Index k = 0; k < N; ++k) of_v += v(k) * v(k);
     for (Index lag : {0, 3, 25}) {

@@ -1,7 +1,7 @@
 // Structures of one's own, refusals in one line, and that what is printed is what was worked out.
-#include "files.hpp"
-#include "structure.hpp"
-#include "text.hpp"
+#include "identify/structure.hpp"
+#include "identify/text.hpp"
+#include "tests/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -74,7 +74,7 @@ TEST_F(Options, OneStructureSaidInThreeWaysIsOneModel) {
     EXPECT_EQ(by_list.structure, "5 regressors");
     EXPECT_EQ(by_order.fit_one_step, by_list.fit_one_step);
     EXPECT_EQ(by_order.held_out_simulated, by_list.held_out_simulated);
-    EXPECT_EQ(by_order.whiteness.p, by_list.whiteness.p);
+    EXPECT_EQ(by_order.ljung_box.p, by_list.ljung_box.p);
     EXPECT_EQ(by_list.why, "given");
     EXPECT_TRUE(by_na.choice.fits.empty());
 }
@@ -174,7 +174,7 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
         for (size_t k = 1; k < u.size(); ++k) y[k] = 0.5 * y[k - 1] + u[k - 1] + e[k];
         return folder.file(csv({u, y}, "u,y"), "cut.csv");
     };
-    // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of lead-in; one row more than parameters.
+    // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of presample; one row more than parameters.
     IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 2, .delay = {1}, .validate = 0};
     EXPECT_EQ(folder.without(message_of([&] { identify(cut(9), options); })),
               "cut.csv: order 2, delay 1 has 6 parameters and needs at least 10 samples to fit, found 9: expected a lower order");
@@ -248,7 +248,7 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
     EXPECT_EQ(line_of(flat, "fit: "), fmt::format("fit: {:.2f} % one step ahead; held out: {:.2f} % one step ahead, {:.2f} % simulated (0 %: no better than the mean)", m.fit_one_step,
                                                   m.held_out_one_step, m.held_out_simulated));
     EXPECT_EQ(line_of(flat, "residuals: "), fmt::format("residuals: sigma^2 = {:.4g}; they pass for white: p = {:.3g} >= 0.01 (Ljung-Box: Q = {:.4g}, 25 lags, 22 degrees of freedom)",
-                                                        m.sigma2, m.whiteness.p, m.whiteness.Q));
+                                                        m.sigma2, m.ljung_box.p, m.ljung_box.Q));
     EXPECT_EQ(line_of(flat, "criteria: "), fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
     EXPECT_EQ(line_of(flat, "arithmetic: "), fmt::format("arithmetic: ud kept {:.3g} of the certified minimiser's 15.9 digits ({:.3g} of its worst component's); kappa = {:.3g}",
                                                          std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
@@ -279,7 +279,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["fit"]["one_step"], m.fit_one_step);
     EXPECT_EQ(out["fit"]["held_out_one_step"], m.held_out_one_step);
     EXPECT_EQ(out["fit"]["held_out_simulated"], m.held_out_simulated);
-    EXPECT_EQ(out["whiteness"], (json{{"p", m.whiteness.p}, {"Q", m.whiteness.Q}, {"lags", 25}, {"degrees_of_freedom", 22}, {"level", 0.01}, {"white", true}}));
+    EXPECT_EQ(out["whiteness"], (json{{"p", m.ljung_box.p}, {"Q", m.ljung_box.Q}, {"lags", 25}, {"degrees_of_freedom", 22}, {"level", 0.01}, {"white", true}}));
     EXPECT_EQ(out["digits"]["theta"], m.digits);
     EXPECT_EQ(out["digits"]["worst"], m.digits_worst);
     EXPECT_EQ(out["condition"], m.condition);
@@ -298,7 +298,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];
         EXPECT_EQ(out["orders"][i], (json{{"order", f.order}, {"parameters", f.parameters}, {"J", f.J}, {"aic", f.aic}, {"bic", f.bic}, {"fpe", f.fpe}, {"p", f.p},
-                                          {"whiteness", f.whiteness}, {"held_out", f.held_out}}));
+                                          {"whiteness", f.ljung_box}, {"held_out", f.held_out}}));
     }
     EXPECT_EQ(out["suggested"], (json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}));
     for (size_t j : {0u, 1u}) {
@@ -307,7 +307,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
         EXPECT_EQ(input["gain"], m.gain[j]);
         EXPECT_EQ(input["gain_sd"], m.gain_sd[j]);
         EXPECT_EQ(input["exciting_of_order"], 4);
-        EXPECT_EQ(input["still"], m.excitation[j].still);
+        EXPECT_EQ(input["still"], m.excitation[j].constant_at_start);
         EXPECT_EQ(input["residual_correlation"], json(m.cross_correlation[j]));
         for (size_t i = 0; i < m.zeros[j].size(); ++i) EXPECT_EQ(input["zeros"][i], (json{m.zeros[j][i].real(), m.zeros[j][i].imag()}));
     }

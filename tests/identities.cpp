@@ -1,5 +1,5 @@
-// The identities of recursive least squares (theory lines 12 to 19), exactly in rationals, to 2^-220 in Reference.
-#include "laws.hpp"
+// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23), exactly in rationals, to 2^-220 in Reference.
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
 
@@ -30,13 +30,13 @@ Matrix<T> inverse(Matrix<T> A) {    // Gauss-Jordan without pivoting: definite m
 template <class T>
 Matrix<T> covariance_of(Stored<T> const& stored) {
     Matrix<T> X = stored.F;
-    if (stored.kind == Stored<T>::Kind::factor) {
+    if (stored.form == Stored<T>::Form::factor) {
         Matrix<T> FD = stored.F;
         for (Index j = 0; j < stored.D.size(); ++j)
             for (Index i = 0; i < FD.rows(); ++i) FD(i, j) *= stored.D[j];
         X = FD.lazyProduct(stored.F.transpose());
     }
-    return stored.of == Stored<T>::Of::covariance ? X : inverse(X);
+    return stored.quantity == Stored<T>::Quantity::covariance ? X : inverse(X);
 }
 
 template <class T>
@@ -217,8 +217,8 @@ TEST(FixedSize, GivesTheBitsOfDynamicSize) {
         Fixed fixed(problem);
         Free free(problem);
         for (Index k = 0; k < records.rows(); ++k) {
-            fixed.update(records.row(k), records.y[k]);
-            free.update(records.row(k), records.y[k]);
+            fixed.update(records.sample(k), records.y[k]);
+            free.update(records.sample(k), records.y[k]);
         }
         EXPECT_EQ(Vector<double>(fixed.theta()), Vector<double>(free.theta())) << Fixed::name;
         EXPECT_EQ(fixed.stored().F, free.stored().F) << Fixed::name;

@@ -1,5 +1,5 @@
 // The Kalman view: where its filter is recursive least squares, to the bit or exactly, and where a walk makes the difference.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/kalman.hpp>
@@ -15,7 +15,7 @@ TEST(Kalman, WithoutWalkOrForgettingItIsTheConventionalFormBitForBit) {
         Kalman<double> kalman(laws::problem(d));
         Conventional<double> conventional(laws::problem(d));
         for (Index k = 0; k < records.rows(); ++k) {
-            Step<double> const a = kalman.update(records.row(k), records.y[k]), b = conventional.update(records.row(k), records.y[k]);
+            Step<double> const a = kalman.update(records.sample(k), records.y[k]), b = conventional.update(records.sample(k), records.y[k]);
             EXPECT_EQ(a.innovation, b.innovation);
             EXPECT_EQ(a.gamma, b.gamma);
         }
@@ -45,6 +45,31 @@ TEST(Kalman, ForgettingInflatesTheCovarianceExactly) {
     }
     EXPECT_TRUE(Matrix<Rational>(kalman.covariance()) == Matrix<Rational>(conventional.covariance()));
     EXPECT_TRUE(Vector<Rational>(kalman.theta()) == Vector<Rational>(conventional.theta()));
+}
+
+/// P- = P / lambda + Q, a walk on top of forgetting: the inverses of 2 x 2 matrices by Cramer's rule, P^-1 = P-^-1 + psi psi'.
+TEST(Kalman, AWalkIsAddedToWhatForgettingLeavesExactly) {
+    Rational const lambda(9, 10);
+    Matrix<Rational> const Q{{Rational(1, 4), Rational(1, 8)}, {Rational(1, 8), Rational(1, 2)}};
+    Kalman<Rational> filter({.size = 2, .forgetting = lambda, .prior = Prior<Rational>{.variance = Rational(5)}}, Q);
+    auto const inverse = [](Matrix<Rational> const& A) {
+        Rational const det = A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0);
+        return Matrix<Rational>{{Rational(A(1, 1) / det), Rational(-A(0, 1) / det)}, {Rational(-A(1, 0) / det), Rational(A(0, 0) / det)}};
+    };
+    Matrix<Rational> P{{Rational(5), Rational(0)}, {Rational(0), Rational(5)}};
+    Seed seed{4};
+    for (int k = 0; k < 6; ++k) {
+        Vector<Rational> const psi = rational(seed, 2);
+        filter.update(psi, rational(seed, 1)[0]);
+        Matrix<Rational> before(2, 2);
+        for (Index j = 0; j < 2; ++j)
+            for (Index i = 0; i < 2; ++i) before(i, j) = P(i, j) / lambda + Q(i, j);
+        Matrix<Rational> X = inverse(before);
+        for (Index j = 0; j < 2; ++j)
+            for (Index i = 0; i < 2; ++i) X(i, j) += psi[i] * psi[j];
+        P = inverse(X);
+        EXPECT_TRUE(Matrix<Rational>(filter.covariance()) == P) << k;
+    }
 }
 
 /// The scalar walk with psi = 1: P settles at the root of P^2 + Q P - Q = 0 (Riccati), and theta follows a step in 1/K rows.

@@ -1,7 +1,7 @@
 // One order of evaluation: every variant gives the same bits on each instruction set, at a fixed size, and in a scalar that
 // the kernels' registers know nothing of (Counted: the hardware's arithmetic through the text for any arithmetic).
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // The laws of recursive least squares as predicates over an entry of the catalogue, so that each can be shown to fail.
 #pragma once
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <cmath>
@@ -43,8 +43,8 @@ inline Records rounded(Records records, double (*round)(double)) {
     return records;
 }
 
-inline void feed(AnyFilter& f, Records const& records, double scale = 1) {
-    for (Index k = 0; k < records.rows(); ++k) f.update(records.row(k), scale * records.y[k]);
+inline void take_rows(AnyFilter& f, Records const& records, double scale = 1) {
+    for (Index k = 0; k < records.rows(); ++k) f.update(records.sample(k), scale * records.y[k]);
 }
 
 /// P0 = I keeps c^2 |psi|^2 below 1/u even in bfloat16: beyond that P - K f' has no correct bit left at the first step.
@@ -58,7 +58,7 @@ inline Problem<double> problem(Index size, double forgetting = 1, double varianc
 /// numbers, theta is left to `stored`.
 inline bool a_zero_regressor_teaches_nothing(Entry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    feed(*f, rounded(noise_records(3, 20, Seed{17}), entry.arithmetic->round));
+    take_rows(*f, rounded(noise_records(3, 20, Seed{17}), entry.arithmetic->round));
     auto const theta = f->theta();
     auto const stored = f->stored();
     f->update(Vector<double>(Vector<double>::Zero(3)), 5);
@@ -71,8 +71,8 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
     Records records = noise_records(3, 40, Seed{11});
     records.y *= 64;    // keeps binary16 clear of its subnormal numbers
     records = rounded(records, entry.arithmetic->round);
-    feed(*f, records);
-    feed(*g, records, 2);
+    take_rows(*f, records);
+    take_rows(*g, records, 2);
     Vector<Reference> twice = f->theta();
     for (Reference& x : twice) x *= 2;
     return identical(g->theta(), twice);
@@ -91,7 +91,7 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
     auto const reported = entry.make(p, Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
         auto const f = entry.make(p, Seed{1});
-        Step<double> const a = f->absorb(records, 0, k + 1), b = reported->update(records.row(k), records.y[k]);    // all but the last unreported
+        Step<double> const a = f->update_block(records, 0, k + 1), b = reported->update(records.sample(k), records.y[k]);    // all but the last unreported
         if (a.health != b.health || !identical(Reference(a.innovation), Reference(b.innovation)) || !identical(f->stored(), reported->stored()) ||
             !identical(f->theta(), reported->theta()) || !identical(f->gain(), reported->gain()))
             return false;
@@ -103,12 +103,12 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
 inline bool a_clone_continues_bit_for_bit(Entry const& entry) {
     Records const records = rounded(noise_records(4, 60, Seed{5}), entry.arithmetic->round);
     auto const f = entry.make(problem(4, 0.96875), Seed{1}), undisturbed = entry.make(problem(4, 0.96875), Seed{1});
-    feed(*undisturbed, records);
+    take_rows(*undisturbed, records);
     std::unique_ptr<AnyFilter> clone;
     for (Index k = 0; k < records.rows(); ++k) {
         if (k == 30) clone = f->clone();
-        f->update(records.row(k), records.y[k]);
-        if (clone) clone->update(records.row(k), records.y[k]);
+        f->update(records.sample(k), records.y[k]);
+        if (clone) clone->update(records.sample(k), records.y[k]);
     }
     return identical(f->stored(), clone->stored()) && identical(f->theta(), clone->theta()) &&
            identical(f->stored(), undisturbed->stored()) && identical(f->theta(), undisturbed->theta());
@@ -119,8 +119,8 @@ inline bool same_seed_same_bits_whoever_looks(Entry const& entry) {
     Records const records = rounded(noise_records(4, 60, Seed{6}), entry.arithmetic->round);
     auto const f = entry.make(problem(4, 0.96875), Seed{3}), looked_at = entry.make(problem(4, 0.96875), Seed{3});
     for (Index k = 0; k < records.rows(); ++k) {
-        f->update(records.row(k), records.y[k]);
-        looked_at->update(records.row(k), records.y[k]);
+        f->update(records.sample(k), records.y[k]);
+        looked_at->update(records.sample(k), records.y[k]);
         looked_at->theta();
         looked_at->gain();
         looked_at->stored();
@@ -133,7 +133,7 @@ inline bool healthy_data_are_reported_sound(Entry const& entry) {
     Records const records = rounded(noise_records(3, 60, Seed{8}), entry.arithmetic->round);
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
-        Step<double> const step = f->update(records.row(k), records.y[k]);
+        Step<double> const step = f->update(records.sample(k), records.y[k]);
         if (step.health != Health::sound || !(0 < step.gamma && step.gamma <= 1)) return false;
     }
     return true;
@@ -142,7 +142,7 @@ inline bool healthy_data_are_reported_sound(Entry const& entry) {
 /// A NaN in the data is reported at once.
 inline bool a_nan_is_reported(Entry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    feed(*f, rounded(noise_records(3, 10, Seed{8}), entry.arithmetic->round));
+    take_rows(*f, rounded(noise_records(3, 10, Seed{8}), entry.arithmetic->round));
     Vector<double> const psi = Vector<double>::Constant(3, std::numeric_limits<double>::quiet_NaN());
     return f->update(psi, 1).health == Health::nonfinite;
 }
@@ -162,7 +162,7 @@ inline double residual_error(Entry const& entry) {
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     double worst = 0;
     for (Index k = 0; k < records.rows(); ++k) {
-        Step<double> const step = f->update(records.row(k), records.y[k]);
+        Step<double> const step = f->update(records.sample(k), records.y[k]);
         Vector<Reference> const theta = f->theta();
         Reference after = records.y[k], size = abs(after);
         for (Index i = 0; i < 3; ++i) {
@@ -182,13 +182,13 @@ inline double gain_error(Entry const& entry) {
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     double worst = 0;
     for (Index k = 0; k < records.rows(); ++k) {
-        f->update(records.row(k), records.y[k]);
+        f->update(records.sample(k), records.y[k]);
         if (k < 8) continue;    // the large prior is gone by then
         Stored<Reference> const stored = f->stored();
         Vector<Reference> psi = records.psi.col(k).cast<Reference>(), difference(3), K = f->gain();
-        if (stored.of == Stored<Reference>::Of::covariance) {
+        if (stored.quantity == Stored<Reference>::Quantity::covariance) {
             Vector<Reference> x = psi;
-            if (stored.kind == Stored<Reference>::Kind::factor) {
+            if (stored.form == Stored<Reference>::Form::factor) {
                 for (Index i = 0; i < 3; ++i) {
                     x[i] = 0;
                     for (Index j = 0; j < 3; ++j) x[i] += stored.F(j, i) * psi[j];
@@ -201,7 +201,7 @@ inline double gain_error(Entry const& entry) {
             }
         } else {    // P^-1 K - psi, over |psi|
             Vector<Reference> x = K;
-            if (stored.kind == Stored<Reference>::Kind::factor)
+            if (stored.form == Stored<Reference>::Form::factor)
                 for (Index i = 0; i < 3; ++i) {
                     x[i] = 0;
                     for (Index j = 0; j < 3; ++j) x[i] += stored.F(j, i) * K[j];
@@ -234,11 +234,11 @@ inline Errors errors(Entry const& entry, Problem<double> const& given, Records c
     Records const data = rounded(records, round);
     auto const f = entry.make(p, Seed{1});
     if (entry.block == 1)
-        feed(*f, data);
+        take_rows(*f, data);
     else
-        f->absorb(data, 0, data.rows());
+        f->update_block(data, 0, data.rows());
     int const digits = int(entry.arithmetic->decimal_digits()) + 20;
-    Exact const exact = std::move(certified(p, data, {data.rows()}, digits).front());
+    CertifiedSolution const exact = std::move(certified(p, data, {data.rows()}, digits).front());
     auto const in_epsilons = [&](double digits_kept) {
         return std::pow(10, -digits_kept + (entry.arithmetic->digits - 1) * 0.30102999566398120);
     };

@@ -1,8 +1,8 @@
 // Filters in lockstep: lane i of every variant over Pack is, bit for bit, the single filter on the data of lane i.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/pack.hpp>
-#include <rlslab/type_list.hpp>
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // The manners of the program: what it says to who mistypes, closes its pipe, interrupts it, or asks for help.
-#include "program.hpp"
-#include "terminal.hpp"
+#include "tests/program.hpp"
+#include "tests/terminal.hpp"
 
-#include <rlslab/model/suggestion.hpp>
+#include <rlslab/core/suggestion.hpp>
 
 #include <csignal>
 #include <set>
@@ -59,7 +59,6 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(rlslab::nearest("gain", {"gain_error", "gain_error_memory"}), "") << "begins two names";
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
 }
-
 
 // ---- pipes, disks -----------------------------------------------------------------------------------------------------------
 

@@ -1,5 +1,5 @@
 // The laws of merging: rows folded apart and merged are the rows folded in; and a saboteur that forgets the weight.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/variants/qr_block.hpp>
@@ -24,7 +24,7 @@ F part(Index first, Index last, double lambda, bool prior = false) {
     using T = typename F::scalar;
     F f(some_problem<T>(lambda, prior));
     if (first < last)
-        f.absorb(some_rows().psi.middleCols(first, last - first).cast<T>(),
+        f.update_block(some_rows().psi.middleCols(first, last - first).cast<T>(),
                  some_rows().y.segment(first, last - first).cast<T>());
     return f;
 }
@@ -124,8 +124,8 @@ TEST(Merging, WhatIsNoPartOfTheProblemIsRefused) {
 template <bool forgets_the_weight>
 class Saboteur {
     double lambda_;
-    Column<double> z_;
-    Square<double> L_;
+    StateVector<double> z_;
+    StateMatrix<double> L_;
     Index rows_ = 0;
 
 public:
@@ -133,18 +133,18 @@ public:
     explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) {
         start_information_root(p, L_, z_);
     }
-    void absorb(Rows<double> const& psi, Vector<double> const& y) {
+    void update_block(Rows<double> const& psi, Vector<double> const& y) {
         for (Index k = 0; k < y.size(); ++k) {
             Rows<double> A(1, psi.rows() + 1);
             A << psi.col(k).transpose(), y[k];
-            fold(std::sqrt(lambda_), L_, z_, A);
+            reflect_block_into(std::sqrt(lambda_), L_, z_, A);
         }
         rows_ += y.size();
     }
     void merge(Saboteur const& newer) {
         Rows<double> A(z_.size(), z_.size() + 1);
         A << Matrix<double>(newer.L_.view().transpose()), newer.z_.view();
-        fold(forgets_the_weight ? 1.0 : power(std::sqrt(lambda_), newer.rows_), L_, z_, A);
+        reflect_block_into(forgets_the_weight ? 1.0 : power(std::sqrt(lambda_), newer.rows_), L_, z_, A);
         rows_ += newer.rows_;
     }
     Vector<double> theta() const { return solved_lower_transposed(L_, z_); }

@@ -1,5 +1,5 @@
 // What people's CSV files hold is read bit for bit, and what cannot be read is refused in one clear line.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/csv.hpp>
 

@@ -1,9 +1,10 @@
 // Every number of a batch fit, worked out another way: NIST's certified values, rationals, closed forms by hand.
-#include "exact_fit.hpp"
+#include "tests/exact_fit.hpp"
 
+#include <rlslab/core/random.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/model/random.hpp>
 #include <rlslab/model/regression.hpp>
+#include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
 
 #include <gtest/gtest.h>
@@ -131,7 +132,7 @@ std::vector<Certified> const certified_values{
 TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
     for (Certified const& set : certified_values) {
         Records const records = nist(set.name);
-        Index const d = records.size(), freedom = records.rows() - d;
+        Index const d = records.parameters(), freedom = records.rows() - d;
         exact_fit::Fit const rational = exact_fit::of(records);
         Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {records.rows()}).front();
         double const kappa = condition(records, 1);
@@ -154,7 +155,7 @@ TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
 }
 TEST(FitOfNist, FilipInBalls) {
     Records const records = nist("filip");
-    Index const d = records.size(), freedom = records.rows() - d;
+    Index const d = records.parameters(), freedom = records.rows() - d;
     exact_fit::Fit const rational = exact_fit::of(records);
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {records.rows()}).front();
     // The file holds the products x^j rounded to binary64, kappa 1.8e15: NIST's digits are those of the exact powers.
@@ -222,9 +223,19 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                 for (Index b = 0; b < N; ++b) freedom += weights[a] * E(a, b) * E(a, b), e += E(a, b) * Rational(records.y[b]);
                 J += weights[a] * e * e;
             }
+            // B = (I-H)'W(I-H), which gives J = xi'B xi: the variance of J is 2 tr B^2 of normal xi.
+            Matrix<Rational> B(N, N);
+            Rational variance_of_J = 0;
+            for (Index a = 0; a < N; ++a)
+                for (Index b = 0; b < N; ++b) {
+                    B(a, b) = 0;
+                    for (Index k = 0; k < N; ++k) B(a, b) += E(k, a) * weights[k] * E(k, b);
+                    variance_of_J += B(a, b) * B(a, b);
+                }
             Scatter const s = scattered(problem, records, {N}).front().scatter;
             auto const number = [](Rational const& x) { return static_cast<double>(x); };
             EXPECT_NEAR(s.freedom, number(freedom), 1e-12) << lambda << ' ' << variance;
+            EXPECT_NEAR(s.student / number(Rational(freedom * freedom / variance_of_J)), 1, 1e-12) << lambda << ' ' << variance;
             EXPECT_NEAR(s.J / number(J), 1, 1e-12) << lambda << ' ' << variance;
             for (Index i = 0; i < d; ++i)
                 for (Index j = 0; j < d; ++j) {
@@ -234,6 +245,25 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                     EXPECT_NEAR(s.correlation(i, j) * s.sd[i] * s.sd[j] / number(pmp), 1, 1e-12) << lambda << ' ' << variance << ' ' << i << j;
                 }
         }
+    }
+}
+/// What Student's quantile of so many degrees of freedom is for: 95 % intervals hold 95 %, also with a short memory.
+TEST(ScatterInRationals, IntervalsCoverWithForgetting) {
+    constexpr int trials = 2000;
+    for (auto const& [d, lambda] : {std::pair<Index, double>{1, 0.75}, {3, 0.875}}) {
+        int inside = 0;
+        for (std::uint64_t t = 0; t < trials; ++t) {
+            Seed seed{0x51ab + 7919 * t};
+            Records records{.psi = Matrix<double>(d, 60), .y = Vector<double>(60), .names = {}};
+            for (Index k = 0; k < 60; ++k) {
+                for (Index i = 0; i < d; ++i) records.psi(i, k) = seed.bell();
+                records.y[k] = records.psi(0, k) + 0.5 * seed.bell();
+            }
+            Scattered const s = scattered({.size = d, .forgetting = lambda, .prior = std::nullopt}, records, {60}).front();
+            double const sd = s.scatter.sd[0] * std::sqrt(s.scatter.J / s.scatter.freedom);
+            inside += std::abs(static_cast<double>(s.exact.theta()[0]) - 1) <= correctly::student_quantile(s.scatter.student, 0.975) * sd;
+        }
+        EXPECT_NEAR(double(inside) / trials, 0.95, 0.025) << d << ' ' << lambda << ": five standard deviations of the count";
     }
 }
 TEST(ScatterInRationals, AFitWithoutResidualsHasNone) {

@@ -1,5 +1,5 @@
 // Regressors hold what the model's equation says, and no row that misses a value.
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <rlslab/model/regression.hpp>
 
@@ -69,7 +69,7 @@ TEST(ArxRecords, AreTheEquation) {
     auto const records = arx_records(u, y, {.na = 2, .nb = 1});
     EXPECT_EQ(records.names, (Names{"a1", "a2", "b0", "b1"}));
     EXPECT_EQ(arx_records(u, y, {.na = 1, .nb = 0}).psi, rows({{-10, 2}, {-20, 3}, {-30, 4}, {-40, 5}, {-50, 6}}));
-    EXPECT_EQ(records.lead_in, 2);
+    EXPECT_EQ(records.presample, 2);
     EXPECT_EQ(records.skipped, 0);
     EXPECT_EQ(numbers(records.y), (Numbers{30, 40, 50, 60}));
     EXPECT_EQ(records.psi, rows({{-20, -10, 3, 2}, {-30, -20, 4, 3}, {-40, -30, 5, 4}, {-50, -40, 6, 5}}));
@@ -78,10 +78,10 @@ TEST(ArxRecords, AreTheEquation) {
 TEST(ArxRecords, TakeADelayAndAnInterceptLast) {
     Numbers const u{1, 2, 3, 4, 5, 6, 7}, y{10, 20, 30, 40, 50, 60, 70};
     auto const records = arx_records(u, y, {.na = 1, .nb = 1, .delay = 2, .intercept = true});
-    EXPECT_EQ(records.names, (Names{"a1", "b0", "b1", "1"}));
+    EXPECT_EQ(records.names, (Names{"a1", "b0", "b1", "c"}));
     EXPECT_EQ(records.psi, rows({{-30, 2, 1, 1}, {-40, 3, 2, 1}, {-50, 4, 3, 1}, {-60, 5, 4, 1}}));
     EXPECT_EQ(numbers(records.y), (Numbers{40, 50, 60, 70}));
-    EXPECT_EQ(records.lead_in, 3);
+    EXPECT_EQ(records.presample, 3);
     auto const impulse_response = arx_records(u, y, {.na = 0, .nb = 0});
     EXPECT_EQ(impulse_response.rows(), 7);
     EXPECT_EQ(impulse_response.names, (Names{"b0"}));
@@ -93,7 +93,7 @@ TEST(ArxRecords, SkipEveryRowThatNeedsAMissingValue) {
     EXPECT_EQ(records.psi, rows({{-1, 2}, {-4, 5}, {-6, 7}}));
     EXPECT_EQ(numbers(records.y), (Numbers{2, 5, 7}));
     EXPECT_EQ(records.skipped, 3);
-    EXPECT_EQ(records.lead_in, 1);
+    EXPECT_EQ(records.presample, 1);
 }
 
 RC_GTEST_PROP(ArxRecords, EveryRowIsKeptSkippedOrLeadIn, ()) {
@@ -114,9 +114,9 @@ RC_GTEST_PROP(ArxRecords, EveryRowIsKeptSkippedOrLeadIn, ()) {
     } catch (InputError const&) {
         RC_DISCARD("too few rows");
     }
-    RC_ASSERT(records.rows() + records.skipped + records.lead_in == Index(count));
+    RC_ASSERT(records.rows() + records.skipped + records.presample == Index(count));
     RC_ASSERT(records.y.size() == records.rows());
-    RC_ASSERT(records.size() == model.size() && Index(records.names.size()) == model.size());
+    RC_ASSERT(records.parameters() == model.size() && Index(records.names.size()) == model.size());
     for (Index n = 0; n < records.rows(); ++n) {
         double const k = records.y[n];
         if (n > 0) {                                                     // || in an RC_ASSERT evaluates both sides
@@ -150,10 +150,10 @@ TEST(RecordsRefuse, TooFewRows) {
     EXPECT_EQ(arx({.na = 2'000'000'000, .nb = 2'000'000'000, .delay = 2'000'000'000}),
               "data.csv: 4000000001 parameters need at least 4000000001 rows, found 5");
     EXPECT_EQ(arx({.na = 1, .nb = 1}),
-              "data.csv: 3 parameters need at least 3 rows, found 1 after a lead-in of 1 and skipping 3 with "
+              "data.csv: 3 parameters need at least 3 rows, found 1 after a presample of 1 and skipping 3 with "
               "missing values");
     EXPECT_EQ(arx({.na = 0, .nb = 0, .delay = 2'000'000'000}),
-              "data.csv: 1 parameter needs at least 1 row, found 0 after a lead-in of 5 and skipping 0 with "
+              "data.csv: 1 parameter needs at least 1 row, found 0 after a presample of 5 and skipping 0 with "
               "missing values");
     auto const other = columns({"a", "b", "c", "y"}, {{1, missing, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
     EXPECT_EQ(message_of([&] { linear_records(other, {"a", "b", "c"}, "y"); }),
@@ -180,7 +180,7 @@ TEST(Demo, SalesFollowTheirIndicator) {
     auto const data = read_columns(fs::path(RLSLAB_SOURCE_DIR) / "data/sales.csv", {"lead", "sales"});
     auto const records = arx_records(data, "lead", "sales", {.na = 1, .nb = 1, .delay = 3, .intercept = true});
     EXPECT_EQ(records.rows(), 146);
-    EXPECT_EQ(records.lead_in, 4);
+    EXPECT_EQ(records.presample, 4);
 }
 
 /// The files of tests/data as records, and their exact solutions.

@@ -1,8 +1,8 @@
 // Rows folded on several threads, from memory and from a file larger than memory: the same bits; errors that name the file.
-#include "files.hpp"
-#include "laws.hpp"
+#include "tests/files.hpp"
+#include "tests/laws.hpp"
 
-#include <rlslab/batch.hpp>
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/model/row_file.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
@@ -28,7 +28,7 @@ static_assert(RowSource<RowFile> && RowSource<RowsInMemory>);
 std::string file_of(Folder const& folder, Records const& records) {
     std::string rows;
     for (Index k = 0; k < records.rows(); ++k) {
-        rows.append(reinterpret_cast<char const*>(records.psi.col(k).data()), size_t(records.size()) * 8);
+        rows.append(reinterpret_cast<char const*>(records.psi.col(k).data()), size_t(records.parameters()) * 8);
         rows.append(reinterpret_cast<char const*>(&records.y[k]), 8);
     }
     return folder.file(rows, "rows.bin");
@@ -48,7 +48,7 @@ TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
         }
         // Another division into parts rounds otherwise; the answer is the same.
         F all(p);
-        all.absorb(records.psi, records.y);
+        all.update_block(records.psi, records.y);
         EXPECT_LE((one.theta() - all.theta()).norm(), 60 * epsilon<double>() * all.theta().norm());
         EXPECT_LE((fold_all<F>(p, RowsInMemory(records), 2).theta() - all.theta()).norm(),
                   60 * epsilon<double>() * all.theta().norm());
@@ -58,7 +58,7 @@ TEST(OutOfCore, ShortWordsTakeTheirRowsRounded) {
     Records const records = laws::noise_records(3, 500, Seed{52});
     auto const f = fold_all<QrBlock<float>>(Problem<float>{.size = 3}, RowsInMemory(records), 2, 64);
     QrBlock<float> one(Problem<float>{.size = 3});
-    one.absorb(records.psi.cast<float>(), records.y.cast<float>());
+    one.update_block(records.psi.cast<float>(), records.y.cast<float>());
     EXPECT_LE((f.theta() - one.theta()).norm(), 60 * epsilon<float>() * one.theta().norm());
 }
 TEST(OutOfCore, MisuseThrowsAtTheDoor) {
@@ -120,7 +120,7 @@ TEST(OutOfCore, AFileLargerThanMemoryIsFolded) {
     constexpr long row = 32 * 8, megabyte = 1 << 20;
     fs::resize_file(path, 160 * megabyte / row * row);
     F expected(laws::problem(31));
-    expected.absorb(records.psi, records.y);
+    expected.update_block(records.psi, records.y);
 
     pid_t const child = fork();
     ASSERT_GE(child, 0);

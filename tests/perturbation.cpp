@@ -1,5 +1,6 @@
 // A gain error reaches a filter, or is refused: it is never dropped in silence.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <gmock/gmock.h>
 
@@ -34,7 +35,7 @@ TEST(GainError, ReachesTheFilterOrIsRefused) {
     for (Entry const& entry : catalogue()) {
         if (entry.arithmetic->name != "double") continue;
         Answer const exact = after(entry, 0), off = after(entry, 0.25);
-        if (entry.takes_gain_error) {
+        if (entry.gain_perturbable) {
             ++taken;
             EXPECT_EQ(off.refusal, "") << entry.variant;
             EXPECT_NE(off.numbers, exact.numbers) << entry.variant << " dropped the error";

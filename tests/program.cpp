@@ -1,8 +1,7 @@
 // The rlslab program as a person or a script meets it: what it prints, where, and with which exit code.
-#include "journal.hpp"
-#include "program.hpp"
-
-#include <rlslab/erased.hpp>
+#include "catalogue/catalogue.hpp"
+#include "studies/engine/journal.hpp"
+#include "tests/program.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // What tests of the program share: a folder of its own for each test, and a shell in it.
 #pragma once
 
-#include "files.hpp"
+#include "tests/files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Quad against MPFR at 113 bits used as its manual says for IEEE formats, and against the compiler's own binary128.
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 
 #include <gtest/gtest.h>
 

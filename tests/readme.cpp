@@ -1,5 +1,5 @@
 // What the README's table and the variants' docstrings say of cost is what the Counted scalar measures.
-#include <rlslab/erased.hpp>
+#include "catalogue/catalogue.hpp"
 
 #include <gtest/gtest.h>
 

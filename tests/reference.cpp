@@ -144,7 +144,7 @@ TEST(Certified, EnclosesTheRationalSolution) {
 TEST(Certified, EnclosureSeesOneUlpOfLambdaAndTheOrderOfTheWeights) {
     Records const data = random_records(3, 12, 7);
     Problem<double> const problem{.size = 3, .forgetting = 0.99};
-    Exact const exact = certified(problem, data, {12}).front();
+    CertifiedSolution const exact = certified(problem, data, {12}).front();
     EXPECT_TRUE(exact.encloses(truth(problem, data, 12).theta));
 
     Problem<double> off = problem;
@@ -169,7 +169,7 @@ TEST(Certified, EveryStepAskedForIsTheStepAskedForAlone) {
         for (Index k = 1; k <= data.rows(); ++k) steps.push_back(k);
         auto const all = certified(problem, data, steps);
         for (Index const k : {1, 2, 64, 100, 130}) {
-            Exact const alone = certified(problem, data, {k}).front();
+            CertifiedSolution const alone = certified(problem, data, {k}).front();
             EXPECT_EQ(alone.theta_strings(), all[size_t(k - 1)].theta_strings());
             EXPECT_EQ(alone.step(), all[size_t(k - 1)].step());
         }
@@ -185,7 +185,7 @@ TEST(Certified, WildScalesAreExact) {
     data.psi(2, 5) = std::numeric_limits<double>::denorm_min();
     for (double const lambda : {1.0, 0.99}) {
         Problem<double> const problem{.size = 3, .forgetting = lambda, .prior = std::nullopt};
-        Exact const exact = certified(problem, data, {10}).front();
+        CertifiedSolution const exact = certified(problem, data, {10}).front();
         ASSERT_EQ(exact.status(), Status::certified);
         Truth const t = truth(problem, data, 10);
         EXPECT_TRUE(exact.encloses(t.theta));
@@ -201,7 +201,7 @@ TEST(Certified, PrecisionRisesWithIllConditioning) {
             for (Index k = 0; k < d + 2; ++k)
                 for (Index i = 0; i < d; ++i) data.psi(i, k) = 1.0 / double(i + k + 1);    // Hilbert
             Problem<double> const problem{.size = d, .forgetting = lambda, .prior = std::nullopt};
-            Exact const exact = certified(problem, data, {d + 2}).front();
+            CertifiedSolution const exact = certified(problem, data, {d + 2}).front();
             ASSERT_EQ(exact.status(), Status::certified);
             Truth const t = truth(problem, data, d + 2);
             EXPECT_TRUE(exact.encloses(t.theta));
@@ -241,7 +241,7 @@ TEST(Certified, UnresolvedIsSaid) {
 TEST(Certified, MoreDigitsOnRequest) {
     Records const data = random_records(3, 20, 4);
     Problem<double> const problem{.size = 3, .forgetting = 0.99};
-    Exact const exact = certified(problem, data, {20}, 500).front();
+    CertifiedSolution const exact = certified(problem, data, {20}, 500).front();
     ASSERT_EQ(exact.status(), Status::certified);
     EXPECT_TRUE(exact.encloses(truth(problem, data, 20).theta));
     EXPECT_LE(exact.radius(), 1e-300) << "as near to 10^-500 as a double bound goes";
@@ -254,7 +254,7 @@ TEST(Certified, ZeroSolutionsAndComponents) {
     data.y = 2 * data.psi.row(0).transpose();    // theta = (2, 0, 0) exactly
     for (double const lambda : {1.0, 0.99}) {
         Problem<double> const problem{.size = 3, .forgetting = lambda, .prior = std::nullopt};
-        Exact const exact = certified(problem, data, {20}).front();
+        CertifiedSolution const exact = certified(problem, data, {20}).front();
         ASSERT_EQ(exact.status(), Status::certified);
         EXPECT_EQ(exact.theta_strings(5), (std::vector<std::string>{"2.0000e0", "0", "0"}));
         Vector<Rational> theta(3);
@@ -262,7 +262,7 @@ TEST(Certified, ZeroSolutionsAndComponents) {
         EXPECT_TRUE(exact.encloses(theta));
         Records zero = data;
         zero.y.setZero();
-        Exact const nothing = certified(problem, zero, {20}).front();
+        CertifiedSolution const nothing = certified(problem, zero, {20}).front();
         ASSERT_EQ(nothing.status(), Status::certified);
         EXPECT_EQ(nothing.radius(), 0);
         EXPECT_EQ(nothing.theta_strings(5), (std::vector<std::string>{"0", "0", "0"}));
@@ -360,7 +360,7 @@ TEST(Certified, LongleyToThirtyDigits) {
         data.psi(1, k) = std::round(rows[k][0] * 10);
         data.y(k) = rows[k][6];
     }
-    Exact const exact = certified({.size = 7, .prior = std::nullopt}, data, {16}).front();
+    CertifiedSolution const exact = certified({.size = 7, .prior = std::nullopt}, data, {16}).front();
     ASSERT_EQ(exact.status(), Status::certified);
     EXPECT_EQ(exact.theta_strings(), (std::vector<std::string>{
                                          "-3.48225863459581832527689742876e6", "1.50618722713732949699884679430e0",
@@ -373,7 +373,7 @@ TEST(Certified, TheSameFromEveryThread) {
     Records const data = random_records(5, 200, 31);
     Problem<double> const problem{.size = 5, .forgetting = 0.97};
     auto const here = certified(problem, data, {50, 200});
-    std::array<std::vector<Exact>, 4> there;
+    std::array<std::vector<CertifiedSolution>, 4> there;
     std::array<std::thread, 4> threads;
     for (size_t i = 0; i < 4; ++i)
         threads[i] = std::thread([&, i] {

@@ -10,8 +10,8 @@
 namespace rlslab {
 namespace {
 
-using Of = Stored<double>::Of;
-using Kind = Stored<double>::Kind;
+using Quantity = Stored<double>::Quantity;
+using Form = Stored<double>::Form;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
 struct Random {
@@ -26,9 +26,9 @@ struct Random {
     Index below(Index n) { return Index(next() % std::uint64_t(n)); }
 };
 
-Stored<double> plain(Matrix<double> F, Of of = Of::covariance) { return {of, Kind::plain, std::move(F)}; }
-Stored<double> factor(Matrix<double> F, Vector<double> D = {}, Of of = Of::covariance) {
-    return {of, Kind::factor, std::move(F), std::move(D)};
+Stored<double> plain(Matrix<double> F, Quantity quantity = Quantity::covariance) { return {quantity, Form::plain, std::move(F)}; }
+Stored<double> factor(Matrix<double> F, Vector<double> D = {}, Quantity quantity = Quantity::covariance) {
+    return {quantity, Form::factor, std::move(F), std::move(D)};
 }
 Stored<Reference> widened(Stored<double> const& stored) {
     return stored.mapped<Reference>([](double x) { return widen(x); });
@@ -70,8 +70,8 @@ TEST(Definiteness, OfTwoByTwo) {
     EXPECT_EQ(verdict(plain(two(0, 0, 0, 1))), Definiteness::not_positive);
     EXPECT_EQ(verdict(plain(two(-1, 0, 0, 1))), Definiteness::not_positive);
     EXPECT_EQ(verdict(plain(Matrix<double>::Zero(3, 3))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2), Of::information)), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1), Of::information)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2), Quantity::information)), Definiteness::positive);
+    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1), Quantity::information)), Definiteness::not_positive);
 }
 
 TEST(Definiteness, TurnsOnTheLastBit) {
@@ -84,7 +84,7 @@ TEST(Definiteness, TurnsOnTheLastBit) {
     // (1 + 2e)(1 + 0) against (1 + e)^2 = 1 + 2e + e^2
     EXPECT_EQ(verdict(plain(two(1 + 2 * e, 1 + e, 1 + e, 1))), Definiteness::not_positive);
     // 257 bits: pivots that differ by 2^-256 of what is subtracted
-    Stored<Reference> wide{Stored<Reference>::Of::covariance, Stored<Reference>::Kind::plain,
+    Stored<Reference> wide{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain,
                            Matrix<Reference>::Constant(2, 2, Reference(1))};
     wide.F(1, 1) += ldexp(Reference(1), -256);
     EXPECT_EQ(definiteness(wide), Definiteness::positive);
@@ -130,7 +130,7 @@ TEST(Definiteness, OfFactors) {
     EXPECT_EQ(verdict(factor(two(1, 2, 2, 4))), Definiteness::not_positive);
     EXPECT_EQ(verdict(factor(two(1, 2, 2, std::nextafter(4.0, 5)))), Definiteness::positive);
     EXPECT_EQ(verdict(factor(two(1, 0x1p61, 1, 1))), Definiteness::positive) << "its determinant divides the prime";
-    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4), {}, Of::information)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4), {}, Quantity::information)), Definiteness::not_positive);
 }
 
 TEST(Definiteness, OfWhatIsNotFinite) {
@@ -203,6 +203,22 @@ TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
     EXPECT_GT(claimed, 100);
 }
 
+/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for delta > (d + 1) u d + 2 u:
+/// half of it proves nothing, twice as much (and what the factorisation itself rounds away) is enough.
+TEST(SurelyPositive, AsksForTheLeastEigenvalueOfItsBound) {
+    constexpr double u = 0x1p-53;
+    for (Index const d : {2, 4, 8, 16, 32, 40}) {
+        double const c = double((d + 1) * d + 2) * u;
+        auto const claimed = [&](double delta) {
+            Matrix<double> A = Matrix<double>::Constant(d, d, 1 - delta);
+            A.diagonal().setOnes();
+            return surely_positive(plain(A));
+        };
+        EXPECT_FALSE(claimed(c / 2)) << d;
+        EXPECT_TRUE(claimed(2 * c + 8 * u)) << d;
+    }
+}
+
 TEST(SurelyPositive, AlmostAlwaysSeesHealth) {
     Random random{9};
     for (Index const d : {1, 2, 9, 33, 64})
@@ -253,6 +269,9 @@ TEST(SurelyPositive, ReadsFactors) {
     EXPECT_TRUE(surely_positive(factor(two(1, 2, 2, std::nextafter(4.0, 5))))) << "full, proven modulo a prime";
     EXPECT_FALSE(surely_positive(factor(two(1, 2, 2, 4))));
     EXPECT_FALSE(surely_positive(factor(two(1, 2, 2, 5)), 0x1p-53)) << "full and rounded: not tried";
+    // The third column is the sum of the first two; that of the magnitudes is not.
+    EXPECT_FALSE(surely_positive(factor((Matrix<double>(3, 3) << 1, 4, 5, 2, -5, -3, -3, 6, 3).finished())));
+    EXPECT_TRUE(surely_positive(factor((Matrix<double>(3, 3) << 1, 4, 5, 2, -5, -3, -3, 6, 4).finished())));
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 namespace rlslab {
 namespace {
 
-using Of = Stored<Reference>::Of;
-using Kind = Stored<Reference>::Kind;
+using Quantity = Stored<Reference>::Quantity;
+using Form = Stored<Reference>::Form;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
 /// Three parameters, integers throughout:  M = Psi Psi' = [[2,1,0],[1,3,1],[0,1,2]],  det M = 8,  theta = (3, -4, 12).
@@ -23,7 +23,7 @@ Records integers() {
     data.y = data.psi.transpose() * (Vector<double>(3) << 3, -4, 12).finished();
     return data;
 }
-Exact solution(int digits = 30) {
+CertifiedSolution solution(int digits = 30) {
     return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front();
 }
 
@@ -45,12 +45,12 @@ Matrix<Reference> information() {
     return M;
 }
 
-double digits_of(Of of, Kind kind, Matrix<Reference> F, Vector<Reference> D = {}, int asked = 30) {
-    return solution(asked).covariance_digits({of, kind, std::move(F), std::move(D)});
+double digits_of(Quantity quantity, Form form, Matrix<Reference> F, Vector<Reference> D = {}, int asked = 30) {
+    return solution(asked).covariance_digits({quantity, form, std::move(F), std::move(D)});
 }
 
 TEST(ThetaDigits, AreMinusLogOfTheRelativeError) {
-    Exact const exact = solution();
+    CertifiedSolution const exact = solution();
     EXPECT_EQ(exact.theta_strings(3), (std::vector<std::string>{"3.00e0", "-4.00e0", "1.20e1"}));
     // ||(3, -4, 12)|| = 13
     EXPECT_NEAR(exact.theta_digits(theta(3, -4, 12 + 13e-7)), 7, 1e-8);
@@ -73,20 +73,20 @@ TEST(ThetaDigits, SeeAsFarAsTheyWereAsked) {
 }
 
 TEST(ThetaDigits, AtTheEdges) {
-    Exact const exact = solution();
+    CertifiedSolution const exact = solution();
     EXPECT_TRUE(std::isnan(exact.theta_digits(theta(3, inf, 12))));
     EXPECT_TRUE(std::isnan(exact.theta_digits_worst(theta(std::nan(""), -4, 12))));
     EXPECT_THROW(exact.theta_digits(Vector<Reference>::Zero(2)), std::invalid_argument);
     Records none = integers();
     none.y.setZero();
-    Exact const zero = certified({.size = 3}, none, {5}).front();
+    CertifiedSolution const zero = certified({.size = 3}, none, {5}).front();
     EXPECT_EQ(zero.theta_digits(theta(0, 0, 0)), inf);
     EXPECT_EQ(zero.theta_digits_worst(theta(0, 0, 0)), inf);
     EXPECT_EQ(zero.theta_digits(theta(0, 1e-9, 0)), -inf);
     EXPECT_NEAR(zero.theta_digits_worst(theta(0, 1e-9, 1e-11)), 9, 1e-8) << "an absolute error, where the truth is 0";
-    Exact const singular = certified({.size = 3, .prior = std::nullopt}, integers(), {2}).front();
+    CertifiedSolution const singular = certified({.size = 3, .prior = std::nullopt}, integers(), {2}).front();
     EXPECT_TRUE(std::isnan(singular.theta_digits(theta(0, 0, 0))));
-    EXPECT_TRUE(std::isnan(singular.covariance_digits({Of::covariance, Kind::plain, covariance(), {}})));
+    EXPECT_TRUE(std::isnan(singular.covariance_digits({Quantity::covariance, Form::plain, covariance(), {}})));
 }
 
 TEST(CovarianceDigits, OfExactFormsAreAllThereAre) {
@@ -98,65 +98,65 @@ TEST(CovarianceDigits, OfExactFormsAreAllThereAre) {
     D << Reference(2), Reference(5) / 2, Reference(8) / 5;
     constexpr int asked = 90;
     double const rounded = 75;    // 2^-256 and a little: L and D hold fifths
-    EXPECT_GE(digits_of(Of::covariance, Kind::plain, covariance(), {}, asked), asked);
-    EXPECT_GE(digits_of(Of::information, Kind::plain, information(), {}, asked), asked);
-    EXPECT_GE(digits_of(Of::information, Kind::factor, L, D, asked), rounded);
+    EXPECT_GE(digits_of(Quantity::covariance, Form::plain, covariance(), {}, asked), asked);
+    EXPECT_GE(digits_of(Quantity::information, Form::plain, information(), {}, asked), asked);
+    EXPECT_GE(digits_of(Quantity::information, Form::factor, L, D, asked), rounded);
     Matrix<Reference> root = L;
     for (Index j = 0; j < 3; ++j) root.col(j) *= sqrt(D(j));
-    EXPECT_GE(digits_of(Of::information, Kind::factor, root, {}, asked), rounded);
+    EXPECT_GE(digits_of(Quantity::information, Form::factor, root, {}, asked), rounded);
     // P = L^-T D^-1 L^-1:  L^-T is unit upper
     Matrix<Reference> U = Matrix<Reference>::Identity(3, 3);
     U(0, 1) = -Reference(1) / 2;
     U(1, 2) = -Reference(2) / 5;
     U(0, 2) = Reference(1) / 5;
-    EXPECT_GE(digits_of(Of::covariance, Kind::factor, U, D.cwiseInverse(), asked), rounded);
+    EXPECT_GE(digits_of(Quantity::covariance, Form::factor, U, D.cwiseInverse(), asked), rounded);
     // any orthogonal mixture of a root's columns is a root too, and no triangle: here (3, 4)/5
     Matrix<Reference> Q = Matrix<Reference>::Identity(3, 3);
     Q(0, 0) = Q(1, 1) = Reference(3) / 5;
     Q(0, 1) = Reference(4) / 5;
     Q(1, 0) = -Q(0, 1);
-    EXPECT_GE(digits_of(Of::information, Kind::factor, Matrix<Reference>(root * Q), {}, asked), rounded);
+    EXPECT_GE(digits_of(Quantity::information, Form::factor, Matrix<Reference>(root * Q), {}, asked), rounded);
 }
 
 TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     Matrix<Reference> P = covariance();    // ||8 P||_F^2 = 25 + 16 + 25 + 4 * 4 + 2 = 84
     double const norm = std::sqrt(84.0) / 8;
     P(0, 1) += Reference(1e-6);
-    EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
+    EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
     Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9), shrunk = information() * Reference(1 + 1e-9);
-    EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, swollen), 9, 1e-6);
-    EXPECT_NEAR(digits_of(Of::information, Kind::plain, shrunk), 9, 1e-6);
-    EXPECT_NEAR(digits_of(Of::covariance, Kind::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
-    EXPECT_NEAR(digits_of(Of::covariance, Kind::factor, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
+    EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, swollen), 9, 1e-6);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, shrunk), 9, 1e-6);
+    EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
+    EXPECT_NEAR(digits_of(Quantity::covariance, Form::factor, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     Matrix<Reference> asymmetric = information();    // dP = -P E P, E = 1e-8 e_0 e_2'
     asymmetric(0, 2) += Reference(1e-8);
     double const change = std::sqrt(25 + 4 + 1.0) * std::sqrt(25 + 4 + 1.0) / 64;
-    EXPECT_NEAR(digits_of(Of::information, Kind::plain, asymmetric), 8 - std::log10(change / norm), 1e-6);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, asymmetric), 8 - std::log10(change / norm), 1e-6);
     // an indefinite matrix is as far away as it is
-    EXPECT_NEAR(digits_of(Of::information, Kind::plain, Matrix<Reference>(-information())), -std::log10(2.0), 1e-9);
-    EXPECT_NEAR(digits_of(Of::information, Kind::factor, Matrix<Reference>::Identity(3, 3),
+    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, Matrix<Reference>(-information())), -std::log10(2.0), 1e-9);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::factor, Matrix<Reference>::Identity(3, 3),
                           theta(1e-100, 1, 1)), -100 + std::log10(norm), 1e-6);
 }
 
 TEST(CovarianceDigits, AtTheEdges) {
     Matrix<Reference> M = information();
     M.row(2) = M.row(0) + M.row(1);
-    EXPECT_TRUE(std::isnan(digits_of(Of::information, Kind::plain, M))) << "singular";
-    EXPECT_TRUE(std::isnan(digits_of(Of::information, Kind::factor, M)));
-    EXPECT_TRUE(std::isnan(digits_of(Of::information, Kind::factor, information(), theta(1, 0, 1))));
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::information, Form::plain, M))) << "singular";
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::information, Form::factor, M)));
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::information, Form::factor, information(), theta(1, 0, 1))));
     Matrix<Reference> triangle = Matrix<Reference>::Identity(3, 3);
     triangle(1, 1) = 0;
-    EXPECT_TRUE(std::isnan(digits_of(Of::information, Kind::factor, triangle)));
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::information, Form::factor, triangle)));
     M(2, 2) += ldexp(Reference(1), -250);    // nonsingular by very little: P is enormous, not undefined
-    EXPECT_LT(digits_of(Of::information, Kind::plain, M), -70);
+    EXPECT_LT(digits_of(Quantity::information, Form::plain, M), -70);
     M(0, 0) = inf;
-    EXPECT_TRUE(std::isnan(digits_of(Of::covariance, Kind::plain, M)));
-    EXPECT_TRUE(std::isnan(digits_of(Of::covariance, Kind::factor, covariance(), theta(1, std::nan(""), 1))));
-    EXPECT_THROW(digits_of(Of::covariance, Kind::plain, Matrix<Reference>::Zero(2, 2)), std::invalid_argument);
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::covariance, Form::plain, M)));
+    EXPECT_TRUE(std::isnan(digits_of(Quantity::covariance, Form::factor, covariance(), theta(1, std::nan(""), 1))));
+    EXPECT_THROW(digits_of(Quantity::covariance, Form::plain, Matrix<Reference>::Zero(2, 2)), std::invalid_argument);
 }
 
 TEST(Midpoints, AreTheSolutionRoundedToReference) {
-    Exact const exact = solution(90);
+    CertifiedSolution const exact = solution(90);
     EXPECT_EQ(exact.theta(), theta(3, -4, 12));
     EXPECT_EQ(exact.covariance(), covariance());
 }
@@ -204,10 +204,10 @@ TEST(PriorBias, IsTheRelativeDistance) {
     // One parameter, M = 1, b = 1: theta = 1 without, 1 / (1 + 1/c^2) with the prior
     Records const data{.psi = Eigen::MatrixXd::Ones(1, 1), .y = Vector<double>::Ones(1), .names = {}};
     auto at = [&](Problem<double> const& problem) { return certified(problem, data, {1}).front(); };
-    Exact const without = at({.size = 1, .prior = std::nullopt});
+    CertifiedSolution const without = at({.size = 1, .prior = std::nullopt});
     EXPECT_NEAR(relative_change(at({.size = 1, .prior = Prior<double>{.variance = 3}}), without), 0.25, 1e-15);
     EXPECT_NEAR(relative_change(at({.size = 1}), without), 1 / 16385.0, 1e-19);
-    Exact const none(1, 1, 0, Status::singular);
+    CertifiedSolution const none(1, 1, 0, Status::singular);
     EXPECT_TRUE(std::isnan(relative_change(none, without)));
     EXPECT_TRUE(std::isnan(relative_change(without, none)));
 }

@@ -19,7 +19,7 @@ Records twins(Index rows) {
 
 TEST(Certified, AllOf65536BitsAreTried) {
     // The prior is 2^-52000 of the data: between three quarters of 2^16 bits and all of them.
-    Exact const exact = certified({.size = 2, .forgetting = 0.5}, twins(52000), {52000}).front();
+    CertifiedSolution const exact = certified({.size = 2, .forgetting = 0.5}, twins(52000), {52000}).front();
     EXPECT_EQ(exact.status(), Status::certified);
     EXPECT_EQ(exact.bits(), 65536);
     EXPECT_EQ(certified({.size = 2, .forgetting = 0.5}, twins(66000), {66000}).front().status(), Status::unresolved);
@@ -47,7 +47,7 @@ ToZero two_parameters(double lambda, double off) {    // P0^-1 = [2 -1; -1 5] / 
 TEST(Certified, ZeroIsCertifiedUnderAnInexactPrior) {
     for (ToZero const& to : {one_parameter(0), two_parameters(1, 0), two_parameters(0.5, 0), two_parameters(0.75, 0)}) {
         Index const k = to.data.rows();
-        Exact const exact = certified(to.problem, to.data, {k}).front();
+        CertifiedSolution const exact = certified(to.problem, to.data, {k}).front();
         ASSERT_EQ(exact.status(), Status::certified) << k << " " << to.problem.forgetting;
         EXPECT_EQ(exact.radius(), 0);
         for (Reference const& x : exact.theta()) EXPECT_EQ(x, 0);
@@ -61,12 +61,26 @@ TEST(Certified, ZeroIsCertifiedUnderAnInexactPrior) {
 TEST(Certified, NearlyZeroIsNotZero) {
     for (double const off : {0x1p-40, -0x1p-50})
         for (ToZero const& to : {one_parameter(off), two_parameters(1, off), two_parameters(0.5, off)}) {
-            Exact const exact = certified(to.problem, to.data, {to.data.rows()}).front();
+            CertifiedSolution const exact = certified(to.problem, to.data, {to.data.rows()}).front();
             ASSERT_EQ(exact.status(), Status::certified);
             EXPECT_LT(exact.radius(), 1e-30);
             EXPECT_GT(exact.radius(), 0);
             EXPECT_NE(exact.theta()[to.data.rows() - 1], 0);
         }
+}
+
+/// Columns of both signs of which the third is the difference of the first two: their magnitudes are independent.
+TEST(Certified, ARankIsThatOfTheSignedNumbers) {
+    Records data{.psi = Eigen::MatrixXd(3, 12), .y = Vector<double>::Ones(12), .names = {}};
+    for (Index k = 0; k < 12; ++k) {
+        double const a = double(k * 7 % 11) - 5, b = double(k * 5 % 9) - 4;
+        data.psi.col(k) << a, b, a - b;
+    }
+    CertifiedSolution const singular = certified({.size = 3, .prior = std::nullopt}, data, {12}).front();
+    EXPECT_EQ(singular.status(), Status::singular);
+    EXPECT_EQ(singular.rank(), 2);
+    data.psi(2, 11) += 0x1p-30;
+    EXPECT_EQ(certified({.size = 3, .prior = std::nullopt}, data, {12}).front().status(), Status::certified);
 }
 
 /// 2^-t <= 10^-digits for t = bits(digits), and hardly more, where digits log2(10) is just above a whole number: denominators

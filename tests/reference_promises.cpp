@@ -16,8 +16,8 @@ void set_ball(arb_ptr ball, double middle, double radius) {
 }
 
 /// theta = (t, s), P = [p q; q p], all radii but those given zero.
-Exact::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q, double rad_q, int digits = 10) {
-    Exact::Enclosure x{BallMatrix(2, 1), BallMatrix(2, 2), 128, digits};
+CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q, double rad_q, int digits = 10) {
+    CertifiedSolution::Enclosure x{BallMatrix(2, 1), BallMatrix(2, 2), 128, digits};
     set_ball(x.theta(0, 0), t, rad_t);
     set_ball(x.theta(1, 0), s, rad_s);
     set_ball(x.covariance(0, 0), p, rad_p);
@@ -66,10 +66,10 @@ TEST(ReferencePromise, IsOfTheDigitsAskedFor) {
     }
 }
 
-Exact by_hand(Exact::Enclosure const& x) { return Exact(7, 2, std::make_shared<Exact::Enclosure const>(x)); }
+CertifiedSolution by_hand(CertifiedSolution::Enclosure const& x) { return CertifiedSolution(7, 2, std::make_shared<CertifiedSolution::Enclosure const>(x)); }
 
 TEST(ReferencePromise, RadiiAreRelativeInTheNormAndNeverTooSmall) {
-    Exact const e = by_hand(enclosure(3, 0x1p-20, 4, 0x1p-20, 6, 0x1p-10, -8, 0x1p-11));
+    CertifiedSolution const e = by_hand(enclosure(3, 0x1p-20, 4, 0x1p-20, 6, 0x1p-10, -8, 0x1p-11));
     double const theta = std::sqrt(2.0) * 0x1p-20 / 5;                                                   // of ||theta|| = 5
     EXPECT_GE(e.radius(), theta);
     EXPECT_LE(e.radius(), theta * (1 + 1e-5));
@@ -82,7 +82,7 @@ TEST(ReferencePromise, RadiiAreRelativeInTheNormAndNeverTooSmall) {
 
 TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
     // Off by 0.5 in a norm of 5, and the ball is as wide again in one component: at most 1 = |(0, 0.5 + 0.5)| from 4.5 less the ball.
-    Exact const sharp = by_hand(enclosure(3, 0, 4, 0, 6, 0, -8, 0)), wide = by_hand(enclosure(3, 0, 4, 0.5, 6, 0, -8, 0));
+    CertifiedSolution const sharp = by_hand(enclosure(3, 0, 4, 0, 6, 0, -8, 0)), wide = by_hand(enclosure(3, 0, 4, 0.5, 6, 0, -8, 0));
     Vector<Reference> const estimate{{Reference(3), Reference(4.5)}};
     EXPECT_NEAR(sharp.theta_digits(estimate), 1, 1e-14);
     EXPECT_NEAR(sharp.theta_digits_worst(estimate), -std::log10(0.125), 1e-14);
@@ -90,20 +90,20 @@ TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
     EXPECT_LE(wide.theta_digits_worst(estimate), -std::log10(1.0 / 4.5));
     Matrix<Reference> P{{Reference(6), Reference(-8)}, {Reference(-8), Reference(7)}};                   // one entry off by 1 of sqrt(200)
     using S = Stored<Reference>;
-    EXPECT_NEAR(sharp.covariance_digits({S::Of::covariance, S::Kind::plain, P}), 0.5 * std::log10(200.0), 1e-14);
+    EXPECT_NEAR(sharp.covariance_digits({S::Quantity::covariance, S::Form::plain, P}), 0.5 * std::log10(200.0), 1e-14);
     P(0, 0) = 7, P(1, 1) = 6;
-    EXPECT_NEAR(sharp.covariance_digits({S::Of::covariance, S::Kind::plain, P}), 0.5 * std::log10(200.0), 1e-14);
+    EXPECT_NEAR(sharp.covariance_digits({S::Quantity::covariance, S::Form::plain, P}), 0.5 * std::log10(200.0), 1e-14);
 }
 
 TEST(ReferencePromise, ChangesAreRelativeToTheSecond) {
-    Exact const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)), b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)), zero = by_hand(enclosure(0, 0, 0, 0, 1, 0, 0, 0));
+    CertifiedSolution const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)), b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)), zero = by_hand(enclosure(0, 0, 0, 0, 1, 0, 0, 0));
     EXPECT_DOUBLE_EQ(relative_change(a, b), 4.0 / 3);
     EXPECT_DOUBLE_EQ(relative_change(b, a), 0.8);
     EXPECT_DOUBLE_EQ(relative_change(a, b, Vector<double>{{2.0, 0.5}}), 2.0 / 6);
     EXPECT_DOUBLE_EQ(relative_change(b, a, Vector<double>{{1.0, 2.0}}), 8 / std::sqrt(73.0));
     EXPECT_EQ(relative_change(a, zero), std::numeric_limits<double>::infinity());
     EXPECT_EQ(relative_change(zero, zero), 0);
-    EXPECT_TRUE(std::isnan(relative_change(Exact(1, 2, 0, Status::unresolved), a)));
+    EXPECT_TRUE(std::isnan(relative_change(CertifiedSolution(1, 2, 0, Status::unresolved), a)));
     EXPECT_THROW(relative_change(a, b, Vector<double>{{1.0}}), std::invalid_argument);
 }
 
@@ -125,7 +125,7 @@ TEST(ReferencePromise, HoldsOfWhatIsCertified) {
             for (double const y : {0.0, 1.0})
                 for (int const digits : {30, 60, 90}) {
                     Problem<double> problem{.size = 2, .forgetting = lambda, .prior = std::nullopt};
-                    for (Exact const& e : certified(problem, nearly_parallel(k, y), {3, 6}, digits)) {
+                    for (CertifiedSolution const& e : certified(problem, nearly_parallel(k, y), {3, 6}, digits)) {
                         ASSERT_EQ(e.status(), Status::certified);
                         BallMatrix const &theta = e.enclosure()->theta, &P = e.enclosure()->covariance;
                         Float largest_P, largest_theta, size;

@@ -1,6 +1,6 @@
 // A folded block has the same bits whatever the registers: all of baseline, AVX2 and a scalar that has none.
 #include <rlslab/arithmetic/counted.hpp>
-#include <rlslab/model/random.hpp>
+#include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ std::vector<double> folded(Index size, Index rows, double unit) {
             for (Index i = 0; i < size; ++i) psi(i, k) = T(number());
             y[k] = T(number());
         }
-        filter.absorb(psi, y);
+        filter.update_block(psi, y);
         Step<T> const step = filter.update({psi.col(0).data(), size}, y[0]);
         out.insert(out.end(), {static_cast<double>(step.residual), static_cast<double>(step.gamma)});
     }
@@ -63,7 +63,7 @@ TEST(Reflections, ANanAnywhereInABlockIsSeen) {
             QrBlock<double> filter({.size = 2});
             Rows<double> psi = Rows<double>::Zero(2, 9);
             psi(0, at) = bad;
-            filter.absorb(psi, Vector<double>::Zero(9));
+            filter.update_block(psi, Vector<double>::Zero(9));
             EXPECT_FALSE(std::isfinite(filter.theta()[0])) << at;
         }
 }

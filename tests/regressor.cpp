@@ -1,5 +1,6 @@
 // What an update takes for a regressor, and what it must not: numbers that do not lie one after another in memory.
-#include "laws.hpp"
+#include "catalogue/catalogue.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>

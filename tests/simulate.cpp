@@ -1,5 +1,5 @@
 // Records that would show nothing are refused in one line; every command reads them in the forms that people have.
-#include "program.hpp"
+#include "tests/program.hpp"
 
 namespace rlslab {
 namespace {

@@ -1,5 +1,5 @@
 // The sparse variants where they matter: rows with a few numbers in a band, as many parameters as no dense form could hold.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/variants/cholesky_sparse.hpp>
 #include <rlslab/variants/qr.hpp>
@@ -61,8 +61,8 @@ TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
             qr.update(dense, data.y[k]);
             one_by_one.update(psi, data.y[k]);
         }
-        sparse_blocks.absorb(data.psi, data.y);
-        dense_blocks.absorb(Eigen::MatrixXd(data.psi), data.y);
+        sparse_blocks.update_block(data.psi, data.y);
+        dense_blocks.update_block(Eigen::MatrixXd(data.psi), data.y);
         EXPECT_EQ(sparse_rows.theta(), dense_rows.theta()) << "what is not zero is all that is used";
         EXPECT_EQ(sparse_blocks.theta(), dense_blocks.theta());
         EXPECT_LE(distance(sparse_blocks.theta(), qr.theta()), budget) << lambda;
@@ -92,11 +92,11 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     Problem<double> const p{.size = size, .prior = Prior<double>{.variance = 1e6}};
 
     QrSparse qr(p);
-    qr.absorb(data.psi, data.y);
+    qr.update_block(data.psi, data.y);
     CholeskySparse cholesky(p);
     QrSparse some(p);
     for (Index k = 0; k < 500; ++k) EXPECT_EQ(name_of(cholesky.update(column(data.psi, k), data.y[k]).health), "sound");
-    some.absorb(SparseRows(data.psi.leftCols(500)), data.y.head(500));
+    some.update_block(SparseRows(data.psi.leftCols(500)), data.y.head(500));
 
 #ifndef __SANITIZE_ADDRESS__    // which keeps what is freed
     EXPECT_LE(resident() - before, 200) << "MB";
@@ -107,6 +107,16 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     EXPECT_LE((qr.theta() - truth).norm() / truth.norm(), 0.1);    // two rows a parameter, noise of 1/8
     EXPECT_EQ(qr.gain().size(), size);
     EXPECT_EQ(cholesky.gain().size(), size);
+}
+
+/// SuiteSparseQR leaves out what is zero, the pivot too: then nothing is solved for, by whatever entry stands last in the column.
+TEST(QrSparse, APivotThatUnderflowedIsNotSound) {
+    QrSparse f({.size = 2, .forgetting = 0x1p-1000});
+    for (int k = 0; k < 8; ++k) {
+        Step<double> const step = k < 4 ? f.update(Vector<double>{{1.0, 0.0}}, 1.0) : f.update(Vector<double>{{1.0, 1.0}}, 1.0);
+        EXPECT_EQ(step.health == Health::sound, k < 2) << k << ' ' << name_of(step.health);
+        EXPECT_EQ(f.theta().allFinite() && f.gain().allFinite(), k < 2) << k;
+    }
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 // The study engine: the same bytes on any number of threads, nothing lost by a kill, a false claim caught.
-#include "files.hpp"
-#include "findings.hpp"
-#include "journal.hpp"
-#include "run.hpp"
-#include "scenarios.hpp"
+#include "catalogue/catalogue.hpp"
+#include "studies/engine/findings.hpp"
+#include "studies/engine/journal.hpp"
+#include "studies/engine/run.hpp"
+#include "studies/engine/scenarios.hpp"
+#include "tests/files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -28,10 +29,10 @@ std::string text_of(std::filesystem::path const& path) {
 
 /// Draws a few numbers; longer trials finish after shorter ones that started later. Fails at trial `fails`, 0: never.
 Study toy(int fails = 0) {
-    return {.name = "toy", .question = "Do bytes depend on threads?", .source = "none", .formula = "", .reading = "",
+    return {.name = "toy", .question = "Do bytes depend on threads?", .source = "none", .formula = "", .interpretation = "",
             .factors = [](Budget) { return std::vector<Factor>{{"word", {"a", "b"}}, {"n", counted(20)}}; },
             .measures = {"draw", "sum"},
-            .measure = [fails](Trial const& trial, Measured& out) {
+            .measure = [fails](Trial const& trial, TrialOutput& out) {
                 if (trial.number("n") == fails) throw std::runtime_error("the machine was switched off");
                 Seed seed = trial.seed({"n"});
                 double sum = 0;

@@ -1,5 +1,5 @@
 // A regressor may be what the filter itself reports: theta and gain are views into it, which the update overwrites.
-#include "laws.hpp"
+#include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
@@ -51,10 +51,10 @@ void a_view_is_as_good_as_a_copy(TypeList<F...> variants) {
         viewed.update(viewed.theta(), T(2));
         copied.update(theta, T(2));
         EXPECT_TRUE(same(viewed, copied)) << G::name << ": theta() for psi";
-        if constexpr (TakesUnreported<G>) {
+        if constexpr (Accumulates<G>) {
             Vector<T> const again = copied.gain();
-            viewed.take(viewed.gain(), T(2));
-            copied.take(again, T(2));
+            viewed.accumulate(viewed.gain(), T(2));
+            copied.accumulate(again, T(2));
             EXPECT_TRUE(same(viewed, copied)) << G::name << ": gain() for psi, no report";
         }
     });

@@ -1,7 +1,7 @@
 // Carlson's triangular square-root form.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -15,13 +15,13 @@ namespace rlslab {
 ///
 /// Not f_j / sqrt(s_{j-1} s_j): the product may overflow.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots.
-/// Source: Carlson, AIAA J. 11(9), 1973.
+/// Source: Carlson 1973.
 template <Real T, int N = Dynamic>
 class Carlson {
     T lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, f_, before_, s_, r_, m_, K_;
-    Square<T, N> S_;
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, f_, before_, s_, r_, m_, K_;
+    StateMatrix<T, N> S_;
 
 public:
     using scalar = T;
@@ -49,7 +49,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
 static_assert(ReportsCovariance<Carlson<double>>);
 

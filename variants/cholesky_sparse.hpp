@@ -1,7 +1,7 @@
 // The sparse information factor, kept up to date by CHOLMOD's rank-one update. Binary64 only; GPL-2+ by its library.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/cholmod.hpp>
 
 namespace rlslab {
@@ -14,7 +14,7 @@ namespace rlslab {
 ///
 /// Storage and time follow the fill of L, not d^2: f and (2) take the columns on psi's path, theta all of them. Columns keep
 /// their order, so a band stays one. Squares the condition number as `information` does. Needs a prior.
-/// Source: Davis & Hager, SIAM J. Matrix Anal. Appl. 20(3), 1999.
+/// Source: Davis & Hager 1999.
 class CholeskySparse {
     double lambda_;
     Vector<double> theta_, b_, f_, K_;
@@ -60,7 +60,7 @@ public:
         return X.F * X.D.asDiagonal() * X.F.transpose();
     }
     Stored<double> stored() const {
-        Stored<double> X{Stored<double>::Of::information, Stored<double>::Kind::factor, {}, {}};
+        Stored<double> X{Stored<double>::Quantity::information, Stored<double>::Form::factor, {}, {}};
         factor_.factors(X.F, X.D);
         return X;
     }

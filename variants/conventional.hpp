@@ -1,7 +1,7 @@
 // Conventional RLS: the covariance by the matrix inversion lemma, as most textbooks and programs write it.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -12,15 +12,15 @@ namespace rlslab {
 ///   (4) P = (P - K f') / lambda    (5) theta += K e
 ///
 /// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989): kept as the cautionary form.
-/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] proves breakdown; P may be
+/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] reports breakdown; P may be
 /// indefinite and gamma inside all the same, where psi does not see it.
-/// Source: Plackett, Biometrika 37, 1950.
+/// Source: Plackett 1950.
 template <Field T, int N = Dynamic>
 class Conventional {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, K_;
-    Square<T, N> P_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, f_, K_;
+    StateMatrix<T, N> P_;
 
 public:
     using scalar = T;
@@ -30,14 +30,14 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Disturb = Undisturbed>
-    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
+    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        disturb(K_);
+        perturb(K_);
         subtract_rank_one(P_, K_, f_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s, theta_);
@@ -46,8 +46,8 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(TakesGainError<Conventional<double>>);
+static_assert(GainPerturbable<Conventional<double>>);
 
 }  // namespace rlslab

@@ -1,7 +1,7 @@
 // Conventional RLS with the row product computed on its own: Verhaegen's distinction.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -12,13 +12,13 @@ namespace rlslab {
 ///   (1) f = P psi, h = P'psi       (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P = (P - K h') / lambda    (5) theta += K e
 ///
-/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen, Automatica 25(3), 1989.
+/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen 1989.
 template <Field T, int N = Dynamic>
 class ConventionalTwoSided {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, h_, K_;
-    Square<T, N> P_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, f_, h_, K_;
+    StateMatrix<T, N> P_;
 
 public:
     using scalar = T;
@@ -28,15 +28,15 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Disturb = Undisturbed>
-    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
+    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         multiply_transposed(P_, psi.data(), h_);
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        disturb(K_);
+        perturb(K_);
         subtract_rank_one(P_, K_, h_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s, theta_);
@@ -45,8 +45,8 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(TakesGainError<ConventionalTwoSided<double>>);
+static_assert(GainPerturbable<ConventionalTwoSided<double>>);
 
 }  // namespace rlslab

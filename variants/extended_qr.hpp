@@ -1,7 +1,7 @@
 // Extended QR: R and its inverse transpose together, so that theta needs no back-substitution.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -15,13 +15,13 @@ namespace rlslab {
 ///
 /// A rounding error in W is never forgotten (its memory is neutral while R's decays): theta and P are reported from W.
 /// Storage 2 d^2 (half used); per update 5 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
-/// Source: Yang & Boehme, IEEE TSP 40, 1992.
+/// Source: Yang & Böhme 1992.
 template <Real T, int N = Dynamic>
 class ExtendedQr {
     T root_lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, z_, K_, x_, v_, c_, s_;
-    Square<T, N> L_, V_;    // R' and W', so that their rows are contiguous
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, z_, K_, x_, v_, c_, s_;
+    StateMatrix<T, N> L_, V_;    // R' and W', so that their rows are contiguous
 
 public:
     using scalar = T;
@@ -53,7 +53,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(V_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, V_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, V_.view()}; }
 };
 static_assert(ReportsCovariance<ExtendedQr<double>>);
 

@@ -1,7 +1,7 @@
 // Gentleman's square-root-free rotations.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -18,12 +18,12 @@ namespace rlslab {
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
 /// theta (R theta = z) and K are solved for when asked. Storage d^2 (half used); per update 2 d^2 + O(d)
 /// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
-/// undetermined. Sources: Gentleman, AS 75, 1974; Miller, AS 274, 1992.
+/// undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
 template <Field T, int N = Dynamic>
 class Gentleman {
     T lambda_;
-    Column<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
-    Square<T, N> L_;    // R'
+    StateVector<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
+    StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
 public:
@@ -47,7 +47,7 @@ public:
         Truth<T> determined = true;
         Index const d = x_.size();
         for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == T(0));
-        T const w = weigh(x_, before_, s_, c_);                                                        // (2)
+        T const w = gentleman_weights(x_, before_, s_, c_);                                                        // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
@@ -81,7 +81,7 @@ public:
         return K;
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view(), D_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()}; }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);
 

@@ -1,7 +1,7 @@
 // The information form: normal equations kept up to date, solved by Cholesky.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -18,8 +18,8 @@ namespace rlslab {
 template <Field T, int N = Dynamic>
 class Information {
     T lambda_;
-    Column<T, N> theta_, b_, psi_, D_, f_;
-    Square<T, N> X_, L_;
+    StateVector<T, N> theta_, b_, psi_, D_, f_;
+    StateMatrix<T, N> X_, L_;
     Truth<T> positive_, started_;    // X factors; has been seen to factor
     Index rows_;                     // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
@@ -56,7 +56,7 @@ public:
         T s = lambda_;
         for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
         Truth<T> const known = positive_, started = started_;
-        take(psi, y);
+        accumulate(psi, y);
         if (!solved_) solve();
         T seen = y;    // spoilt by data that are not finite
         for (Index j = 0; j < f_.size(); ++j) seen = select(is_finite(X_(j, j)), seen, X_(j, j));
@@ -66,9 +66,9 @@ public:
         step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
         return step;
     }
-    void take(Regressor<T> psi, T y) {
+    void accumulate(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        accumulate(X_, b_, lambda_, psi_, y);                                                            // (2)
+        add_sample(X_, b_, lambda_, psi_, y);                                                                      // (2)
         ++rows_;
         solved_ = false;
         if (!all(started_)) solve();    // breakdown is told from a start by X having factored once
@@ -76,13 +76,13 @@ public:
     Vector<T, N> theta() const { return solved_ ? theta_.view() : solved().theta_.view(); }
     Vector<T, N> gain() const {
         if (!solved_) return solved().gain();
-        Column<T, N> K = psi_;
+        StateVector<T, N> K = psi_;
         solve_ldl(L_, D_, positive_, K);
         return K.view();
     }
     Matrix<T, N> information() const { return X_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::plain, X_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
 };
-static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && TakesUnreported<Information<double>>);
+static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && Accumulates<Information<double>>);
 
 }  // namespace rlslab

@@ -1,7 +1,7 @@
 // Inverse QR: the square root of P by rotations, in array form.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -16,13 +16,13 @@ namespace rlslab {
 ///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
 ///
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
-/// Source: Alexander & Ghirnikar, IEEE TSP 41, 1993.
+/// Source: Alexander & Ghirnikar 1993.
 template <Real T, int N = Dynamic>
 class InverseQr {
     T lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
-    Square<T, N> S_;
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
+    StateMatrix<T, N> S_;
 
 public:
     using scalar = T;
@@ -49,7 +49,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
 static_assert(ReportsCovariance<InverseQr<double>>);
 

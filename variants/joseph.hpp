@@ -1,7 +1,7 @@
 // Joseph's stabilised form, evaluated as the products it is written in.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -15,9 +15,9 @@ namespace rlslab {
 template <Field T, int N = Dynamic>
 class Joseph {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, psi_, f_, K_;
-    Square<T, N> P_, A_, AP_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, psi_, f_, K_;
+    StateMatrix<T, N> P_, A_, AP_;
 
 public:
     using scalar = T;
@@ -28,15 +28,15 @@ public:
           psi_(problem.size), f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
           AP_(problem.size) {}
 
-    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Disturb = Undisturbed>
-    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
+    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         keep_regressor(psi, psi_);    // which may be K's own numbers
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        disturb(K_);
+        perturb(K_);
         Index const d = f_.size();
         for (Index j = 0; j < d; ++j) {
             for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi_[j]);                                  // (4)
@@ -56,8 +56,8 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(TakesGainError<Joseph<double>>);
+static_assert(GainPerturbable<Joseph<double>>);
 
 }  // namespace rlslab

@@ -1,7 +1,7 @@
 // Joseph's form expanded to a symmetric rank-two update: its immunity to gain errors at O(d^2).
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -11,14 +11,14 @@ namespace rlslab {
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
 ///
-/// K_i g_j + g_i K_j is the same number with i and j exchanged, so P stays symmetric bit for bit.
+/// K_i g_j + g_i K_j is the same number with i and j exchanged: P stays symmetric (stochastic rounding aside).
 /// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
 template <Field T, int N = Dynamic>
 class JosephRankTwo {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, g_, K_;
-    Square<T, N> P_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, f_, g_, K_;
+    StateMatrix<T, N> P_;
 
 public:
     using scalar = T;
@@ -28,14 +28,14 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), g_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `disturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Disturb = Undisturbed>
-    Step<T> update(Regressor<T> psi, T y, Disturb disturb = {}) {
+    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
+    template <class Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
-        disturb(K_);
+        perturb(K_);
         T const half = s / T(2);
         for (Index i = 0; i < f_.size(); ++i) g_[i] = f_[i] - half * K_[i];                              // (4)
         subtract_rank_two(P_, K_, g_, by_lambda_);                                                       // (5)
@@ -46,8 +46,8 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(TakesGainError<JosephRankTwo<double>>);
+static_assert(GainPerturbable<JosephRankTwo<double>>);
 
 }  // namespace rlslab

@@ -1,7 +1,7 @@
 // The Kalman filter of parameters that stand still or walk at random: recursive least squares seen as estimation of a state.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -15,12 +15,12 @@ namespace rlslab {
 /// Without a walk (Q = 0, as in the catalogue) K, P and theta are those of `conventional`: bit for bit where lambda = 1, and
 /// exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
 /// Storage 2 d^2; per update 4 d^2 + O(d) multiplications. Antisymmetric errors grow as in `conventional`.
-/// Sources: Kalman 1960; Sayed & Kailath, IEEE SP Magazine 11(3), 1994.
+/// Sources: Kalman 1960; Sayed & Kailath 1994.
 template <Field T, int N = Dynamic>
 class Kalman {
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, f_, K_;
-    Square<T, N> P_, Q_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, f_, K_;
+    StateMatrix<T, N> P_, Q_;
     bool walks_;
 
 public:
@@ -50,7 +50,7 @@ public:
         multiply(P_, psi.data(), f_);                                                                    // (2)
         T const s = T(1) + dot(psi, f_);                                                                 // (3)
         divide(f_, s, K_);                                                                               // (4)
-        subtract_rank_one(P_, K_, f_, DividedBy<T>(T(1)));                                               // (5)
+        subtract_rank_one(P_, K_, f_, DivisorNearOne<T>(T(1)));                                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
         return report(e, T(1), s, theta_);
     }
@@ -58,7 +58,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::plain, P_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
 static_assert(ReportsCovariance<Kalman<double>>);
 

@@ -1,7 +1,7 @@
 // Potter's square-root form.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -15,9 +15,9 @@ namespace rlslab {
 template <Real T, int N = Dynamic>
 class Potter {
     T lambda_;
-    DividedBy<T> by_root_lambda_;
-    Column<T, N> theta_, f_, v_, K_;
-    Square<T, N> S_;
+    DivisorNearOne<T> by_root_lambda_;
+    StateVector<T, N> theta_, f_, v_, K_;
+    StateMatrix<T, N> S_;
 
 public:
     using scalar = T;
@@ -42,7 +42,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, S_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
 static_assert(ReportsCovariance<Potter<double>>);
 

@@ -1,7 +1,7 @@
 // QR-RLS (square-root information filter): the triangular factor of P^-1 by Givens rotations.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -16,12 +16,12 @@ namespace rlslab {
 /// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
 /// zero on its diagonal the innovation is NaN and health undetermined.
-/// Sources: Golub, Numer. Math. 7, 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
+/// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <Real T, int N = Dynamic>
 class Qr {
     T lambda_, root_lambda_;
-    Column<T, N> z_, psi_, x_, c_, s_;
-    Square<T, N> L_;    // R'
+    StateVector<T, N> z_, psi_, x_, c_, s_;
+    StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
 public:
@@ -49,7 +49,7 @@ public:
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);
 

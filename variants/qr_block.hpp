@@ -1,7 +1,7 @@
 // QR by Householder reflections on blocks of rows: batch least squares that never holds more than one block, and merges.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/reflections.hpp>
 #include <rlslab/linalg/start.hpp>
 
@@ -16,13 +16,14 @@ namespace rlslab {
 ///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
 /// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior.
-/// Sources: Golub, Numer. Math. 7, 1965; Demmel, Grigori, Hoemmen & Langou (TSQR).
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior. With one whose 1/sqrt(P0)
+/// is below u |psi| a row's reflection leaves of R's other columns what rounding leaves: start without a prior instead.
+/// Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
     T lambda_, root_lambda_;
-    Column<T, N> z_, psi_, x_, tau_;
-    Square<T, N> L_;                                  // R'
+    StateVector<T, N> z_, psi_, x_, tau_;
+    StateMatrix<T, N> L_;                                  // R'
     Lengths<T, N> lengths_;
     Index rows_ = 0;                                  // taken so far
     bool prior_;                                      // started with one
@@ -33,7 +34,7 @@ class QrBlock {
     /// A under weight [R z], the sum of `rows` rows.
     PerLane<T, Health> fold_in(T const& weight, Index rows) {
         lengths_.take_rows(weight, A_);
-        fold(weight, L_, z_, A_);
+        reflect_block_into(weight, L_, z_, A_);
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_), taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
         return health_of<T>(taken, determined(), finite);
@@ -53,11 +54,11 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
-    PerLane<T, Health> absorb(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+    PerLane<T, Health> update_block(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        return fold_in(weigh(psi, y, root_lambda_, A_), rows);                                           // (1)
+        return fold_in(weighted_rows(psi, y, root_lambda_, A_), rows);                                           // (1)
     }
 
     /// Puts after the rows here those of `newer`, a filter of this problem that started without prior.
@@ -75,7 +76,7 @@ public:
         Truth<T> const before = determined();
         ++rows_;
         T eta = y;
-        T const root_gamma = fold(root_lambda_, L_, z_, x_, eta, tau_);
+        T const root_gamma = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
         Step<T> const step = report_rotated(eta, root_gamma, before);
         return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !before, step);
     }
@@ -83,7 +84,7 @@ public:
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
-    Stored<T> stored() const { return {Stored<T>::Of::information, Stored<T>::Kind::factor, L_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
 };
 static_assert(ReportsInformation<QrBlock<double>> && Merges<QrBlock<double>> && TakesBlocks<QrBlock<double>>);
 

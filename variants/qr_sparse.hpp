@@ -1,7 +1,7 @@
 // Sparse QR on blocks of rows by SuiteSparseQR. Binary64 only; GPL-2+ by its library.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/spqr.hpp>
 
 namespace rlslab {
@@ -14,12 +14,22 @@ namespace rlslab {
 ///   (2) e = y - psi'theta,   gamma = lambda / (lambda + |R^-T psi|^2)    with the R of the step before
 ///
 /// Storage and time follow the fill of R, not d^2; each block costs all of R once: with many parameters take as many rows
-/// at once. Needs a prior. Source: Davis, SuiteSparseQR, ACM TOMS 38(1), 2011.
+/// at once. Needs a prior. Source: Davis 2011.
 class QrSparse {
     double lambda_;
     Vector<double> z_, theta_;
     SparseRow psi_;
     SparseTriangle R_;
+
+    /// x = R^-1 x and R^-T x; NaN where R has lost a pivot.
+    void solve(Vector<double>& x) const {
+        if (has_pivots(R_)) R_.triangularView<Eigen::Upper>().solveInPlace(x);
+        else x.setConstant(undefined<double>());
+    }
+    void solve_transposed(Vector<double>& x) const {
+        if (has_pivots(R_)) R_.transpose().triangularView<Eigen::Lower>().solveInPlace(x);
+        else x.setConstant(undefined<double>());
+    }
 
 public:
     using scalar = double;
@@ -35,8 +45,8 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
-    Health absorb(Matrix<double> const& psi, Vector<double> const& y) { return absorb(SparseRows(psi.sparseView()), y); }
-    Health absorb(SparseRows const& psi, Vector<double> const& y) {
+    Health update_block(Matrix<double> const& psi, Vector<double> const& y) { return update_block(SparseRows(psi.sparseView()), y); }
+    Health update_block(SparseRows const& psi, Vector<double> const& y) {
         Index const rows = y.size();
         expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         psi_ = column(psi, rows - 1);
@@ -54,9 +64,9 @@ public:
         R_ *= weight;
         z_ *= weight;
         if (finite && right.allFinite() && z_.allFinite()) {
-            fold(R_, z_, weighted, right);
+            append_rows(R_, z_, weighted, right);
             theta_ = z_;
-            R_.triangularView<Eigen::Upper>().solveInPlace(theta_);
+            solve(theta_);
         } else {
             z_.setConstant(undefined<double>());
             theta_ = z_;
@@ -70,24 +80,24 @@ public:
         expects(psi.size() == z_.size(), "a regressor of the problem's size");
         Vector<double> f = psi;                                                                          // (2)
         double const e = y - dot(psi, theta_);
-        R_.transpose().triangularView<Eigen::Lower>().solveInPlace(f);
+        solve_transposed(f);
         double const s = lambda_ + dot(f.data(), f.data(), f.size());
         SparseRows row(psi.size(), 1);
         row.col(0) = psi;
-        bool const finite = absorb(row, Vector<double>::Constant(1, y)) == Health::sound;
+        bool const finite = update_block(row, Vector<double>::Constant(1, y)) == Health::sound;
         return if_finite(finite, report(e, lambda_, s));
     }
 
     Vector<double> const& theta() const { return theta_; }
     Vector<double> gain() const {
         Vector<double> K = psi_;
-        R_.transpose().triangularView<Eigen::Lower>().solveInPlace(K);
-        R_.triangularView<Eigen::Upper>().solveInPlace(K);
+        solve_transposed(K);
+        solve(K);
         return K;
     }
     Matrix<double> information() const { return Matrix<double>(R_.transpose() * R_); }
     Stored<double> stored() const {
-        return {Stored<double>::Of::information, Stored<double>::Kind::factor, Matrix<double>(R_.transpose())};
+        return {Stored<double>::Quantity::information, Stored<double>::Form::factor, Matrix<double>(R_.transpose())};
     }
 };
 static_assert(ReportsInformation<QrSparse> && TakesBlocks<QrSparse>);

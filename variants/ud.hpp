@@ -1,7 +1,7 @@
 // Bierman's UD form: square-root accuracy without square roots.
 #pragma once
 
-#include <rlslab/concept.hpp>
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/start.hpp>
 #include <rlslab/linalg/sweeps.hpp>
 
@@ -15,13 +15,13 @@ namespace rlslab {
 ///
 /// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. P is definite exactly while every D_j > 0.
 /// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
-/// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977; Thornton 1976.
+/// Source: Bierman 1977; Thornton 1976.
 template <Field T, int N = Dynamic>
 class Ud {
     T lambda_;
-    DividedBy<T> by_lambda_;
-    Column<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
-    Square<T, N> U_;
+    DivisorNearOne<T> by_lambda_;
+    StateVector<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
+    StateMatrix<T, N> U_;
 
 public:
     using scalar = T;
@@ -52,7 +52,7 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Of::covariance, Stored<T>::Kind::factor, U_.view(), D_.view()}; }
+    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
 };
 static_assert(ReportsCovariance<Ud<double>>);
 

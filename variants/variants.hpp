@@ -1,7 +1,7 @@
 // THE list of variants. A new one is its file and two lines here; tests, studies and the program walk the list.
 #pragma once
 
-#include <rlslab/type_list.hpp>
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/carlson.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>

@@ -1,7 +1,7 @@
 // Rows become curves: apart by series and panel, the median where several share a place.
-#include "figure.hpp"
+#include "studies/engine/figure.hpp"
 
-#include "findings.hpp"
+#include "studies/engine/findings.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "report/figure.hpp"
-#include "study.hpp"
+#include "studies/engine/study.hpp"
 
 namespace rlslab {
 

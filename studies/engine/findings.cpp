@@ -1,5 +1,5 @@
 // What claims measure, and the two ways in which it may be where it should.
-#include "findings.hpp"
+#include "studies/engine/findings.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 

@@ -1,7 +1,7 @@
 // The words claims are written in: numbers drawn from tables, and whether they are where they should be.
 #pragma once
 
-#include "study.hpp"
+#include "studies/engine/study.hpp"
 
 namespace rlslab {
 

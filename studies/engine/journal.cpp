@@ -1,7 +1,7 @@
 // A line for each finished trial, with a checksum; what is not whole is cut off.
-#include "journal.hpp"
+#include "studies/engine/journal.hpp"
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/core/input_error.hpp>
 
 #include <cstring>
 #include <fcntl.h>

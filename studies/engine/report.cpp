@@ -1,9 +1,8 @@
 // What the report says. Its page, figures and formulas are report/'s.
-#include "report.hpp"
+#include "studies/engine/report.hpp"
 
 #include "report/page.hpp"
-
-#include <rlslab/revision.hpp>
+#include "studies/engine/revision.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -27,7 +26,7 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     Study const& study = *outcome.study;
     std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name, escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
-    out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.reading));
+    out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
     for (size_t i = 0; i < outcome.findings.size(); ++i) {
         Claim const& claim = study.claims[i];
         Finding const& finding = outcome.findings[i];

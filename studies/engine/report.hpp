@@ -1,8 +1,8 @@
 // The report: one HTML file that opens offline, with everything a reader needs to believe or repeat it.
 #pragma once
 
-#include "figure.hpp"
-#include "run.hpp"
+#include "studies/engine/figure.hpp"
+#include "studies/engine/run.hpp"
 
 namespace rlslab {
 

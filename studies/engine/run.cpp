@@ -1,10 +1,10 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
-#include "run.hpp"
+#include "studies/engine/run.hpp"
 
-#include "journal.hpp"
+#include "studies/engine/journal.hpp"
+#include "studies/engine/revision.hpp"
 
-#include <rlslab/model/input_error.hpp>
-#include <rlslab/revision.hpp>
+#include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
 #include <fstream>
@@ -91,7 +91,7 @@ void start(Running& run, RunOptions const& options) {
     run.factors = study.factors(options.budget);
     for (auto& values : combinations(run.factors)) {
         Trial const trial(study.name, run.factors, std::move(values), options.seed, *options.entries, options.budget);
-        if (!study.keeps || study.keeps(trial)) run.trials.push_back(trial);
+        if (!study.admits || study.admits(trial)) run.trials.push_back(trial);
     }
     run.lines.resize(run.trials.size());
     run.done.assign(run.trials.size(), false);
@@ -149,7 +149,7 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
     arena.execute([&] {
         tbb::parallel_for_each(pending.begin(), pending.end(), [&](std::pair<Running*, size_t> const& work) {
             auto const [run, k] = work;
-            Measured measured(run->trials[k]);
+            TrialOutput measured(run->trials[k]);
             try {
                 run->study->measure(run->trials[k], measured);
             } catch (std::exception const& failure) {

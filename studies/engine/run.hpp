@@ -1,8 +1,9 @@
 // Runs studies: trials on all cores, bits that do not depend on how many, and nothing lost when it is killed.
 #pragma once
 
-#include "progress.hpp"
-#include "study.hpp"
+#include "catalogue/catalogue.hpp"
+#include "report/progress.hpp"
+#include "studies/engine/study.hpp"
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
-#include "scenarios.hpp"
+#include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -112,22 +112,22 @@ Records as_stored(Records records, Arithmetic const& arithmetic) {
     return records;
 }
 
-Errors errors(AnyFilter const& filter, Exact const& exact) {
+Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
     auto const error = [](double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; };
     return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
 }
 
-void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.absorb(records, first, last); }
+void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
 
 Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
-    using Kind = Stored<Reference>::Kind;
+    using Form = Stored<Reference>::Form;
     Matrix<Reference> X = stored.F;
-    if (stored.kind == Kind::factor) {
+    if (stored.form == Form::factor) {
         Matrix<Reference> FD = stored.F;
         for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
         X = FD.lazyProduct(stored.F.transpose());
     }
-    if (stored.of == Stored<Reference>::Of::information) X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
+    if (stored.quantity == Stored<Reference>::Quantity::information) X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
     return X;
 }
 

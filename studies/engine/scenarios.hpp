@@ -1,7 +1,7 @@
 // The data of studies, the families of variants, and what a filter has got wrong.
 #pragma once
 
-#include "study.hpp"
+#include "studies/engine/study.hpp"
 
 #include <rlslab/reference/certified.hpp>
 
@@ -43,7 +43,7 @@ Records as_stored(Records records, Arithmetic const& arithmetic);
 struct Errors {
     double theta, covariance;
 };
-Errors errors(AnyFilter const& filter, Exact const& exact);
+Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 
 /// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
 void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last);

@@ -1,9 +1,9 @@
 // What a study is: a question, its factors, what is measured of each combination, how it is drawn, and its claims.
 #pragma once
 
-#include "table.hpp"
+#include "studies/engine/table.hpp"
 
-#include <rlslab/erased.hpp>
+#include <rlslab/lab/any_filter.hpp>
 
 namespace rlslab {
 
@@ -43,12 +43,12 @@ public:
 };
 
 /// What a trial measured: any number of rows behind its factors' values.
-class Measured {
+class TrialOutput {
     std::vector<Cell> const& values_;
     std::vector<std::string> lines_;
 
 public:
-    explicit Measured(Trial const& trial) : values_(trial.values()) {}
+    explicit TrialOutput(Trial const& trial) : values_(trial.values()) {}
     void operator()(std::vector<Cell> measures) {
         std::vector<Cell> row = values_;
         row.insert(row.end(), measures.begin(), measures.end());
@@ -92,13 +92,13 @@ struct Claim {
 struct Study {
     std::string name;                                   ///< as on the command line
     std::string question;                               ///< one sentence
-    std::string source;                                 ///< who says so, and how sure it is (read, recalled, derived)
+    std::string source;                                 ///< who says so, and how sure it is (docs/literature.md 0)
     std::string formula;                                ///< LaTeX; lines apart by \\ .
-    std::string reading;                                ///< what one sees, and where it differs from what was published
+    std::string interpretation;                                ///< what one sees, and where it differs from what was published
     std::function<std::vector<Factor>(Budget)> factors;
-    std::function<bool(Trial const&)> keeps = {};       ///< combinations that make sense; all if empty
+    std::function<bool(Trial const&)> admits = {};       ///< combinations that make sense; all if empty
     std::vector<std::string> measures;                  ///< the columns behind the factors
-    std::function<void(Trial const&, Measured&)> measure;
+    std::function<void(Trial const&, TrialOutput&)> measure;
     std::vector<Plot> plots;
     std::vector<Claim> claims;
 };

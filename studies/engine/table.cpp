@@ -1,5 +1,5 @@
 // Tables are small: selections copy.
-#include "table.hpp"
+#include "studies/engine/table.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,6 +1,6 @@
 // Prints what each variant computes, a line each: two compilers must print the same. Stochastic rounding tells on an order of
 // evaluation that the language leaves open, because every operation draws.
-#include "everything.hpp"
+#include "tests/compilers/everything.hpp"
 
 #include <cstdio>
 

@@ -54,9 +54,9 @@ void run(Index d, bool prior, Seed noise, Digest& digest) {
     for (int k = 0; k < 30; ++k) {
         Vector<T> const psi = row(k);
         T const y = number<T>(noise, k);
-        if constexpr (TakesUnreported<F>)
+        if constexpr (Accumulates<F>)
             if (k % 3 == 0) {
-                f.take(psi, y);
+                f.accumulate(psi, y);
                 continue;
             }
         Step<T> const step = f.update(psi, y);
@@ -64,14 +64,14 @@ void run(Index d, bool prior, Seed noise, Digest& digest) {
         digest.add(double(int(step.health)));
         if (k % 10 == 5) reported(f, digest);
     }
-    if constexpr (TakesGainError<F>)
+    if constexpr (GainPerturbable<F>)
         f.update(row(0), T(1), [](auto& K) { for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(0.125); });
     if constexpr (TakesBlocks<F>) {
         Eigen::Matrix<T, Dynamic, Dynamic> psi(d, 13);
         for (int k = 0; k < 13; ++k) psi.col(k) = row(k);
         Vector<T> y(13);
         for (T& x : y) x = number<T>(noise, 0);
-        f.absorb(psi, y);
+        f.update_block(psi, y);
     }
     if constexpr (Merges<F>) {
         problem.prior.reset();

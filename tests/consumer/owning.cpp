@@ -62,11 +62,11 @@ void exact_solutions() {
     Problem<double> problem{.size = 4, .forgetting = 0.99};
     problem.prior->theta = Vector<double>::Ones(4);
     problem.prior->covariance = 4 * Matrix<double>::Identity(4, 4);
-    for (Exact const& exact : passed_on(certified(passed_on(problem), records, {50, 98}))) {
+    for (CertifiedSolution const& exact : passed_on(certified(passed_on(problem), records, {50, 98}))) {
         Vector<Reference> theta = passed_on(exact.theta());
         Matrix<Reference> P = passed_on(exact.covariance());
         expect(exact.theta_digits(theta) > 30 && passed_on(exact.theta_strings()).size() == 4, "its own solution");
-        Stored<Reference> stored = passed_on(Stored<Reference>{Stored<Reference>::Of::covariance, Stored<Reference>::Kind::plain, P});
+        Stored<Reference> stored = passed_on(Stored<Reference>{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P});
         expect(exact.covariance_digits(stored) > 30 && definiteness(stored) == Definiteness::positive, "its own covariance");
         theta.conservativeResize(9);
     }

@@ -1,6 +1,6 @@
 // Any bytes as a CSV file: read, or refused in one printable line; what was read does not depend on how the bytes came, and is
 // read again bit for bit from what it is written as.
-#include "fuzz.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 #include <rlslab/model/csv.hpp>
 

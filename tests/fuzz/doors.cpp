@@ -1,8 +1,8 @@
 // Any bytes as a file of data, compressed or MATLAB's: read, or refused in one printable line.
-#include "fuzz.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
-#include <rlslab/doors/gzip.hpp>
-#include <rlslab/doors/open.hpp>
+#include <rlslab/model/doors/gzip.hpp>
+#include <rlslab/model/doors/open.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What a target for random bytes is: take() must neither crash nor let anything but its refusals out.
 #pragma once
 
-#include <rlslab/model/input_error.hpp>
+#include <rlslab/core/input_error.hpp>
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // Any words as a command line: understood, or refused in one printable line; nothing is run.
-#include "fuzz.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
-#include "commands.hpp"
+#include "program/commands.hpp"
 
 namespace rlslab::fuzz {
 

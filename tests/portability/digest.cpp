@@ -1,10 +1,10 @@
 // One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every processor, with
 // every compiler: tests/portability.cpp compiles this for others and compares.
-#include <rlslab/arithmetic/bits.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/rounding.hpp>
-#include <rlslab/datum.hpp>
+#include <rlslab/lab/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <cinttypes>
@@ -30,13 +30,13 @@ struct Digest {
 template <class F>
 void digest(Index d) {
     using T = typename F::scalar;
-    F filter(converted<T>({.size = d, .forgetting = 0.98}));
+    F filter(problem_as<T>({.size = d, .forgetting = 0.98}));
     Seed seed{std::uint64_t(d)};
     Digest out;
     for (int k = 0; k < 300; ++k) {
         Vector<T> psi(d);
-        for (T& x : psi) x = datum<T>(seed.bell());
-        Step<T> const step = filter.update(psi, datum<T>(seed.bell() + static_cast<double>(psi[0])));
+        for (T& x : psi) x = round_to<T>(seed.bell());
+        Step<T> const step = filter.update(psi, round_to<T>(seed.bell() + static_cast<double>(psi[0])));
         for (T const& x : {step.innovation, step.residual, step.gamma}) out.add(static_cast<double>(x));
     }
     auto const stored = filter.stored();
@@ -78,6 +78,6 @@ int main() {
     rlslab::digests<double>();
     rlslab::digests<rlslab::Chopped<rlslab::bfloat16>>();
     rlslab::digest_of_lanes();
-    rlslab::Precision const precision(12);
-    rlslab::digest<rlslab::Ud<rlslab::Bits>>(5);
+    rlslab::PrecisionScope const precision(12);
+    rlslab::digest<rlslab::Ud<rlslab::VariablePrecision>>(5);
 }

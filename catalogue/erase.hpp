@@ -1,0 +1,138 @@
+// Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue. No variant itself: longer
+// than one, because the adapter, its clock and the entry are read together.
+#pragma once
+
+#include <rlslab/core/process.hpp>
+#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/lab/round_to.hpp>
+#include <rlslab/lab/timing.hpp>
+
+namespace rlslab {
+
+template <class T>
+Reference widened(T const& x) {
+    return widen(x);
+}
+template <class T>
+double in_double(T const& x) {
+    return static_cast<double>(x);
+}
+/// For a first look at what a filter holds: rounded to binary64, but never to zero. A zero in a factor decides more than any
+/// rounding does: whether it is a triangle, and whether that is singular.
+template <class T>
+Stored<double> in_double(Stored<T> const& stored) {
+    return stored.template mapped<double>([](T const& x) {
+        double const y = static_cast<double>(x);
+        double const least = std::numeric_limits<double>::denorm_min();
+        return y != 0 || x == T(0) ? y : x < T(0) ? -least : least;
+    });
+}
+
+template <RecursiveLeastSquares F>
+class Erased final : public AnyFilter {
+    using T = typename F::scalar;
+    F filter_;
+    Seed seed_;
+
+    static Step<double> step_in_double(Step<T> const& s) {
+        return {in_double(s.innovation), in_double(s.residual), in_double(s.gamma), s.health};
+    }
+
+public:
+    /// Starting from a prior takes arithmetic too.
+    static std::unique_ptr<AnyFilter> make(Problem<double> const& problem, Seed seed) {
+        RoundingSeedScope<T> const draws(seed);
+        return std::make_unique<Erased>(F(problem_as<T>(problem)), seed);
+    }
+    Erased(F filter, Seed seed) : filter_(std::move(filter)), seed_(seed) {}
+
+    Step<double> update(Regressor<double> psi, double y) override {
+        Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+        RoundingSeedScope<T> const draws(seed_);
+        return step_in_double(filter_.update(row, round_to<T>(y)));
+    }
+    Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
+        if constexpr (GainPerturbable<F>) {
+            expects(relative.size() == psi.size(), "an error for each number of the gain");
+            Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
+            RoundingSeedScope<T> const draws(seed_);
+            return step_in_double(filter_.update(row, round_to<T>(y), [&relative](auto& K) {
+                for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
+            }));
+        } else {
+            throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
+        }
+    }
+    Step<double> update_block(Records const& records, Index first, Index last) override {
+        Matrix<T> const psi = records.psi.middleCols(first, last - first).unaryExpr(&round_to<T>);
+        Vector<T> const y = records.y.segment(first, last - first).unaryExpr(&round_to<T>);
+        RoundingSeedScope<T> const draws(seed_);
+        return step_in_double(process(filter_, psi, y));
+    }
+    // Reports draw from a copy of the seed: asking does not change what follows.
+    Vector<Reference> theta() const override {
+        Seed copy = seed_;
+        RoundingSeedScope<T> const draws(copy);
+        return Vector<T>(filter_.theta()).unaryExpr(&widened<T>);
+    }
+    Vector<Reference> gain() const override {
+        Seed copy = seed_;
+        RoundingSeedScope<T> const draws(copy);
+        return Vector<T>(filter_.gain()).unaryExpr(&widened<T>);
+    }
+    Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
+    Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
+    std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
+};
+
+/// The least over stretches of the records, each measured by the harness of the benchmarks.
+template <class F>
+double nanoseconds(Problem<double> const& problem, Records const& records, Seed seed) {
+    using T = typename F::scalar;
+    constexpr double enough = 5e5;    // ns of undisturbed timing in all
+    constexpr int at_least = 8;       // stretches: others disturb some of them
+    Matrix<T> const psi = records.psi.unaryExpr(&round_to<T>);
+    Vector<T> const y = records.y.unaryExpr(&round_to<T>);
+    Index rows = std::min<Index>(records.rows(), 16);
+    if constexpr (TakesBlocks<F>) rows = std::min<Index>(records.rows(), F::block);
+    RoundingSeedScope<T> const draws(seed);
+    double least = std::numeric_limits<double>::infinity();
+    int stretches = 0;
+    auto const unsettled = [&] { return stretches < at_least || least * double(stretches * rows) < enough; };
+    do {
+        F filter(problem_as<T>(problem));
+        for (Index k = 0; k + rows <= records.rows() && unsettled(); k += rows, ++stretches) {
+            double took;
+            if constexpr (TakesBlocks<F>) {
+                Matrix<T> const block = psi.middleCols(k, rows);
+                Vector<T> const outputs = y.segment(k, rows);
+                took = nanoseconds_of([&] {
+                    process(filter, block, outputs);
+                    wanted(Vector<T>(filter.theta()));
+                });
+            } else {
+                took = stretch<Theta::asked>(filter, psi, y, k, k + rows);
+            }
+            least = std::min(least, took / double(rows));
+        }
+    } while (unsettled());
+    return least;
+}
+
+/// F's line of the catalogue.
+template <RecursiveLeastSquares F>
+Entry entry_of(Arithmetic const* arithmetic) {
+    Index block = 1;
+    if constexpr (TakesBlocks<F>) block = F::block;
+    return {F::name, arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information",
+            GainPerturbable<F>, &Erased<F>::make, &nanoseconds<F>};
+}
+
+/// T as data.
+template <class T>
+Arithmetic arithmetic_of() {
+    using Traits = ArithmeticTraits<T>;
+    return {Traits::name, Traits::digits, Traits::min_exp, Traits::max_exp, DataRounding<T>::stochastic, &DataRounding<T>::round};
+}
+
+}  // namespace rlslab

@@ -1,0 +1,164 @@
+// Runs the comparison: each entry of the catalogue over the records, each step's stored P decided exactly, the last
+// step's theta and P scored against the reference for the very bits the arithmetic was given.
+#include "compare/compare.hpp"
+#include "catalogue/catalogue.hpp"
+#include "compare/recommend.hpp"
+#include "compare/score.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/core/suggestion.hpp>
+#include <rlslab/reference/certified.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <mutex>
+#include <tbb/parallel_for_each.h>
+#include <tbb/task_arena.h>
+
+namespace rlslab {
+namespace {
+
+double as_is(double x) { return x; }
+
+std::vector<std::string> printable_names(Records const& records) {
+    std::vector<std::string> names;
+    for (std::string const& name : records.names) names.push_back(printable(name));
+    return names;
+}
+
+/// What the rounding of the data to this arithmetic does to the exact answer.
+Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, CertifiedSolution const& given, Vector<double> const& scales) {
+    Problem<double> problem = stored.problem;
+    problem.prior.reset();
+    Storage out{arithmetic.name, problem.forgetting, 0, stored.in_range, {}, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
+    if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
+        CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
+        out.rank = without.rank();
+        if (exact) out.prior_bias = relative_change(*exact, without, scales), out.component_bias = largest_relative_change(*exact, without, scales);
+    }
+    if (exact) {
+        double const digits = -correctly::log10(relative_change(*exact, given));
+        if (!std::isnan(digits)) out.theta_digits = std::min(digits, 15.9);
+    }
+    return out;
+}
+
+/// |mean of y| in standard deviations of y; 0 where a regressor is constant, and infinite where y is.
+double offset(Records const& records) {
+    for (Index i = 0; i < records.parameters(); ++i)
+        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) return 0;
+    Index const N = records.rows();
+    double mean = 0, squares = 0;
+    for (Index k = 0; k < N; ++k) mean += records.y[k] / double(N);
+    for (Index k = 0; k < N; ++k) squares += (records.y[k] - mean) * (records.y[k] - mean) / double(N);
+    return mean == 0 ? 0 : std::abs(mean) / std::sqrt(squares);
+}
+
+/// Digits in which two exact solutions agree, component by component.
+std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution const& b) {
+    constexpr double most = 30;    // to which they are certified
+    std::vector<double> out;
+    Vector<Reference> const x = a.theta(), y = b.theta();
+    for (Index i = 0; i < x.size(); ++i) {
+        Reference const difference = absolute(Reference(x[i] - y[i]));
+        out.push_back(difference == 0 ? most : std::min(most, -correctly::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
+    }
+    return out;
+}
+
+/// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
+std::string constant_regressors(Records const& records) {
+    std::vector<std::string> names;
+    for (Index i = 0; i < records.parameters(); ++i)
+        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) names.push_back(records.names[size_t(i)]);
+    return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
+}
+
+/// The entries asked for, in the catalogue's order.
+std::vector<Entry const*> chosen(CompareOptions const& options) {
+    std::vector<std::string_view> variants, scalars;
+    for (Entry const& entry : catalogue())
+        if (std::find(variants.begin(), variants.end(), entry.variant) == variants.end()) variants.push_back(entry.variant);
+    for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
+    for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
+    for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
+    auto const wanted = [](std::vector<std::string> const& asked, std::string_view name) {
+        return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+    };
+    std::vector<Entry const*> out;
+    for (Entry const& entry : catalogue())
+        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name))
+            out.push_back(&entry);
+    if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+    return out;
+}
+
+}  // namespace
+
+Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress) {
+    std::vector<Entry const*> const entries = chosen(options);
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+
+    // The data as they are: the solution that is shown, and whether they determine theta at all.
+    Index const rows = records.rows();
+    Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
+    CertifiedSolution const without = certified(problem, records, {rows}).front();
+    if (without.status() == Status::singular)
+        throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
+                                     "over {} rows{}",
+                                     without.rank(), records.parameters(), rows, constant_regressors(records)));
+    std::optional<DefaultPrior> scaled;
+    if (!options.p0) scaled = default_prior(records, options.forgetting);
+    problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
+    Vector<double> const scales = regressor_scales(records);
+    CertifiedSolution const with = certified(problem, records, {rows}).front();
+    Comparison out{.rows = rows, .skipped = records.skipped, .size = records.parameters(), .names = printable_names(records), .model = {},
+                   .theta = with.theta_strings(30), .least_squares = without.theta_strings(30), .agreement = agreement(with, without),
+                   .radius = with.radius(), .bits = with.bits(), .condition = condition(records, options.forgetting), .scaled_prior = scaled,
+                   .prior_bias = relative_change(with, without, scales), .component_bias = largest_relative_change(with, without, scales),
+                   .offset = offset(records), .options = options, .checkpoints = checkpoints_of(rows), .storage = {},
+                   .results = {}, .recommendations = {}};
+    out.model.regressors = out.names;
+
+    // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
+    std::vector<Arithmetic const*> used;
+    for (Entry const* entry : entries)
+        if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
+    int most_digits = 0;
+    for (Arithmetic const* a : used) most_digits = std::max(most_digits, int(a->decimal_digits()));
+    auto const rounding_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
+    auto const orders = row_orders(rows, options.forgetting, options.seed);
+    std::map<std::string_view, StoredProblem> stored;
+    for (Arithmetic const* a : used) {
+        if (stored.contains(rounding_of(a))) continue;
+        bool const wide = a->digits >= 53;
+        StoredProblem const& one = stored[rounding_of(a)] =
+            stored_problem(records, problem, wide ? &as_is : a->round, orders, wide ? std::max(30, most_digits + 15) : 30);
+        if (!wide) out.storage.push_back(storage(*a, one, with, scales));
+    }
+
+    out.results.assign(entries.size(), {});
+    std::vector<size_t> order(entries.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;    // the slow arithmetics first
+    std::mutex one_at_a_time;
+    size_t done = 0;
+    arena.execute([&] {
+        tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
+            out.results[i] = score(*entries[i], stored.at(rounding_of(entries[i]->arithmetic)), options.seed);
+            std::lock_guard const lock(one_at_a_time);
+            if (progress) progress(double(++done) / double(entries.size()));
+        });
+    });
+    // Alone on the machine, as far as this program goes.
+    for (Result& r : out.results) {
+        if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
+        if (options.timings && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
+            r.ns_per_update = r.entry->time(stored.at(rounding_of(r.entry->arithmetic)).problem, records, Seed{options.seed});
+    }
+    for (Arithmetic const* a : used) out.recommendations.push_back(recommend(*a, out));
+    return out;
+}
+
+}  // namespace rlslab

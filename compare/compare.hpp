@@ -1,0 +1,120 @@
+// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
+#pragma once
+
+#include "report/progress.hpp"
+
+#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/model/default_prior.hpp>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+/// A prior that moves theta by more than this: which variant computes that theta best is then not the question.
+inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
+
+struct CompareOptions {
+    double forgetting = 1;                      ///< lambda
+    std::optional<double> p0 = {};              ///< c^2 of P0 = c^2 I; absent: the prior scaled to the data
+    std::vector<std::string> variants = {};     ///< empty: all
+    std::vector<std::string> arithmetics = {};  ///< empty: all
+    std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows
+    int threads = 0;                            ///< 0: all cores; the results do not depend on it
+    bool timings = true;                        ///< false: ns_per_update is left out
+};
+
+/// One value for each of the three things whose digits are counted: theta in norm, its worst component, P in the Frobenius norm.
+template <class X>
+struct PerMeasure {
+    X theta, worst, covariance;
+    static constexpr std::array<X PerMeasure::*, 3> all() { return {&PerMeasure::theta, &PerMeasure::worst, &PerMeasure::covariance}; }
+};
+/// -log10 of a relative error, at most the digits the arithmetic has, negative when the error exceeds the answer; absent where there is no
+/// finite answer.
+using Digits = PerMeasure<std::optional<double>>;
+
+/// Of digits over the checkpoints, the orders of rows and the draws: nine tenths are at least `low`, a half at least `median`, a tenth at
+/// least `high`. To a tenth of a digit, as printed; -infinity stands for no answer.
+struct Spread {
+    double low, median, high;
+    friend bool operator==(Spread const&, Spread const&) = default;
+};
+
+/// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
+struct Breakdown {
+    Index step;            ///< from 1; 0: the prior itself, as this arithmetic stores it
+    std::string kind;      ///< "indefinite" or "nonfinite"
+};
+
+/// One row of the table.
+struct Result {
+    Entry const* entry;
+    Digits last = {};                                  ///< at the last row, in the record's order
+    std::optional<PerMeasure<Spread>> spread = {};    ///< absent: the stored problem has no exact solution
+    int runs = 0, broken = 0;                          ///< orders of rows (or draws) tried, and in how many the variant broke down
+    std::optional<Breakdown> breakdown = {};           ///< in the record's order
+    bool factor = false;                               ///< propagates a factor, which no rounding makes indefinite
+    std::vector<Digits> path = {};                     ///< at each of the comparison's checkpoints, in the record's order
+    std::optional<double> asymmetry = {};              ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
+    std::optional<long> operations = {};               ///< a row: the update, and theta where it is solved for on request
+    std::optional<double> ns_per_update = {};
+};
+
+/// What storing the problem costs in an arithmetic shorter than binary64, before any variant computes with it.
+struct Storage {
+    std::string_view arithmetic;
+    double forgetting;                       ///< lambda as stored
+    Index rank;                              ///< exact, of the regressors as stored
+    bool in_range;                           ///< whether lambda and every entry of P0 are positive and finite there
+    std::optional<double> theta_digits;      ///< in which the exact solutions for the given and for the stored data agree
+    double prior_bias;                       ///< of the stored problem; NaN when the prior alone makes it one
+    double component_bias;                   ///< likewise
+};
+
+struct Recommendation {
+    std::string arithmetic;
+    std::string variant;    ///< empty: none
+    std::string why;
+};
+
+/// What the parameters multiply, for people and for the code to paste.
+struct ModelText {
+    std::string file, output;                                ///< "sales.csv", "sales[k]"
+    std::vector<std::string> regressors;                     ///< "-sales[k-1]", "lead[k]", "1"
+    std::vector<std::pair<std::string, double>> means;       ///< taken off each column first
+};
+
+struct Comparison {
+    Index rows, skipped, size;
+    std::vector<std::string> names;            ///< of the parameters
+    ModelText model;
+    std::vector<std::string> theta;            ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
+    std::vector<std::string> least_squares;    ///< the exact minimiser without the prior
+    std::vector<double> agreement;             ///< digits in which the two agree, a component each; at most 30
+    double radius;                             ///< proven relative error of theta
+    int bits;                                  ///< working precision at which it was certified
+    double condition;                          ///< kappa_2 of the weighted data matrix
+    std::optional<DefaultPrior> scaled_prior;  ///< absent: options.p0 was given
+    double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
+    double component_bias;                     ///< the same of the worst component (largest_relative_change)
+    double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
+    CompareOptions options;                    ///< as asked for
+    std::vector<Index> checkpoints;
+    std::vector<Storage> storage;
+    std::vector<Result> results;
+    std::vector<Recommendation> recommendations;
+};
+
+/// Throws InputError when the options name what does not exist, or the regressors are linearly dependent (exact rank).
+Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress = {});
+
+/// The comparison for people (colour: ANSI codes), and for programs.
+std::string as_table(Comparison const& comparison, bool colour);
+std::string as_json(Comparison const& comparison);
+std::string as_csv(Comparison const& comparison);
+std::string as_page(Comparison const& comparison);
+
+}  // namespace rlslab

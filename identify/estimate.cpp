@@ -1,0 +1,175 @@
+// The variant's recursion beside the certified minimiser.
+#include "identify/estimate.hpp"
+
+#include "catalogue/catalogue.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/core/suggestion.hpp>
+#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/reference/distributions.hpp>
+#include <rlslab/reference/scatter.hpp>
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+namespace rlslab {
+
+Entry const& entry_of(std::string const& variant) {
+    std::vector<std::string_view> known;
+    for (Entry const& e : catalogue())
+        if (e.arithmetic->name == "double") known.push_back(e.variant);
+    expect_one_of(known, variant, "--variant", "variant");
+    return *std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.arithmetic->name == "double" && e.variant == variant; });
+}
+
+namespace {
+
+/// An error that does not matter: a tenth of what noise does, or as little as the arithmetic leaves of a record without noise.
+Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, double least) {
+    double scale = 0;
+    for (Reference const& x : theta) scale = std::max(scale, std::abs(static_cast<double>(x)));
+    return (sd.array().isNaN().select(0, 0.1 * sd.array()) + least * scale).matrix();
+}
+
+/// The largest |a - b| / tolerance; NaN where one is.
+double largest_difference(Vector<Reference> const& a, Vector<Reference> const& b, Vector<double> const& tolerance) {
+    double most = 0;
+    for (Index i = 0; i < a.size(); ++i) {
+        double const ratio = std::abs(static_cast<double>(Reference(a[i] - b[i]))) / tolerance[i];
+        if (!(ratio <= most)) most = ratio;
+        if (std::isnan(ratio)) break;
+    }
+    return most;
+}
+
+/// The default prior, weakened further until it moves no parameter by more than its tolerance, 1e-12 of theta where there is no noise.
+Problem<double> with_prior(Identified& out, Records const& records, Scattered const& free) {
+    Problem<double> problem{.size = records.parameters(), .forgetting = out.options.forgetting};
+    if (out.options.p0) {
+        problem.prior = Prior<double>{.variance = *out.options.p0};
+        out.c = std::sqrt(*out.options.p0);
+        out.scales.assign(size_t(records.parameters()), 1.0);
+        return problem;
+    }
+    DefaultPrior prior = default_prior(records, problem.forgetting);
+    Vector<Reference> const theta = free.exact.theta();
+    Vector<double> const sd = free.scatter.sd * std::sqrt(free.scatter.J / free.scatter.freedom), allowed = tolerance(sd, theta, 1e-12);
+    constexpr double largest_c = 0x1p60;
+    for (;;) {
+        problem.prior = prior.prior();
+        double const by = largest_difference(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
+        if (!(by > 1) || prior.c >= largest_c) break;
+        // The bias falls at least as 1/c^2 along each axis of the scaled data.
+        prior.c = std::min(largest_c, prior.c * correctly::exp2(std::ceil(correctly::log2(by) / 2)));
+    }
+    out.c = prior.c;
+    out.scales.assign(prior.s.data(), prior.s.data() + prior.s.size());
+    return problem;
+}
+
+std::vector<Index> checkpoints_of(Records const& records) {
+    // An enclosure of P costs d^3: fewer points for very many parameters.
+    Index const points = std::clamp<Index>(4000 / records.parameters(), 10, 100);
+    std::vector<Index> out;
+    for (Index i = 1; i <= points; ++i)
+        if (Index const row = std::max<Index>(1, i * records.rows() / points); out.empty() || row > out.back()) out.push_back(row);
+    return out;
+}
+
+struct Run {
+    std::vector<Vector<Reference>> theta;    ///< at the checkpoints
+    std::optional<Failure> failure;
+};
+
+/// The variant over the rows; what it stores is judged after every step.
+Run run(Entry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
+    auto const filter = entry.make(problem, Seed{1});
+    Run out;
+    Index k = 0;
+    for (Index const checkpoint : checkpoints) {
+        while (k < checkpoint) {
+            Index const last = std::min(checkpoint, k + entry.block);
+            Step<double> const step = entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
+            k = last;
+            if (out.failure) continue;
+            std::string kind = breakdown(*filter, *entry.arithmetic);
+            if (kind.empty() && step.health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
+            if (!kind.empty()) out.failure = Failure{k, kind};
+        }
+        out.theta.push_back(filter->theta());
+    }
+    if (!out.failure && !is_finite(out.theta.back())) out.failure = Failure{k, "nonfinite"};
+    return out;
+}
+
+/// The variant that a person should take instead: the first that does not break down and whose error does not matter; "" if none does.
+std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best, Vector<double> const& allowed,
+                           std::string const& than) {
+    for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {
+        if (name == than) continue;
+        Run const tried = run(entry_of(name), problem, records, {records.rows()});
+        if (!tried.failure && largest_difference(tried.theta.back(), best, allowed) <= 1) return name;
+    }
+    return "";
+}
+
+void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records const& records, Vector<Reference> const& theta, Vector<Reference> const& best,
+                        Vector<Reference> const& free, Vector<double> const& sd) {
+    std::string const& variant = out.options.variant;
+    Vector<double> const allowed = tolerance(sd, best, 1e-9);
+    bool const rounded = !(largest_difference(theta, best, allowed) <= 1), biased = !(largest_difference(best, free, allowed) <= 1);
+    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})", std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
+    std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "";
+    std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
+                                               : fmt::format("--variant {} keeps enough of them on this record", better);
+    if (out.failure)
+        out.warnings.push_back(
+            fmt::format("{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
+                        out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
+                        better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)));
+    else if (rounded && biased && better.empty())
+        out.warnings.push_back(fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them by more than a tenth of what "
+                                           "noise does: {}", records.parameters(), hardly));
+    else if (rounded)
+        out.warnings.push_back(fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead));
+    if (biased && !(rounded && better.empty()))
+        out.warnings.push_back(out.options.p0 ? "the prior moves the estimate by more than a tenth of what noise does: a larger --p0, or none given"
+                                              : fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", hardly));
+}
+
+}  // namespace
+
+Estimation estimate(Identified& out, Records const& records) {
+    IdentifyOptions const& options = out.options;
+    Index const d = records.parameters(), rows = records.rows();
+    Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
+    Scattered const free = scattered(without, records, {rows}).front();
+    if (!(free.scatter.freedom >= 1))
+        throw InputError(fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more", options.forgetting,
+                                     1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
+    Problem<double> const problem = with_prior(out, records, free);
+    std::vector<Index> const checkpoints = checkpoints_of(records);
+    std::vector<Scattered> const exact = scattered(problem, records, checkpoints);
+    CertifiedSolution const& last = exact.back().exact;
+    Run const variant = run(entry_of(options.variant), problem, records, checkpoints);
+    Vector<Reference> const& theta = variant.theta.back();
+    out.failure = variant.failure;
+    Scatter const& scatter = exact.back().scatter;
+    out.condition = condition(records, options.forgetting);
+    out.freedom = scatter.freedom;
+    out.sigma2 = scatter.J / out.freedom;
+    out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : std::nan("");
+    for (size_t i = 0; i < exact.size(); ++i)
+        out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
+                                  std::sqrt(out.sigma2) * exact[i].scatter.sd});
+    Estimation const result{out.trajectory.back().sd, scatter.correlation};
+    out.prior_move = largest_difference(last.theta(), free.exact.theta(), result.sd);
+    warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd);
+    if (!(result.sd.array() >= 0).all()) out.warnings.push_back("the standard deviations could not be worked out to 12 digits and are left out");
+    out.digits = std::min(last.theta_digits(theta), 15.95);
+    out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
+    return result;
+}
+
+}  // namespace rlslab

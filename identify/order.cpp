@@ -1,0 +1,119 @@
+// One factorisation serves every order; the criteria are one line each.
+#include "identify/order.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/model/order_recursive_qr.hpp>
+#include <rlslab/reference/distributions.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rlslab {
+
+OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay, bool intercept) {
+    expects(!inputs.empty() && delay.size() == inputs.size(), "an input, and a delay for each");
+    Index const first = most + *std::ranges::max_element(delay), rows = Index(y.size()) - first;
+    OrderColumns out{{}, {}, int(inputs.size()), intercept};
+    expects(rows > out.columns(most), "more rows than parameters of the largest order");
+    out.X.resize(rows, out.columns(most));
+    out.y.resize(rows);
+    for (Index k = 0; k < rows; ++k) {
+        Index column = 0;
+        out.y[k] = y[size_t(first + k)];
+        for (Index lag = 0; lag <= most; ++lag) {
+            if (lag > 0) out.X(k, column++) = -y[size_t(first + k - lag)];
+            for (size_t j = 0; j < inputs.size(); ++j) out.X(k, column++) = inputs[j][size_t(first + k - delay[j] - lag)];
+            if (lag == 0 && intercept) out.X(k, column++) = 1;
+        }
+    }
+    return out;
+}
+
+LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
+    Index const N = residuals.size();
+    expects(1 <= lags && lags < N, "at least one lag, and fewer than residuals");
+    auto const sum = [&](Index lag) {
+        double out = 0;
+        for (Index k = lag; k < N; ++k) out += residuals[k] * residuals[k - lag];
+        return out;
+    };
+    LjungBox out{0, 1, lags, std::max<Index>(1, lags - fitted)};
+    double const variance = sum(0);
+    if (!std::isfinite(variance)) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
+    if (!(variance > 0)) return out;    // nothing is left: nothing is correlated
+    for (Index lag = 1; lag <= lags; ++lag) {
+        double const r = sum(lag) / variance;
+        out.Q += double(N) * double(N + 2) * r * r / double(N - lag);
+    }
+    out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
+    return out;
+}
+
+Index ljung_box_lags(Index rows, int order) { return std::min<Index>(rows - 1, std::max<Index>(25, 2 * order)); }
+
+double rounding_alone(Index rows, double y) { return double(rows) * (0x1p-44 * y) * (0x1p-44 * y); }
+
+Criteria criteria(double J, Index N, Index d) {
+    double const n = double(N), parameters = double(d), mean = J / n;
+    return {n * correctly::log(mean) + 2 * parameters, n * correctly::log(mean) + parameters * correctly::log(n), mean * (n + parameters) / (n - parameters)};
+}
+
+OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
+    Index const rows = all.y.size(), fitted = rows - held_out;
+    expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
+    // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
+    double const nothing = rounding_alone(fitted, all.y.head(fitted).cwiseAbs().maxCoeff());
+    OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
+    OrderChoice out{.rows = fitted};
+    for (int order = 0; order <= most; ++order) {
+        Index const d = all.columns(order);
+        bool sound = true;
+        while (recursion.size() < d && sound) sound = recursion.append(all.X.col(recursion.size()).head(fitted)).relative > 0x1p-90;
+        if (!sound) break;
+        Vector<double> const theta = recursion.theta();
+        auto const predicted = [&](Index from, Index count) {
+            Vector<double> p(count);
+            for (Index k = 0; k < count; ++k) {
+                double sum = 0;
+                for (Index i = 0; i < d; ++i) sum += all.X(from + k, i) * theta[i];
+                p[k] = sum;
+            }
+            return p;
+        };
+        double const J = std::max(recursion.J(), nothing);
+        auto const [aic, bic, fpe] = criteria(J, fitted, d);
+        OrderFit fit{order, d, J, aic, bic, fpe, 1, 0, std::numeric_limits<double>::quiet_NaN()};
+        if (!out.fits.empty()) {
+            double const more = double(d - out.fits.back().parameters), left = double(fitted - d);
+            double const F = (out.fits.back().J - J) / more / (J / left);
+            fit.p = J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
+        }
+        Vector<double> residuals = all.y.head(fitted);
+        Vector<double> const p = predicted(0, fitted);
+        for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
+        fit.ljung_box = recursion.J() <= nothing ? 1 : ljung_box(residuals, ljung_box_lags(fitted, order), order).p;
+        if (fitted < rows) fit.held_out = fit_percent(all.y.tail(rows - fitted), predicted(fitted, rows - fitted));
+        out.fits.push_back(fit);
+    }
+    auto const least = [&](double OrderFit::*criterion, auto const& keeps) {
+        OrderFit const* best = nullptr;
+        for (OrderFit const& fit : out.fits)
+            if (keeps(fit) && (!best || fit.*criterion < best->*criterion)) best = &fit;
+        return best ? best->order : -1;
+    };
+    auto const any = [](OrderFit const& fit) { return fit.order > 0; };
+    out.aic = least(&OrderFit::aic, any);
+    out.bic = least(&OrderFit::bic, any);
+    out.fpe = least(&OrderFit::fpe, any);
+    for (OrderFit const& fit : out.fits)
+        if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
+    // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
+    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.ljung_box >= white_level; });
+    out.order = white > 0 ? white : out.bic;
+    out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
+              : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)
+                               : "the least BIC; neither there nor above do the residuals pass for white";
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,75 @@
+// Which order: all of them fitted in one pass over the columns, and what the usual criteria say.
+#pragma once
+
+#include <rlslab/model/fit.hpp>
+#include <rlslab/model/regression.hpp>
+#include <rlslab/model/signals.hpp>
+
+namespace rlslab {
+
+/// Residuals pass for white at this tail probability or above; an order improves on the one before below it.
+inline constexpr double white_level = 0.01, improvement_level = 0.01;
+
+/// J = sum of squared residuals of d parameters over N rows:
+///   AIC = N ln(J/N) + 2 d      BIC = N ln(J/N) + d ln N      FPE = (J/N) (N + d)/(N - d)
+struct Criteria {
+    double aic, bic, fpe;
+};
+Criteria criteria(double J, Index N, Index d);
+
+/// One order's fit, on the N rows that all orders share.
+struct OrderFit {
+    int order;
+    Index parameters;                      ///< d
+    double J;                              ///< sum of squared residuals
+    double aic, bic, fpe;                  ///< Criteria
+    double p;                              ///< F-test against the order before: the tail probability of its improvement
+    double ljung_box;                      ///< the tail probability of Ljung and Box's Q of the residuals
+    double held_out;                       ///< percent of one-step fit on the rows held out; NaN where none are
+};
+
+/// What each criterion suggests, and the choice: from the order of the least BIC on, the least BIC of those whose residuals pass for
+/// white; if none does, the least BIC of all. `why` says which. Below that order residuals may pass for white only because what the
+/// model lacks makes them large.
+struct OrderChoice {
+    Index rows = 0;
+    std::vector<OrderFit> fits = {};
+    int aic = 0, bic = 0, fpe = 0, f_test = 0;    ///< f_test: the last order that improves on the one before
+    int order = 0;
+    std::string why = {};
+};
+
+/// The columns of an ARX model in the order of its recursion, for all orders at once on the same rows (the presample of the largest):
+/// X = u_k (each input), 1 if there is an intercept, then -y_{k-1}, u_{k-1} (each input), ..., -y_{k-most}, u_{k-most}; each input
+/// later by its delay.
+struct OrderColumns {
+    Matrix<double> X;
+    Vector<double> y;
+    int inputs;
+    bool intercept;
+    /// Columns of order n.
+    Index columns(int order) const { return inputs + intercept + Index(order) * (1 + inputs); }
+};
+OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay, bool intercept);
+
+/// Orders 0 ... most by appended columns of a QR factorisation, up to the first whose columns depend on one another; the last
+/// held_out rows are not fitted.
+/// Source: Söderström & Stoica 1989, 11.5; Ljung & Box 1978.
+OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
+
+/// How many lags are looked at for an order.
+Index ljung_box_lags(Index rows, int order);
+/// J of residuals that are rounding alone, of so many rows with outputs up to y.
+double rounding_alone(Index rows, double y);
+
+/// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of residuals after so many parameters of past outputs
+/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least.
+struct LjungBox {
+    double Q, p;
+    Index lags, freedom;
+    bool white() const { return p >= white_level; }
+};
+/// No residuals at all: Q = 0, p = 1. Residuals that are not finite: NaN. Throws std::invalid_argument unless 1 <= lags < N.
+LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted);
+
+}  // namespace rlslab

@@ -1,0 +1,165 @@
+// Options to terms; terms to rows, words and an equation.
+#include "identify/structure.hpp"
+
+#include <rlslab/core/input_error.hpp>
+#include <rlslab/model/lags.hpp>
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace rlslab {
+namespace {
+
+constexpr int longest = 200;    // poles and zeros are found at a cost of its third power
+
+/// One for each input, where one or as many were given.
+std::vector<int> for_each_input(char const* option, std::vector<int> const& given, size_t inputs, int otherwise) {
+    if (given.empty()) return std::vector<int>(inputs, otherwise);
+    if (given.size() == 1) return std::vector<int>(inputs, given[0]);
+    if (given.size() != inputs) throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option, inputs, given.size()));
+    return given;
+}
+
+std::vector<Lagged> listed(IdentifyOptions const& o) { return lagged_of("--regressors", o.regressors, o.output); }
+
+std::string joined(std::vector<int> const& numbers) {
+    bool const same = std::ranges::count(numbers, numbers[0]) == std::ssize(numbers);
+    return same ? fmt::format("{}", numbers[0]) : fmt::format("{}", fmt::join(numbers, ","));
+}
+
+}  // namespace
+
+bool structure_given(IdentifyOptions const& o) { return o.order > 0 || o.na || !o.regressors.empty(); }
+
+IdentifyOptions completed(IdentifyOptions o) {
+    if (o.output.empty()) throw InputError("--output: expected the name of the output column");
+    if (!o.regressors.empty()) {
+        if (!o.inputs.empty() || o.order || o.max_order || o.na || !o.nb.empty() || !o.delay.empty())
+            throw InputError("--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+        for (Lagged const& r : listed(o))
+            if (r.column != o.output && std::ranges::count(o.inputs, r.column) == 0) o.inputs.push_back(r.column);
+        std::vector<int> nearest(o.inputs.size(), largest_lag), furthest(o.inputs.size(), 0);
+        for (Lagged const& r : listed(o))
+            if (r.column == o.output) {
+                if (r.lag > longest) throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output", text_of(r), longest));
+            } else {
+                size_t const j = size_t(std::ranges::find(o.inputs, r.column) - o.inputs.begin());
+                nearest[j] = std::min(nearest[j], r.lag), furthest[j] = std::max(furthest[j], r.lag);
+                if (furthest[j] - nearest[j] > longest)
+                    throw InputError(fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
+            }
+        if (o.inputs.empty()) throw InputError("--regressors: expected an input among them, found past outputs alone");
+    }
+    if (o.inputs.empty()) throw InputError("--input: expected the name of an input column, or several: a,b (or --regressors)");
+    if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
+    if (o.max_order && (o.order || o.na || !o.nb.empty())) throw InputError("--max-order: does not go with --order, --na and --nb");
+    if (o.na && o.nb.empty()) throw InputError("--na: expected --nb, too");
+    if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
+    if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
+    o.delay = for_each_input("--delay", o.delay, o.inputs.size(), 0);
+    if (!o.max_order) o.max_order = 10;
+    // Means of a window are not the equation's means: what taking them off leaves is a constant.
+    o.intercept = o.intercept || o.detrend;
+    return o;
+}
+
+std::vector<Term> terms_of(IdentifyOptions const& o, int order) {
+    std::vector<Term> out;
+    auto const output = [&](int lag) { out.push_back({fmt::format("a{}", lag), text_of({o.output, lag}), -1, lag}); };
+    auto const input = [&](size_t j, int lag, int number) {
+        out.push_back({fmt::format("b{}{}", number, o.inputs.size() > 1 ? "[" + printable(o.inputs[j]) + "]" : ""), text_of({o.inputs[j], lag}), int(j), lag});
+    };
+    if (order == 0 && !o.regressors.empty()) {
+        std::vector<Lagged> const list = listed(o);
+        for (Lagged const& r : list)
+            if (r.column == o.output) output(r.lag);
+        for (size_t j = 0; j < o.inputs.size(); ++j)
+            for (Lagged const& r : list)
+                if (r.column == o.inputs[j]) input(j, r.lag, r.lag);
+    } else {
+        int const na = order > 0 ? order : o.order > 0 ? o.order : *o.na;
+        for (int i = 1; i <= na; ++i) output(i);
+        for (size_t j = 0; j < o.inputs.size(); ++j)
+            for (int i = 0; i <= (order > 0 ? order : o.order > 0 ? o.order : o.nb[j]); ++i) input(j, o.delay[j] + i, i);
+    }
+    if (o.intercept) out.push_back({"c", "1", -2, 0});
+    return out;
+}
+
+std::string structure_text(IdentifyOptions const& o, int order) {
+    std::string const delay = std::ranges::any_of(o.delay, [](int d) { return d > 0; }) ? ", delay " + joined(o.delay) : "";
+    if (order > 0 || o.order > 0) return fmt::format("order {}{}", order > 0 ? order : o.order, delay);
+    return o.na ? fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay) : fmt::format("{} regressors", listed(o).size());
+}
+
+Index presample(std::vector<Term> const& terms) {
+    int out = 0;
+    for (Term const& t : terms) out = std::max(out, t.lag);
+    return out;
+}
+
+int order_of(std::vector<Term> const& terms, std::vector<int> const& delay) {
+    int out = 0;
+    for (Term const& t : terms) out = std::max(out, t.input >= 0 ? t.lag - delay[size_t(t.input)] : t.lag);
+    return out;
+}
+
+Index past_outputs(std::vector<Term> const& terms) {
+    return std::ranges::count_if(terms, [](Term const& t) { return t.input == -1; });
+}
+
+Records records_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
+    Index const first = presample(terms), rows = Index(y.size()) - first, d = Index(terms.size());
+    expects(rows >= 0, "more samples than the longest lag");
+    Records out{.psi = Matrix<double>(d, rows), .y = Vector<double>(rows), .names = {}, .skipped = 0, .presample = first};
+    for (Term const& t : terms) out.names.push_back(t.name);
+    for (Index k = 0; k < rows; ++k) {
+        out.y[k] = y[size_t(first + k)];
+        for (Index i = 0; i < d; ++i) {
+            Term const& t = terms[size_t(i)];
+            size_t const at = size_t(first + k - t.lag);
+            out.psi(i, k) = t.input >= 0 ? inputs[size_t(t.input)][at] : t.input == -1 ? -y[at] : 1.0;
+        }
+    }
+    return out;
+}
+
+std::string equation_text(std::vector<Term> const& terms, std::string const& output) {
+    std::string left = fmt::format("{}[k]", printable(output)), right;
+    for (size_t i = 0; i < terms.size();) {
+        size_t end = i + 1;    // of a run of neighbouring lags of one signal
+        while (end < terms.size() && terms[end].input == terms[i].input && terms[end].lag == terms[end - 1].lag + 1) ++end;
+        auto const term = [&](size_t at) { return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].of; };
+        std::string part = term(i);
+        if (end - i > 3) part += " + ... + " + term(end - 1);
+        else
+            for (size_t at = i + 1; at < end; ++at) part += " + " + term(at);
+        std::string& side = terms[i].input == -1 ? left : right;
+        side += (side.empty() ? "" : " + ") + part;
+        i = end;
+    }
+    return left + " = " + right + " + e[k]";
+}
+
+DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> const& theta, size_t inputs) {
+    DifferenceEquation out;
+    out.b.resize(inputs);
+    out.delay = std::numeric_limits<int>::max();
+    for (Term const& t : terms)
+        if (t.input >= 0) out.delay = std::min(out.delay, t.lag);
+    for (size_t i = 0; i < terms.size(); ++i) {
+        Term const& t = terms[i];
+        double const value = theta[Index(i)];
+        if (t.input == -2) {
+            out.c = value;
+            continue;
+        }
+        std::vector<double>& into = t.input == -1 ? out.a : out.b[size_t(t.input)];
+        size_t const at = size_t(t.input == -1 ? t.lag - 1 : t.lag - out.delay);
+        if (into.size() <= at) into.resize(at + 1, 0.0);
+        into[at] = value;
+    }
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,19 @@
+// What is said of a model, line by line: the same words on a terminal and on a page.
+#pragma once
+
+#include "identify/identify.hpp"
+
+namespace rlslab {
+
+/// A number to so many significant digits; "-" where there is none.
+std::string number_text(double x, int digits);
+/// The record, how it was estimated, with which prior.
+std::vector<std::string> data_lines(Identified const& model);
+/// What each input excites.
+std::vector<std::string> input_lines(Identified const& model);
+/// The structure, which criterion says what, and the equation with its signs.
+std::vector<std::string> order_lines(Identified const& model);
+/// Poles, zeros, gain, fit, residuals, arithmetic, and what may make the model better.
+std::vector<std::string> result_lines(Identified const& model);
+
+}  // namespace rlslab

@@ -1,0 +1,105 @@
+// Options checked in one line, and answers written whole.
+#include "program/commands.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace rlslab {
+
+CLI::Validator whole(long least, long most) {
+    return {[=](std::string& text) {
+                long value = 0;
+                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                bool const good = error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
+                return good ? "" : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most, printable(text));
+            },
+            ""};
+}
+
+CLI::Validator real(char const* expected, bool (*holds)(double)) {
+    return {[=](std::string& text) {
+                double value = 0;
+                auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                bool const good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
+                return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
+            },
+            ""};
+}
+
+void take_format(CLI::App& command, CsvFormat& format) {
+    using Words = std::vector<std::pair<std::string_view, char>>;
+    auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help, char const* expected) {
+        auto const meant = [known](std::string const& text) {
+            auto const found = std::ranges::find(known, text, &Words::value_type::first);
+            return found == known.end() ? '\0' : found->second;
+        };
+        command.add_option_function<std::string>(name, [meant, &into](std::string const& text) { into = meant(text); }, help)
+            ->check([=](std::string const& text) { return meant(text) ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text)); })
+            ->type_name(choices);
+    };
+    take("--separator", format.separator,
+         {{",", ','}, {"comma", ','}, {";", ';'}, {"semicolon", ';'}, {"tab", '\t'}, {"\t", '\t'}, {"|", '|'}, {"bar", '|'}, {" ", ' '}, {"blank", ' '}},
+         "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: found out",
+         "comma, semicolon, tab, bar or blank");
+    take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
+         "decimal mark of the file's numbers; default: found out", "point or comma");
+}
+
+void print(std::string const& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw InputError(fmt::format("standard output: cannot write: {}", std::strerror(errno)));
+}
+
+namespace {
+
+Manners manners;
+
+/// A line that is written over itself, and wiped off in the end.
+class ProgressLine {
+    std::string const doing_;
+    std::chrono::steady_clock::time_point const start_ = std::chrono::steady_clock::now();
+    size_t width_ = 0;
+    int shown_ = -1;
+
+public:
+    explicit ProgressLine(std::string doing) : doing_(std::move(doing)) {}
+    ~ProgressLine() {
+        if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
+    }
+    ProgressLine(ProgressLine const&) = delete;
+    ProgressLine& operator=(ProgressLine const&) = delete;
+    void show(double part) {
+        int const percent = int(100 * part);
+        double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        if (seconds < 1 || percent == shown_) return;
+        shown_ = percent;
+        double const left = part > 0 ? seconds * (1 - part) / part : 0;
+        std::string line = fmt::format("{} {:3} %", doing_, percent);
+        if (left >= 5) line += left < 90 ? fmt::format(", {:.0f} s left", left) : fmt::format(", {:.0f} min left", left / 60);
+        width_ = std::max(width_, line.size());
+        std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
+    }
+};
+
+}  // namespace
+
+void behave(Manners const& asked) { manners = asked; }
+
+Progress progress_after_a_second(std::string doing) {
+    if (manners.quiet || !isatty(STDERR_FILENO)) return [](double) {};
+    return [line = std::make_shared<ProgressLine>(std::move(doing))](double part) { line->show(part); };
+}
+
+bool colour() {
+    if (manners.colour != Manners::Colour::automatic) return manners.colour == Manners::Colour::always;
+    auto const environment = [](char const* name) { return std::string_view(std::getenv(name) ? std::getenv(name) : ""); };
+    return isatty(STDOUT_FILENO) && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+}
+
+}  // namespace rlslab

@@ -1,0 +1,32 @@
+// The rlslab program: one line on standard error and exit code 2 for whatever goes wrong.
+#include "program/commands.hpp"
+
+#include <csignal>
+#include <cstdio>
+
+namespace {
+
+/// Silently, like git, also where whoever started the program does not want to die of them and has left it that.
+void die_of_closed_pipes() {
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    sigprocmask(SIG_UNBLOCK, &pipe, nullptr);
+    std::signal(SIGPIPE, SIG_DFL);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    die_of_closed_pipes();
+    std::signal(SIGXFSZ, SIG_IGN);    // a file beyond the limit is then an error like any other
+    rlslab::when_stopped("");
+    try {
+        return rlslab::parse({argv + (argc > 0), argv + argc})();
+    } catch (std::bad_alloc const&) {
+        std::fputs("rlslab: out of memory\n", stderr);
+    } catch (std::exception const& error) {
+        std::fprintf(stderr, "rlslab: %s\n", error.what());
+    }
+    return 2;
+}

@@ -1,0 +1,112 @@
+// Batch least squares on all cores, from rows in memory or in a file larger than it: parts folded apart, merged in order.
+#pragma once
+
+#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/core/process.hpp>
+#include <rlslab/core/records.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+
+namespace rlslab {
+
+/// Any number of rows [psi' y] of binary64, to be read from any place, by several threads at once.
+///   size(), rows()         d and N
+///   read(first, block)     rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block
+template <class S>
+concept RowSource = requires(S const s, Index first, Matrix<double> block) {
+    { s.size() } -> std::convertible_to<Index>;
+    { s.rows() } -> std::convertible_to<Index>;
+    s.read(first, block);
+};
+
+/// Records as a source. They must outlive it.
+class RowsInMemory {
+    Records const* records_;
+
+public:
+    explicit RowsInMemory(Records const& records) : records_(&records) {
+        expects(records.y.size() == records.rows(), "as many outputs as regressors");
+    }
+    Index size() const { return records_->size(); }
+    Index rows() const { return records_->rows(); }
+    void read(Index first, Eigen::Ref<Matrix<double>> block) const {
+        block.topRows(size()) = records_->psi.middleCols(first, block.cols());
+        block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
+    }
+};
+
+namespace detail {
+struct Joined {
+    std::vector<std::thread> threads;
+    ~Joined() {
+        for (std::thread& t : threads) t.join();
+    }
+};
+}  // namespace detail
+
+/// Rows a part: 1.3 MB of them at 40 parameters; merging a part's d rows is then a hundredth of folding it in.
+inline constexpr Index rows_a_part = 4096;
+
+/// The filter that took every row of the source, in order: rows (i B, (i + 1) B] are folded into a filter of their own that
+/// starts without prior, and these are merged into F(problem) in order of i, each by the thread that folded it:
+///
+///   ((F(problem) + part 0) + part 1) + ...
+///
+/// so that the bits depend on B alone, not on the number of threads (0: one a core); nor do they where the arithmetic takes its
+/// length, or the seed of its rounding, from the calling thread (Carried). Memory: a part and two filters for
+/// each thread, whatever the rows. Throws what the source and F throw; std::invalid_argument when sizes differ.
+/// Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+template <Merges F, RowSource Source>
+F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {
+    expects(problem.size == source.size() && source.rows() >= 0 && part >= 1, "rows of the problem's size, in parts of at least one");
+    F whole(problem);
+    Problem<typename F::scalar> without_prior = problem;
+    without_prior.prior.reset();
+    Index const rows = source.rows(), parts = rows / part + (rows % part > 0);
+
+    Carried<typename F::scalar> const carried;
+    std::atomic<Index> next = 0;    // part to be taken
+    Index merged = 0;               // parts that are in `whole`
+    std::exception_ptr failure;
+    std::mutex mutex;               // guards whole, merged and failure
+    std::condition_variable turn;
+    auto const work = [&] {
+        try {
+            Matrix<double> block(source.size() + 1, std::min(part, rows));
+            for (Index i = next++; i < parts; i = next++) {
+                typename Carried<typename F::scalar>::Part const here_as_there(carried, std::uint64_t(i));
+                F newer(without_prior);
+                Index const here = std::min(part, rows - i * part);
+                source.read(i * part, block.leftCols(here));
+                process(newer, block.topRows(source.size()).leftCols(here), block.row(source.size()).head(here).transpose());
+                std::unique_lock lock(mutex);
+                turn.wait(lock, [&] { return merged == i || failure; });
+                if (failure) return;
+                whole.merge(newer);
+                ++merged;
+                turn.notify_all();
+            }
+        } catch (...) {
+            std::lock_guard const lock(mutex);
+            if (!failure) failure = std::current_exception();
+            turn.notify_all();
+        }
+    };
+    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    {
+        detail::Joined others;
+        try {
+            for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.threads.emplace_back(work);
+        } catch (std::system_error const&) {}    // the system gives no more threads: those there are do all of it
+        work();
+    }
+    if (failure) std::rethrow_exception(failure);
+    return whole;
+}
+
+}  // namespace rlslab

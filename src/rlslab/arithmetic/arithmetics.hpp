@@ -1,0 +1,37 @@
+// THE list of arithmetics that the catalogue holds, from the shortest to the longest. Variants are compiled once for
+// each, in an object library of its own (catalogue/CMakeLists.txt counts them).
+#pragma once
+
+#include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/core/type_list.hpp>
+
+#include <tuple>
+
+namespace rlslab {
+
+namespace detail {
+template <class... Extended>
+using ArithmeticsWith = std::tuple<
+    Chopped<bfloat16>,
+    Chopped<bfloat16, Rounding::stochastic>,
+    Chopped<binary16>,
+    Chopped<binary16, Rounding::stochastic>,
+    float,
+    double,
+    Extended...,
+    Quad,
+    Reference>;
+}  // namespace detail
+
+/// With long double where it is x87's: elsewhere it is one of the others, or none that rounds once.
+using Arithmetics = std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>,
+                                       detail::ArithmeticsWith<>>;
+
+/// Behind them one that is no format: significands of any length, for the studies.
+inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
+template <int I>
+using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<VariablePrecision>{}))>;
+
+}  // namespace rlslab

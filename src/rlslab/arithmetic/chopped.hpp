@@ -1,0 +1,159 @@
+// Short words emulated: a double that holds a number of a Format, every operation's exact result rounded once into it.
+#pragma once
+
+#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/format.hpp>
+#include <rlslab/arithmetic/storage_traits.hpp>
+#include <rlslab/core/random.hpp>
+
+#include <cmath>
+#include <compare>
+#include <stdexcept>
+
+namespace rlslab {
+
+/// While one is alive, this thread's stochastic roundings draw from the seed, which is its owner's and advances; then
+/// from the one before again. So whoever holds a Seed beside its numbers is replayed and cloned bit for bit.
+class [[nodiscard]] StochasticStream {
+    static inline constinit thread_local Seed* current_ = nullptr;
+    Seed* previous_;
+
+public:
+    explicit StochasticStream(Seed& seed) : previous_(current_) { current_ = &seed; }
+    ~StochasticStream() { current_ = previous_; }
+    StochasticStream(StochasticStream const&) = delete;
+    StochasticStream& operator=(StochasticStream const&) = delete;
+
+    /// This thread's seed; null when no stream is installed.
+    static Seed* installed() { return current_; }
+    /// The same; throws std::logic_error when no stream is installed.
+    static Seed& current() {
+        if (!current_) throw std::logic_error("stochastic rounding needs a StochasticStream in this thread");
+        return *current_;
+    }
+    static double uniform() { return current().uniform(); }    ///< the next draw
+};
+
+/// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side
+/// of it the exact one lies, and how far: the tail.
+template <Format F, Rounding R = Rounding::nearest>
+class Chopped {
+    static_assert(fits_in_double(F));
+    double value_ = 0;
+
+    struct AlreadyRounded {};
+    Chopped(double x, AlreadyRounded) : value_(x) {}
+
+    /// `tail` is called only where the rounding asks for it.
+    template <class Tail>
+    static Chopped rounded(double head, Tail&& tail) {
+        if constexpr (R == Rounding::nearest)
+            return {round_to_nearest<F>(head), AlreadyRounded{}};
+        else if constexpr (R == Rounding::toward_zero)
+            return {round_toward_zero<F>(head, tail()), AlreadyRounded{}};
+        else
+            return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), AlreadyRounded{}};
+    }
+    static double none() { return 0; }
+
+public:
+    Chopped() = default;
+    explicit Chopped(double x) : value_(rounded(x, none).value_) {}
+    explicit operator double() const { return value_; }
+
+    friend Chopped operator+(Chopped a, Chopped b) {
+        double const x = a.value_, y = b.value_, sum = x + y;
+        return rounded(sum, [=] {    // Knuth's TwoSum: exact
+            double const of_y = sum - x, of_x = sum - of_y;
+            return (x - of_x) + (y - of_y);
+        });
+    }
+    friend Chopped operator-(Chopped a, Chopped b) { return a + -b; }
+    friend Chopped operator*(Chopped a, Chopped b) { return rounded(a.value_ * b.value_, none); }
+    friend Chopped operator/(Chopped a, Chopped b) {
+        double const x = a.value_, y = b.value_, quotient = x / y;
+        return rounded(quotient, [=] {    // the remainder is exact; none is left by 0 / y and by x / infinity
+            return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
+        });
+    }
+    friend Chopped operator-(Chopped a) { return {-a.value_, AlreadyRounded{}}; }
+    friend Chopped sqrt(Chopped a) {
+        double const x = a.value_, root = std::sqrt(x);
+        return rounded(root, [=] {    // x - root^2 = (sqrt(x) - root) (sqrt(x) + root), exact
+            double const rest = std::fma(-root, root, x);
+            return rest == 0 ? 0.0 : rest / (2 * root);
+        });
+    }
+    Chopped& operator+=(Chopped b) { return *this = *this + b; }
+    Chopped& operator-=(Chopped b) { return *this = *this - b; }
+    Chopped& operator*=(Chopped b) { return *this = *this * b; }
+    Chopped& operator/=(Chopped b) { return *this = *this / b; }
+
+    friend Chopped abs(Chopped a) { return {detail::magnitude(a.value_), AlreadyRounded{}}; }
+    friend bool isfinite(Chopped a) { return detail::is_number(a.value_); }
+    friend bool operator==(Chopped const&, Chopped const&) = default;
+    friend auto operator<=>(Chopped const&, Chopped const&) = default;
+};
+
+/// Each part of the work draws from a seed of its own, made of one draw of the calling thread's and the part's number.
+template <Format F>
+struct Carried<Chopped<F, Rounding::stochastic>> {
+    std::uint64_t drawn = StochasticStream::current().next();
+    class Part {
+        Seed seed_;
+        StochasticStream stream_;
+
+    public:
+        Part(Carried const& carried, std::uint64_t part) : seed_{Seed{carried.drawn + part}.next()}, stream_(seed_) {}
+    };
+};
+
+/// The stream goes back to where it was.
+template <Format F>
+struct Aside<Chopped<F, Rounding::stochastic>> {
+    Seed* const stream = StochasticStream::installed();
+    Seed const before = stream ? *stream : Seed{};
+    Aside() = default;
+    ~Aside() {
+        if (stream) *stream = before;
+    }
+    Aside(Aside const&) = delete;
+    Aside& operator=(Aside const&) = delete;
+};
+
+using Half = Chopped<binary16>;
+using HalfZero = Chopped<binary16, Rounding::toward_zero>;
+using HalfStochastic = Chopped<binary16, Rounding::stochastic>;
+using BFloat16 = Chopped<bfloat16>;
+using BFloat16Zero = Chopped<bfloat16, Rounding::toward_zero>;
+using BFloat16Stochastic = Chopped<bfloat16, Rounding::stochastic>;
+using Tf32 = Chopped<tf32>;
+using Tf32Zero = Chopped<tf32, Rounding::toward_zero>;
+using Tf32Stochastic = Chopped<tf32, Rounding::stochastic>;
+
+/// As on the command line; formats without a name of their own are "chopped".
+constexpr std::string_view name_of(Format format, Rounding rounding) {
+    constexpr std::string_view names[][3] = {{"binary16", "binary16-zero", "binary16-stochastic"},
+                                             {"bfloat16", "bfloat16-zero", "bfloat16-stochastic"},
+                                             {"tf32", "tf32-zero", "tf32-stochastic"},
+                                             {"chopped", "chopped-zero", "chopped-stochastic"}};
+    int const row = format == binary16 ? 0 : format == bfloat16 ? 1 : format == tf32 ? 2 : 3;
+    return names[row][static_cast<int>(rounding)];
+}
+
+template <Format F, Rounding R>
+struct ArithmeticTraits<Chopped<F, R>> {
+    static constexpr std::string_view name = name_of(F, R);
+    static constexpr int digits = F.digits, min_exp = F.min_exp, max_exp = F.max_exp;
+};
+
+}  // namespace rlslab
+
+template <rlslab::Format F, rlslab::Rounding R>
+struct Eigen::NumTraits<rlslab::Chopped<F, R>> : rlslab::detail::StorageTraits<rlslab::Chopped<F, R>> {
+    using Number = rlslab::Chopped<F, R>;
+    static Number highest() { return Number(rlslab::largest(F)); }
+    static Number lowest() { return -highest(); }
+    static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }
+    static Number quiet_NaN() { return Number(std::numeric_limits<double>::quiet_NaN()); }
+};

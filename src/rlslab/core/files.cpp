@@ -1,0 +1,101 @@
+// A file beside, written, closed, renamed; its name is kept where a signal handler can read it.
+#include <rlslab/core/files.hpp>
+
+#include <rlslab/core/input_error.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <climits>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <mutex>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace rlslab {
+namespace {
+
+[[noreturn]] void refuse(std::filesystem::path const& path, char const* what, int error) {
+    throw InputError(fmt::format("{}: cannot {}: {}", printable(path.string(), 200), what, std::strerror(error)));
+}
+
+char unfinished_name[PATH_MAX];
+std::atomic<bool> unfinished = false;
+
+/// The file beside, until it is renamed.
+class Unfinished {
+    std::string const name_;
+    int file_;
+
+public:
+    explicit Unfinished(std::string name) : name_(std::move(name)) {
+        // The name first: a signal may come as soon as the file is there. One too long for the handler is too long for open.
+        std::strncpy(unfinished_name, name_.c_str(), PATH_MAX - 1);
+        unfinished = true;
+        file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    }
+    ~Unfinished() {
+        if (file_ >= 0) ::close(file_);
+        if (unfinished) ::unlink(name_.c_str());
+        unfinished = false;
+    }
+    Unfinished(Unfinished const&) = delete;
+    Unfinished& operator=(Unfinished const&) = delete;
+
+    /// false: errno says why.
+    bool write(std::string_view text) {
+        if (file_ < 0) return false;
+        while (!text.empty()) {
+            ssize_t const written = ::write(file_, text.data(), text.size());
+            if (written < 0 && errno == EINTR) continue;
+            if (written < 0) return false;
+            text.remove_prefix(size_t(written));
+        }
+        return ::close(std::exchange(file_, -1)) == 0;    // where a quota or a network tells late
+    }
+    bool rename_to(std::filesystem::path const& path) {
+        if (::rename(name_.c_str(), path.c_str()) != 0) return false;
+        unfinished = false;
+        return true;
+    }
+};
+
+}  // namespace
+
+void create_folder(std::filesystem::path const& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) refuse(folder, "create", error.value());
+}
+
+void replace_file(std::filesystem::path const& path, std::string_view text) {
+    static std::mutex one_at_a_time;
+    std::lock_guard const lock(one_at_a_time);
+    Unfinished beside(fmt::format("{}.{}.new", path.string(), ::getpid()));    // two runs in one folder do not write into each other's
+    if (!beside.write(text) || !beside.rename_to(path)) refuse(path, "write", errno);
+}
+
+void remove_leftovers(std::filesystem::path const& folder) {
+    std::error_code error;
+    std::vector<std::filesystem::path> left;
+    for (auto const& file : std::filesystem::directory_iterator(folder, error)) {
+        std::string const name = file.path().filename().string();
+        size_t const end = name.size() - std::min(name.size(), size_t(4)), point = name.rfind('.', end - (end > 0));
+        if (name.substr(end) != ".new" || point == name.npos) continue;
+        pid_t process = 0;
+        auto const [rest, wrong] = std::from_chars(name.data() + point + 1, name.data() + end, process);
+        if (wrong == std::errc() && rest == name.data() + end && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) left.push_back(file.path());
+    }
+    for (auto const& path : left) std::filesystem::remove(path, error);
+}
+
+void remove_unfinished_file() noexcept {
+    if (unfinished) ::unlink(unfinished_name);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,46 @@
+// The dot product: eight running lanes, then the tree ((0+4)+(2+6)) + ((1+5)+(3+7)), absent lanes left out.
+#pragma once
+
+#include <rlslab/core/problem.hpp>
+
+#include <algorithm>
+#include <concepts>
+
+namespace rlslab {
+
+namespace detail {
+/// The part of the tree over lanes first, first + stride, ... of eight: the running sum of a lane where stride = 8.
+template <int first, int stride, class T>
+[[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
+    if constexpr (stride == 8) {
+        T sum = x[first] * y[first];
+        for (Index k = first + 8; k < n; k += 8) sum += x[k] * y[k];
+        return sum;
+    } else {
+        T sum = lanes_summed<first, 2 * stride>(x, y, n);
+        if (first + stride < n) sum += lanes_summed<first + stride, 2 * stride>(x, y, n);
+        return sum;
+    }
+}
+}  // namespace detail
+
+/// x'y over n numbers; 0 over none.
+template <Field T>
+T dot(T const* x, T const* y, Index n) {
+    if (n <= 0) [[unlikely]]
+        return T(0);
+    if constexpr (!std::same_as<Truth<T>, bool>)    // a Pack: one lane after another leaves them in registers
+        return detail::lanes_summed<0, 1>(x, y, n);
+    T lane[8];
+    Index const lanes = std::min<Index>(n, 8);
+    for (Index i = 0; i < lanes; ++i) lane[i] = x[i] * y[i];
+    Index k = 8;
+    for (; k + 8 <= n; k += 8)
+        for (Index i = 0; i < 8; ++i) lane[i] += x[k + i] * y[k + i];
+    for (Index i = 0; k + i < n; ++i) lane[i] += x[k + i] * y[k + i];
+    for (Index half = 4; half >= 1; half /= 2)
+        for (Index i = 0; i < half && i + half < lanes; ++i) lane[i] += lane[i + half];
+    return lane[0];
+}
+
+}  // namespace rlslab

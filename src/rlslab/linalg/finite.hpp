@@ -1,0 +1,174 @@
+// Whether what a filter answers is finite: looked at where it is stored; where it is solved for on request, proven without
+// solving, or else solved for.
+#pragma once
+
+#include <rlslab/linalg/triangles.hpp>
+
+#include <algorithm>
+
+namespace rlslab {
+
+template <Field T, int N>
+Truth<T> all_finite(StateVector<T, N> const& x) {
+    Truth<T> out = true;
+    run_kernel<T, N>(kernels::AllFinite<T>{{x.size(), x.data(), nullptr}, &out});
+    return out;
+}
+
+template <Field T, class X>
+Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
+    Truth<T> out = true;
+    for (Index i = 0; i < x.size(); ++i) out = out && is_finite<T>(x(i));
+    return out;
+}
+
+/// The report of a form that keeps theta. K is finite where theta + K e is.
+template <Field T, int N>
+Step<T> report(T const& innovation, T const& lambda, T const& s, StateVector<T, N> const& theta) {
+    return if_finite(all_finite(theta), report(innovation, lambda, s));
+}
+
+namespace detail {
+template <Field T>
+inline constexpr bool fits_double = false;
+template <Field T>
+    requires std::same_as<Truth<T>, bool> && (ArithmeticTraits<T>::digits <= 53 && ArithmeticTraits<T>::max_exp <= 1023)
+inline constexpr bool fits_double<T> = true;
+}  // namespace detail
+
+/// What bounds are computed in: double where it holds every number of T, however T rounds; otherwise T.
+template <Field T>
+using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
+
+/// R upper triangular with columns of lengths n_j and pivots r_j. Whether R x = b, |b|^2 <= right, and R'R K = psi, psi'K <= 1, are
+/// solved by substitution without an overflow of T; false where that is not proven. n2(j) = n_j^2, r2(j) = r_j^2, each asked for once.
+///
+///   (1) C = R diag(1/n) has columns of length 1: the squares of its singular values sum to d, so that all but the least multiply to
+///       at most (d/(d-1))^(d-1) < e, and all of them to q = prod r_j^2 / n_j^2. Hence the least is larger than q / e
+///   (2) x_j^2 < e right / (q n_j^2),  K_j^2 < e / (q n_j^2),  what is summed on the way below these times max n_j^2, and where R is
+///       kept as D and a unit triangle, divided by min r_j^2
+///
+/// Where the bound is computed in T, its squares are T's numbers: they leave half of the exponents, which is more than 1 / min r_j
+/// and max n_j. A factor of 2^10 is left for e, for sums of d terms, and for rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
+template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
+[[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
+    if constexpr (!Real<T>) {    // the rationals are finite
+        return true;
+    } else {
+        using Traits = ArithmeticTraits<T>;
+        Bound q(1), least(1), most = right;
+        for (Index j = 0; j < d; ++j) {
+            Bound const length = n2(j), pivot = r2(j);
+            q *= pivot / length;
+            if constexpr (!std::same_as<Bound, T>) {
+                least = select(pivot < least, pivot, least);
+                most = select(most < length, length, most);
+            }
+        }
+        constexpr int exponent = std::same_as<Bound, T> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
+        Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
+        Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
+        return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);    // q: a pivot may be infinite
+    }
+}
+
+/// Whether theta, which is kept, is finite, and K, solved for from X = L diag(D) L', and the pivots. x is workspace.
+template <Field T, int N>
+Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta, StateVector<T, N> const& psi,
+                        StateVector<T, N>& x) {
+    if constexpr (!Real<T>) return true;    // the rationals are finite
+    using Bound = BoundOf<T>;
+    Truth<T> const kept = all_finite(theta) && all_finite(D);
+    if (all(solved_in_range<T>(x.size(), [&](Index j) { return Bound(X(j, j)); }, [&](Index j) { return Bound(D[j]); }, Bound(1)))) return kept;
+    Aside<T> const aside;
+    x = psi;
+    solve_outer(L, D, x);
+    return kept && all_finite(x);
+}
+
+/// The n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, z = R theta: for the forms that keep R and z alone.
+/// L = R', or R = diag(sqrt(D)) L' with L unit lower triangular.
+template <Field T, int N = Dynamic>
+class Lengths {
+    using Bound = BoundOf<T>;
+    StateVector<Bound, N> squares_;
+    Bound right_ = Bound(0);
+    Truth<T> determined_ = false;
+
+    static Bound square(T const& x) { return Bound(x) * Bound(x); }
+
+    /// lambda n_j^2 + psi_j^2, kept as they are asked for.
+    auto with(T const& lambda, StateVector<T, N> const& psi, T const& y) {
+        Bound const weight(lambda);
+        right_ = weight * right_ + square(y);
+        return [squares = squares_.data(), psi = psi.data(), weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
+    }
+    /// Solves in place, leaving no trace, and looks.
+    template <class Solve>
+    static Truth<T> solved_finitely(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
+        Aside<T> const aside;
+        x = right;
+        solve(x);
+        return all_finite(x);
+    }
+    [[gnu::noinline]] Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
+        determined_ = nonsingular(L);
+        Truth<T> out = solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
+        out = out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, b); });
+        for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
+        return out;
+    }
+    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                                             StateVector<T, N>& x) {
+        Truth<T> out = all_finite(D) && solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
+        return out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, D, b); });
+    }
+
+public:
+    explicit Lengths(Index size) : squares_(size) {}
+
+    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
+        for (Index i = 0; i < z.size(); ++i) {
+            for (Index j = i; j < z.size(); ++j) squares_[j] += square(L(j, i));
+            right_ += square(z[i]);
+        }
+        determined_ = nonsingular(L);
+    }
+    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z) {
+        for (Index i = 0; i < z.size(); ++i) {
+            for (Index j = i; j < z.size(); ++j) squares_[j] += Bound(D[i]) * square(L(j, i));
+            right_ += Bound(D[i]) * square(z[i]);
+        }
+    }
+
+    /// The row [psi' y] came under sqrt(lambda) [R z]: whether theta and K, solved for, are finite and so are the pivots. x is workspace.
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N>& x) {
+        Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
+        if (!all(proven)) return solved(L, z, psi, x);
+        return determined_ = proven;
+    }
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z,
+                  StateVector<T, N>& x) {
+        Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
+        return all(proven) ? proven : solved(L, D, z, psi, x);
+    }
+    /// The rows [x' y] of A are to come under weight [R z], and have come: the same.
+    template <class Block>
+    void take_rows(T const& weight, Block const& A) {
+        Index const d = squares_.size();
+        for (Index j = 0; j <= d; ++j) {
+            Bound& length = j < d ? squares_[j] : right_;
+            length *= square(weight);
+            for (Index k = 0; k < A.rows(); ++k) length += square(A(k, j));
+        }
+    }
+    Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
+        Truth<T> const proven = solved_in_range<T>(x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
+        if (!all(proven)) return solved(L, z, psi, x);
+        return determined_ = proven;
+    }
+    /// Whether R has no zero on its diagonal. Of R = L' alone.
+    Truth<T> const& determined() const { return determined_; }
+};
+
+}  // namespace rlslab

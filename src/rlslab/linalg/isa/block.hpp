@@ -1,0 +1,254 @@
+// What the kernels' texts are written in: a row (ScalarRow), or a block of eight (four for the smallest fixed sizes).
+// Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+//
+// ScalarRow works in every arithmetic. SimdBlock holds whole registers: rows that are not there are padding, which may hold anything
+// and is read by nobody; where it would be (sums) it is masked out.
+
+template <class T>
+struct ScalarRow {
+    using scalar = T;
+    static constexpr int rows = 1, registers = 2;    // what a Pack takes
+    static constexpr bool padded = false;
+    T x;
+
+    [[gnu::always_inline]] void zero(RowRange) { x = T(0); }
+    [[gnu::always_inline]] void load(T const* from, RowRange) { x = *from; }
+    [[gnu::always_inline]] void store(T* to) const { *to = x; }
+    [[gnu::always_inline]] void store_present(T* to, RowRange) const { *to = x; }
+    [[gnu::always_inline]] void scale(T const& a) { x *= a; }
+    [[gnu::always_inline]] void divide(T const& a) { x /= a; }
+    [[gnu::always_inline]] void scale(ScalarRow const& a) { x *= a.x; }
+    [[gnu::always_inline]] void divide(ScalarRow const& a) { x /= a.x; }
+    [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
+    [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
+    [[gnu::always_inline]] void take_root() { x = square_root(x); }
+    [[gnu::always_inline]] void clear(Truth<T> const& where) { x = select(where, T(0), x); }
+    [[gnu::always_inline]] void take(ScalarRow const& a) { x = a.x; }
+    [[gnu::always_inline]] void add_product(ScalarRow const& a, T const& b) { x += a.x * b; }
+    [[gnu::always_inline]] void subtract_product(ScalarRow const& a, T const& b) { x -= a.x * b; }
+};
+
+template <class T, int Bytes, int Rows = 8>
+struct SimdBlock {
+    using scalar = T;
+    using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+    typedef T V __attribute__((vector_size(Bytes)));
+    typedef T Anywhere __attribute__((vector_size(Bytes), aligned(alignof(T)), may_alias));
+    typedef Word Mask __attribute__((vector_size(Bytes)));
+    typedef Word MaskAnywhere __attribute__((vector_size(Bytes), aligned(alignof(Word)), may_alias));
+    static constexpr int rows = Rows, W = Bytes / int(sizeof(T)), registers = Rows / W;
+    static constexpr bool padded = true;
+    V v[registers];
+
+    [[gnu::always_inline]] void zero(RowRange) {
+        for (V& r : v) r = V{};
+    }
+    [[gnu::always_inline]] void load(T const* from, RowRange) {
+        for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
+    }
+    [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
+        for (int m = 0; m < registers; ++m) {
+            Index const left = p.last - m * W;
+            T const* const at = from + m * W;
+            v[m] = V{};
+            if (left >= W) {
+                v[m] = *reinterpret_cast<Anywhere const*>(at);
+#ifdef __x86_64__    // a copy would be waited for: narrow stores do not forward to a wide load
+            } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
+                v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
+            } else if constexpr (Bytes == 32) {
+                v[m] = V(_mm256_maskload_ps(at, __m256i(mask(left, 0))));
+            } else if constexpr (W == 2) {
+                if (left == 1) v[m] = V(_mm_load_sd(at));
+#endif
+            } else if (left > 0) {
+                for (Index i = 0; i < left; ++i) v[m][i] = at[i];
+            }
+        }
+    }
+    [[gnu::always_inline]] void store(T* to) const {
+        for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
+    }
+    /// The present rows alone; the others keep what they hold.
+    [[gnu::always_inline]] void store_present(T* to, RowRange p) const {
+        for (int m = 0; m < registers; ++m) {
+            auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
+            Mask const here = mask(p.last, m) & ~mask(p.first, m);
+            *there = V((here & Mask(v[m])) | (~here & Mask(V(*there))));
+        }
+    }
+    [[gnu::always_inline]] void take(SimdBlock const& a) { *this = a; }
+    [[gnu::always_inline]] void scale(T a) {
+        for (V& r : v) r = r * a;
+    }
+    [[gnu::always_inline]] void divide(T a) {
+        for (V& r : v) r = r / a;
+    }
+    [[gnu::always_inline]] void scale(SimdBlock const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] * a.v[m];
+    }
+    [[gnu::always_inline]] void divide(SimdBlock const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] / a.v[m];
+    }
+    [[gnu::always_inline]] void subtract(SimdBlock const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
+    }
+    [[gnu::always_inline]] void add(SimdBlock const& a) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
+    }
+    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}. Put together in registers, because narrow stores do not
+    /// forward to the wide loads that follow.
+    [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
+        T here[Rows + 1];
+        here[0] = T(0);
+        for (int m = 0; m < registers; ++m) {
+            V term = v[m];
+            if (p.last < Rows) leave_out(term, p.last, m);
+            for (int i = 0; i < W; ++i) here[m * W + i + 1] = m + i > 0 ? here[m * W + i] + term[i] : term[i];
+        }
+        before.put_together(here);
+        after.put_together(here + 1);
+        for (int m = 0; m < registers; ++m) {
+            before.v[m] = s + before.v[m];
+            after.v[m] = s + after.v[m];
+        }
+        s += here[Rows];
+    }
+    [[gnu::always_inline]] void take_root() {
+        for (V& r : v) root(r);
+    }
+    [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b;
+    }
+    [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
+    }
+    /// Rows before `first` less a b, those from there on less c d.
+    template <int first>
+    [[gnu::always_inline]] void subtract_either(SimdBlock const& a, T b, SimdBlock const& c, T d) {
+        [&]<int... m>(std::integer_sequence<int, m...>) {
+            (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
+        }(std::make_integer_sequence<int, registers>());
+    }
+    /// x - x: zero for a number, NaN for an infinity or a NaN.
+    [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
+        for (int m = 0; m < registers; ++m) {
+            V difference = x.v[m] - x.v[m];
+            if (p.last < Rows) leave_out(difference, p.last, m);
+            v[m] = v[m] + difference;
+        }
+    }
+    [[gnu::always_inline]] bool all_zero() const {
+        V sum = v[0];
+        for (int m = 1; m < registers; ++m) sum = sum + v[m];
+        Mask const zero = sum == V{};
+#ifdef __x86_64__
+        if constexpr (Bytes == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(zero)) == 15;
+        if constexpr (Bytes == 32 && sizeof(T) == 4) return _mm256_movemask_ps(__m256(zero)) == 255;
+        if constexpr (Bytes == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(zero)) == 3;
+        if constexpr (Bytes == 16 && sizeof(T) == 4) return _mm_movemask_ps(__m128(zero)) == 15;
+#endif
+        bool out = true;
+        for (int i = 0; i < W; ++i) out = out && zero[i] != 0;
+        return out;
+    }
+    /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
+    [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
+        for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
+    }
+    [[gnu::always_inline]] void start_sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
+        start_sum_all(a, b);
+        for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
+    }
+    [[gnu::always_inline]] void sum_all(SimdBlock const& a, SimdBlock const& b) {
+        for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
+    }
+    [[gnu::always_inline]] void sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
+        for (int m = 0; m < registers; ++m) {
+            V product = a.v[m] * b.v[m];
+            leave_out(product, p.last, m);
+            v[m] = v[m] + product;
+        }
+    }
+    /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks; out is padded: four are always written.
+    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out, Index) {
+        if constexpr (W == 2) {
+            V pair[4];
+            for (int c = 0; c < 4; ++c) {
+                V const* const r = a[c].v;
+                if constexpr (Rows == 8)
+                    pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
+                else
+                    pair[c] = r[0] + r[1];
+            }
+            for (int c = 0; c < 4; c += 2)
+                *reinterpret_cast<Anywhere*>(out + c) = __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
+                                                        __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
+        } else {
+            typedef T Four __attribute__((vector_size(4 * sizeof(T))));
+            typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
+            Four h[4];
+            for (int c = 0; c < 4; ++c) {
+                V const* const r = a[c].v;
+                if constexpr (W == 8)
+                    h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) + __builtin_shufflevector(r[0], r[0], 4, 5, 6, 7);
+                else if constexpr (Rows == 8)
+                    h[c] = r[0] + r[1];
+                else
+                    h[c] = r[0];
+            }
+            Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
+            Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
+            Four const even = __builtin_shufflevector(p, q, 0, 2, 4, 6), odd = __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            *reinterpret_cast<FourAnywhere*>(out) = even + odd;
+        }
+    }
+
+private:
+    [[gnu::always_inline]] void put_together(T const* x) {
+        for (int m = 0; m < registers; ++m) {
+            T const* const a = x + m * W;
+            if constexpr (W == 2)
+                v[m] = V{a[0], a[1]};
+            else if constexpr (W == 4)
+                v[m] = V{a[0], a[1], a[2], a[3]};
+            else
+                v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
+        }
+    }
+    template <int first>
+    [[gnu::always_inline]] static void subtract_either_in(V& x, V const& a, T b, V const& c, T d) {
+        if constexpr (first >= W) {
+            x = x - a * b;
+        } else if constexpr (first <= 0) {
+            x = x - c * d;
+        } else {
+            [&]<int... i>(std::integer_sequence<int, i...>) {
+                x = x - __builtin_shufflevector(a * b, c * d, (i < first ? i : W + i)...);
+            }(std::make_integer_sequence<int, W>());
+        }
+    }
+    /// Ones in the lanes of register m that hold rows < count.
+    [[gnu::always_inline]] static Mask mask(Index count, int m) {
+        alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
+        return *reinterpret_cast<MaskAnywhere const*>(table + 8 - count + m * W);
+    }
+    [[gnu::always_inline]] static void leave_out(V& product, Index count, int m) {
+        Mask const here = mask(count, m);
+        product = V((here & Mask(product)) | (~here & Mask(-V{})));
+    }
+    [[gnu::always_inline]] static void root(V& x) {
+#ifdef __x86_64__
+        if constexpr (Bytes == 32 && sizeof(T) == 8)
+            x = V(_mm256_sqrt_pd(__m256d(x)));
+        else if constexpr (Bytes == 32)
+            x = V(_mm256_sqrt_ps(__m256(x)));
+        else if constexpr (sizeof(T) == 8)
+            x = V(_mm_sqrt_pd(__m128d(x)));
+        else
+            x = V(_mm_sqrt_ps(__m128(x)));
+#else
+        for (int i = 0; i < W; ++i) x[i] = std::sqrt(x[i]);
+#endif
+    }
+};

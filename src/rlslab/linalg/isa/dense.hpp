@@ -1,0 +1,163 @@
+// Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
+
+/// Which rows of the block at i0 come before `end`.
+template <class B>
+inline RowRange rows_of(Index i0, Index end) {
+    return {0, end - i0 < B::rows ? end - i0 : B::rows};
+}
+
+/// The block at i0 of a column of d numbers.
+template <class B, class T>
+[[gnu::always_inline]] inline B block_of(T const* column, Index i0, Index d) {
+    B out;
+    out.load(column + i0, rows_of<B>(i0, d));
+    return out;
+}
+
+// --- elementwise, in one pass over a column ---------------------------------------------------------------------------
+
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(DivideByOne<T> const& k, Index, B& x) { x.divide(k.s); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) { x.divide(block_of<B>(k.y, i0, k.d)); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) { x.scale(block_of<B>(k.y, i0, k.d)); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) { x.add_product(block_of<B>(k.y, i0, k.d), k.a); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) { x.add(block_of<B>(k.y, i0, k.d)); }
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(AddProduct<T> const& k, Index i0, B& x) {
+    B y = block_of<B>(k.y, i0, k.d);
+    y.scale(block_of<B>(k.z, i0, k.d));
+    x.add(y);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void apply(PrefixSums<T> const& k, Index i0, B& x) {
+    B const terms = x;
+    B before;
+    terms.accumulate(*k.s, before, x, rows_of<B>(i0, k.d));
+    before.store(k.before + i0);
+}
+template <class B, Elementwise K>
+[[gnu::always_inline]] inline void evaluate(K const& k) {
+    for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
+        B x = block_of<B>(k.x, i0, k.d);
+        apply(k, i0, x);
+        x.store(k.out + i0);
+    }
+}
+
+/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} in blocks of eight: from block to block the sum waits for one
+/// addition only. The same in single rows.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(PrefixSums<T> const& k) {
+    T s = *k.s;
+    for (Index i0 = 0; i0 < k.d; i0 += 8) {
+        T here = k.x[i0], last = s;
+        for (Index i = i0; i < std::min(i0 + 8, k.d); ++i) {
+            if (i > i0) here += k.x[i];
+            k.before[i] = last;
+            last = s + here;
+            k.out[i] = last;
+        }
+        s = last;
+    }
+    *k.s = s;
+}
+
+/// Whether every number of a column is finite.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(AllFinite<T> const& k) {
+    *k.finite = true;
+    for (Index i = 0; i < k.d; ++i) *k.finite = *k.finite && is_finite(k.x[i]);
+}
+template <class B, class T>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void evaluate(AllFinite<T> const& k) {
+    B differences;
+    differences.zero({});
+    for (Index i0 = 0; i0 < k.d; i0 += B::rows) differences.add_difference(block_of<B>(k.x, i0, k.d), rows_of<B>(i0, k.d));
+    *k.finite = differences.all_zero();
+}
+
+// --- dot products, four columns at once -------------------------------------------------------------------------------
+
+/// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
+template <class B, class T, Shape shape>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
+    for (Index j = 0; j < k.d; ++j) {
+        Index const n = shape == Shape::full ? k.d : j + 1;
+        k.out[j] = dot(k.A + j * k.ld, k.x, n);
+    }
+}
+template <class B, class T, Shape shape>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
+    constexpr bool upper = shape == Shape::upper;
+    Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
+    B x_tail;
+    x_tail.zero({});    // or g++ 12 warns in whoever includes this
+    if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
+    for (Index j0 = 0; j0 < k.d; j0 += 4) {
+        Index const count = k.d - j0 < 4 ? k.d - j0 : 4;
+        Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;    // the block with rows that are not present
+        T const* column[4];
+        for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
+        B sum[4], x, a;
+        if (last > 0) {
+            x.load(k.x, {0, B::rows});
+            for (int c = 0; c < 4; ++c) {
+                a.load(column[c], {0, B::rows});
+                sum[c].start_sum_all(a, x);
+            }
+            for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
+                x.load(k.x + i0, {0, B::rows});
+                for (int c = 0; c < 4; ++c) {
+                    a.load(column[c] + i0, {0, B::rows});
+                    sum[c].sum_all(a, x);
+                }
+            }
+        }
+        x = x_tail;
+        if (last < tail) x.load(k.x + last, {0, B::rows});
+        for (int c = 0; c < 4; ++c) {
+            RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
+            a.load(column[c] + last, present);
+            if (last > 0)
+                sum[c].sum(a, x, present);
+            else
+                sum[c].start_sum(a, x, present);
+        }
+        B::sums(sum, k.out + j0, count);
+    }
+}
+
+// --- products of squares ----------------------------------------------------------------------------------------------
+
+/// out = A B, a few blocks of rows in registers, summed over the columns of A in their order.
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(MultiplySquares<T> const& k, Index i0) {
+    for (Index j = 0; j < k.d; ++j) {
+        B sum[K], a;
+        for (Index n = 0; n < k.d; ++n) {
+            T const b = k.B[n * k.row + j * k.column];
+            for (int m = 0; m < K; ++m) {
+                Index const i = i0 + m * B::rows;
+                a.load(k.A + n * k.ld + i, rows_of<B>(i, k.d));
+                if (n == 0)
+                    sum[m] = a, sum[m].scale(b);
+                else
+                    sum[m].add_product(a, b);
+            }
+        }
+        for (int m = 0; m < K; ++m) sum[m].store(k.out + j * k.ld + i0 + m * B::rows);
+    }
+}

@@ -1,0 +1,159 @@
+// Kernels on a lower triangle L = R', a row of R in each column: eight rows of R are settled one after another, then
+// applied to what follows them. Included by dispatch.hpp once for each instruction set: no #pragma once.
+
+/// Columns i0 ... of L against the rows below them: t is a block of column i, x the block of the row that is folded in.
+template <class B, class S>
+[[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
+    RowRange const here = rows_of<B>(j0, s.d);
+    B x;
+    x.load(s.x + j0, here);
+    for (Index i = i0; i < i0 + B::rows; ++i) {
+        auto* const column = s.L + i * s.ld + j0;
+        B t;
+        t.load(column, here);
+        step(s, i, t, x);
+        if constexpr (S::writes) t.store(column);
+    }
+    x.store(s.x + j0);
+}
+
+// x_j -= x_i L_ji
+template <class B, class T>
+[[gnu::always_inline]] inline void step(Eliminate<T> const& s, Index i, B& t, B& x) { x.subtract_product(t, s.x[i]); }
+
+// L_ji = c_i t + s_i x_j,  x_j -= e_i t
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.subtract_product(old, s.e[i]);
+}
+
+// (sqrt(lambda) L_ji, x_j) times the rotation i
+template <class B, class T>
+[[gnu::always_inline]] inline void step(RotateIn<T> const& s, Index i, B& t, B& x) {
+    t.scale(s.root_lambda);
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.scale(s.c[i]);
+    x.subtract_product(old, s.s[i]);
+}
+
+// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i x_j), or 0 where tau_i asks for no reflection:
+// 0 times what is not finite would be NaN
+template <class B, class T>
+[[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
+    t.scale(s.weight);
+    Truth<T> const nothing = s.tau[i] == T(0);
+    if (all(nothing)) return;
+    B along = x;
+    along.scale(s.x[i]);
+    along.add(t);
+    along.scale(s.tau[i]);
+    if constexpr (!std::same_as<Truth<T>, bool>) along.clear(nothing);
+    t.subtract(along);
+    x.subtract_product(along, s.x[i]);
+}
+
+/// Row i of the m x m corner L on the diagonal against what follows it there, in scalars.
+template <class T>
+[[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
+    T const* const row = s.L + (i0 + i) * s.ld + i0;
+    for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
+}
+/// (a, b) times the rotation.
+template <class T>
+[[gnu::always_inline]] inline void rotate(Rotation<T> const& turn, T& a, T& b) {
+    T const up = turn.s * b, turned = turn.c * a + up, down = turn.s * a;
+    b = turn.c * b - down;
+    a = turned;
+}
+template <class T>
+[[gnu::always_inline]] inline void finish_corner_row(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
+    T* const row = s.L + (i0 + i) * s.ld + i0;
+    Rotation<T> const turn = givens(T(s.root_lambda * row[i]), x[i]);
+    row[i] = turn.r;
+    s.c[i0 + i] = turn.c;
+    s.s[i0 + i] = turn.s;
+    for (Index j = i + 1; j < m; ++j) {
+        T t = s.root_lambda * row[j];
+        rotate(turn, t, x[j]);
+        row[j] = t;
+    }
+    T t = s.root_lambda * s.z[i0 + i];
+    rotate(turn, t, *s.eta);
+    s.z[i0 + i] = t;
+}
+/// The step above in one number; where there is no reflection, in lanes alone.
+template <class T>
+[[gnu::always_inline]] inline void reflect(T const& tau, T const& v, T const& weight, T& above, T& below) {
+    above *= weight;
+    T t = tau * (above + v * below);
+    if constexpr (!std::same_as<Truth<T>, bool>) t = select(tau == T(0), T(0), t);
+    above -= t;
+    below -= t * v;
+}
+template <class T>
+[[gnu::always_inline]] inline void finish_corner_row(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
+    T* const row = s.L + (i0 + i) * s.ld + i0;
+    T const a = s.weight * row[i], here = x[i];
+    Reflector<T> const turn(a, norm(a, T(here * here), &here, 1));
+    row[i] = turn.r;
+    *s.ratio *= turn.cosine(a);
+    T const v = x[i] = here / turn.pivot;
+    s.tau[i0 + i] = turn.tau;
+    if (all(turn.tau == T(0))) {
+        for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
+        s.z[i0 + i] *= s.weight;
+        return;
+    }
+    for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
+    reflect(turn.tau, v, s.weight, s.z[i0 + i], *s.eta);
+}
+/// The rows of a whole corner, unrolled so that a copy of x stays in registers.
+template <int i, int m, class S, class T>
+[[gnu::always_inline]] inline void finish_corner_rows(S const& s, Index i0, T* x) {
+    finish_corner_row(s, i0, i, m, x);
+    if constexpr (i + 1 < m) finish_corner_rows<i + 1, m>(s, i0, x);
+}
+template <int m, class S, class T>
+[[gnu::always_inline]] inline void whole_corner(S const& s, Index i0, T* x) {
+    T copy[m];
+    for (Index i = 0; i < m; ++i) copy[i] = x[i];
+    finish_corner_rows<0, m>(s, i0, copy);
+    for (Index i = 0; i < m; ++i) x[i] = copy[i];
+}
+
+template <class B, ByPanels S>
+[[gnu::always_inline]] inline void evaluate(S const& s) {
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        Index const m = rows_of<B>(i0, s.d).last;
+        if (B::padded && m == B::rows)
+            whole_corner<B::padded ? B::rows : 1>(s, i0, s.x + i0);
+        else
+            for (Index i = 0; i < m; ++i) finish_corner_row(s, i0, i, m, s.x + i0);
+        for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+    }
+}
+
+/// Gentleman's rows with all coefficients known: the corner needs no order of its own, only its upper part left alone.
+template <class B, class T>
+[[gnu::always_inline]] inline void evaluate(SweepGentleman<T> const& s) {
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        if constexpr (B::rows > 1) {
+            B x;
+            Index const m = rows_of<B>(i0, s.d).last;
+            x.load(s.x + i0, {0, m});
+            for (Index i = 0; i < m; ++i) {
+                T* const column = s.L + (i0 + i) * s.ld + i0;
+                B t;
+                t.load(column, {i + 1, m});
+                step(s, i0 + i, t, x);
+                t.store_present(column, {i + 1, m});
+            }
+        }
+        for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+    }
+}

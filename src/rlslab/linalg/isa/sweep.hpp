@@ -1,0 +1,186 @@
+// Sweeps over the columns of a square: a few blocks of rows outside, columns inside, so that what runs along the rows (a
+// product so far, a gain) stays in registers. Included by dispatch.hpp once for each instruction set: no #pragma once.
+//
+// Each sweep is the line or two of its formula on t, a block of column j of A, and w, the running block; what step j needs
+// of scalars is read once by its at(j).
+
+// w = A x
+template <class B, class T>
+[[gnu::always_inline]] inline void step(Multiply<T> const&, T const& x, B& t, B& w) { w.add_product(t, x); }
+
+// A = (A - w f') / lambda
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SubtractRankOne<T> const& k, T const& f, B& t, B& w) {
+    t.subtract_product(w, f);
+    t.add_product(t, k.correction);
+}
+
+// A_ij = t - w_i mu_j,  w_i += t g_j
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepUd<T> const&, typename SweepUd<T>::At const& at, B& t, B& w) {
+    B const old = t;
+    t.subtract_product(w, at.mu);
+    w.add_product(old, at.g);
+}
+
+// A_ij = (t keep_j - w_i mix_j) / sqrt(lambda),  w_i += t f_j
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepCarlson<T> const& k, typename SweepCarlson<T>::At const& at, B& t, B& w) {
+    B const old = t;
+    t.scale(at.keep);
+    t.subtract_product(w, at.mix);
+    t.add_product(t, k.correction);
+    w.add_product(old, at.f);
+}
+
+// [w t/sqrt(lambda)] times the rotation j
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SweepRotations<T> const& k, typename SweepRotations<T>::At const& at, B& t, B& w) {
+    t.add_product(t, k.correction);
+    B turned = t;
+    turned.scale(at.s);
+    turned.add_product(w, at.c);
+    t.scale(at.c);
+    t.subtract_product(w, at.s);
+    w.take(turned);
+}
+
+/// Columns [j0, j1) of the first P of K blocks.
+template <int P, class B, int K, class S>
+[[gnu::always_inline]] inline void columns(S const& s, B (&w)[K], Index i0, Index j0, Index j1) {
+    for (Index j = j0; j < j1; ++j) {
+        auto* const column = s.A + j * s.ld + i0;
+        auto const at = s.at(j);
+        for (int m = 0; m < P; ++m) {
+            B t;
+            t.load(column + m * B::rows, rows_of<B>(i0 + m * B::rows, S::upper ? j + 1 : s.d));
+            step(s, at, t, w[m]);
+            if constexpr (S::writes) t.store(column + m * B::rows);
+        }
+    }
+}
+/// Of an upper triangle: the columns that end in the P-th block, and so on to the K-th.
+template <int P, class B, int K, class S>
+[[gnu::always_inline]] inline void staircase(S const& s, B (&w)[K], Index i0) {
+    Index const j0 = i0 + (P - 1) * B::rows, j1 = j0 + B::rows;
+    columns<P>(s, w, i0, j0, std::min(j1, s.d));
+    if constexpr (P < K)
+        staircase<P + 1>(s, w, i0);
+    else
+        columns<P>(s, w, i0, j1, s.d);
+}
+
+template <class B, int K, Sweep S>
+[[gnu::always_inline]] inline void rows(S const& s, Index i0) {
+    B w[K];
+    Index j0 = 0;
+    for (int m = 0; m < K; ++m) {
+        Index const i = i0 + m * B::rows;
+        RowRange const here = rows_of<B>(i, s.d);
+        if constexpr (S::starts == Start::column) {
+            w[m].load(s.w + i, here);
+        } else if constexpr (S::starts == Start::zero) {
+            w[m].zero(here);
+        } else {
+            w[m].load(s.A + i, here);
+            w[m].scale(s.at(0));
+            j0 = 1;
+        }
+    }
+    if constexpr (S::upper)
+        staircase<1>(s, w, i0);
+    else
+        columns<K>(s, w, i0, j0, s.d);
+    if constexpr (S::starts != Start::column)
+        for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
+}
+
+// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j: what runs along the rows of a block is f up to the diagonal and w from
+// there on, and in column c of the block p that the diagonal is in, both.
+template <int m, int p, int c, class B, int K, class T>
+[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
+    Index const i = i0 + m * B::rows;
+    B t;
+    t.load(here + m * B::rows, rows_of<B>(i, s.d));
+    if constexpr (m < p)
+        t.subtract_product(running[m], f);
+    else if constexpr (m > p)
+        t.subtract_product(running[m], w);
+    else
+        t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
+    t.add_product(t, s.correction);
+    t.store(here + m * B::rows);
+    if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
+}
+template <int p, int c, class B, int K, class T>
+[[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here) {
+    Index const j = i0 + p * B::rows + c;
+    mirrored<0, p, c>(s, running, i0, here, s.f[j], s.w[j]);
+    if constexpr (c + 1 < B::rows)
+        if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
+}
+/// The columns whose diagonal is in block p, and so on to those beyond the last block.
+template <int p, class B, int K, class T>
+[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
+    Index const j0 = i0 + p * B::rows;
+    if constexpr (p < K) {
+        on_diagonal<p, 0>(s, running, i0, s.A + j0 * s.ld + i0);
+        running[p] = block_of<B>(s.w, j0, s.d);
+        from_diagonal<p + 1>(s, running, i0);
+    } else {
+        for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
+    }
+}
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
+    B running[K];
+    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
+    for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
+    from_diagonal<0>(s, running, i0);
+}
+
+// P = (P - (K g' + g K')) / lambda: two running columns.
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(SubtractRankTwo<T> const& s, Index i0) {
+    B x[K], g[K];
+    for (int m = 0; m < K; ++m) {
+        Index const i = i0 + m * B::rows;
+        x[m].load(s.x + i, rows_of<B>(i, s.d));
+        g[m].load(s.g + i, rows_of<B>(i, s.d));
+    }
+    for (Index j = 0; j < s.d; ++j) {
+        T const xj = s.x[j], gj = s.g[j];
+        for (int m = 0; m < K; ++m) {
+            T* const here = s.A + j * s.ld + i0 + m * B::rows;
+            B t, both = x[m];
+            t.load(here, rows_of<B>(i0 + m * B::rows, s.d));
+            both.scale(gj);
+            both.add_product(g[m], xj);
+            t.subtract(both);
+            t.add_product(t, s.correction);
+            t.store(here);
+        }
+    }
+}
+
+/// K blocks of rows at a time, then K/2 ... 1.
+template <class B, int K, class S>
+[[gnu::always_inline]] inline void groups(S const& s, Index i0) {
+    for (; s.d - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
+    if constexpr (K > 1) groups<B, K / 2>(s, i0);
+}
+/// The triangle once and copied: a stochastic arithmetic would round its mirror image otherwise.
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(SubtractMirrored<T> const& s) {
+    for (Index j = 0; j < s.d; ++j)
+        for (Index i = 0; i <= j; ++i) {
+            T const t = s.A[j * s.ld + i] - s.w[i] * s.f[j];
+            s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.correction;
+        }
+}
+
+template <class B, ByRows S>
+[[gnu::always_inline]] inline void evaluate(S const& s) {
+    groups<B, S::registers <= B::registers ? 1 : S::registers / B::registers>(s, 0);
+}

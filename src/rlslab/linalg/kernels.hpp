@@ -1,0 +1,161 @@
+// The loops of dense recursive least squares, each with one defined order of evaluation in every arithmetic.
+//
+//   dot products       eight running lanes, then the tree ((0+4)+(2+6)) + ((1+5)+(3+7)), absent lanes left out;
+//   prefix sums        within blocks of eight, then each plus the sum of the blocks before;
+//   everything else    column sweeps, elementwise: there is no order to choose.
+// No operation is fused unless written so (the build says -ffp-contract=off).
+#pragma once
+
+#include <rlslab/linalg/dispatch.hpp>
+
+namespace rlslab {
+
+template <Field T, int N>
+T dot(Regressor<T> const& x, StateVector<T, N> const& y) {
+    return dot(x.data(), y.data(), y.size());
+}
+template <Field T, int N>
+T dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
+    return dot(x.data(), y.data(), x.size());
+}
+
+/// y += a x over n numbers.
+template <Field T>
+void add_scaled(T* y, T const& a, T const* x, Index n) {
+    for (Index i = 0; i < n; ++i) y[i] += a * x[i];
+}
+template <Field T, int N>
+void add_scaled(StateVector<T, N>& y, T const& a, StateVector<T, N> const& x) {
+    run_kernel<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, a, x.data()});
+}
+
+/// out = A x, as a sum of columns.
+template <Field T, int N>
+void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::Multiply<T>{A.size(), A.stride(), A.column(0), out.data(), x});
+}
+
+/// out = A'x, a dot product for each column.
+template <Field T, int N>
+void multiply_transposed(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
+}
+
+/// out = A B and out = A B', as sums of columns.
+template <Field T, int N>
+void multiply(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
+    run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
+}
+template <Field T, int N>
+void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
+    run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
+}
+
+/// Elementwise: out = x / s,  x / y,  a x,  x y,  sqrt(x),  x + y,  x + y z; out may be any of them.
+template <Field T, int N>
+void divide(StateVector<T, N> const& x, T const& s, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
+}
+template <Field T, int N>
+void divide(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::Divide<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Field T, int N>
+void scale(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::Scale<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Field T, int N>
+void scale(StateVector<T, N> const& x, T const& a, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::ScaleByOne<T>{{out.size(), x.data(), out.data()}, a});
+}
+template <Field T, int N>
+void add(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::Add<T>{{out.size(), x.data(), out.data()}, y.data()});
+}
+template <Field T, int N>
+void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N> const& z, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::AddProduct<T>{{out.size(), x.data(), out.data()}, y.data(), z.data()});
+}
+template <Real T, int N>
+void take_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
+}
+
+/// before_j = s_{j-1}, after_j = s_j of s_j = s_{j-1} + x_j; returns the last s.
+template <Field T, int N>
+T prefix_sums(T s, StateVector<T, N> const& x, StateVector<T, N>& before, StateVector<T, N>& after) {
+    run_kernel<T, N>(kernels::PrefixSums<T>{{x.size(), x.data(), after.data()}, before.data(), &s});
+    return s;
+}
+/// The same of s_j = s_{j-1} + x_j y_j.
+template <Field T, int N>
+T prefix_sums(T const& s, StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& before, StateVector<T, N>& after) {
+    scale(x, y, after);
+    return prefix_sums(s, after, before, after);
+}
+
+/// x / r for 1/2 <= r <= 1, written x + x (1 - r)/r: no division in the loop. 1 - r is exact there, so the rounding of
+/// the small correction weighs (1 - r)/r ulp: unlike x times the rounded 1/r, whose one error repeats at every step and
+/// sums to u/(1 - r), this has no bias. r = 1 leaves x as it is. For smaller r it is still x / r to a few u.
+template <Field T>
+class DivisorNearOne {
+    T correction_;
+
+public:
+    explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
+    T operator()(T const& x) const { return x + x * correction_; }
+    T const& correction() const { return correction_; }
+};
+
+/// out = x / r.
+template <Field T, int N>
+void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::AddScaled<T>{{out.size(), x.data(), out.data()}, by_r.correction(), x.data()});
+}
+
+/// A = (A - x f') / r  and  A = (A - (x g' + g x')) / r.
+template <Field T, int N>
+void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
+    run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+}
+/// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric.
+template <Field T, int N>
+void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
+    run_kernel<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+}
+template <Field T, int N>
+void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g, DivisorNearOne<T> const& by_r) {
+    run_kernel<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
+}
+
+/// A = weight A + x x' and b = weight b + x y: a row of normal equations.
+template <Field T, int N>
+void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, StateVector<T, N> const& x, T const& y) {
+    for (Index j = 0; j < x.size(); ++j) {
+        for (Index i = 0; i < x.size(); ++i) {
+            T const square = x[i] * x[j];
+            A(i, j) = weight * A(i, j) + square;
+        }
+        T const product = x[j] * y;
+        b[j] = weight * b[j] + product;
+    }
+}
+
+/// e = y - psi' theta: the door of every update.
+template <Field T, int N>
+T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta) {
+    expects(psi.size() == theta.size(), "a regressor of the problem's size");
+    return y - dot(psi, theta);
+}
+
+/// Copies psi, as often as asked for: the door of the updates that rotate it away.
+template <Field T, int N, class... More>
+void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... more) {
+    expects(psi.size() == copy.size(), "a regressor of the problem's size");
+    for (Index i = 0; i < copy.size(); ++i) {
+        copy[i] = psi[i];
+        ((more[i] = copy[i]), ...);
+    }
+}
+
+}  // namespace rlslab

@@ -1,0 +1,74 @@
+// Householder reflections that fold a block of rows into a triangle.
+#pragma once
+
+#include <rlslab/linalg/kernels.hpp>
+#include <rlslab/linalg/reflector.hpp>
+
+namespace rlslab {
+
+/// A block of rows, or the transpose of one: any number of rows and columns.
+template <class T>
+using Rows = Matrix<T>;
+
+/// x^n by repeated squaring, n >= 0: the weight of what is n steps old.
+template <Field T>
+T power(T x, Index n) {
+    T out = T(1);
+    for (; n > 0; n /= 2, x *= x)
+        if (n % 2 == 1) out *= x;
+    return out;
+}
+
+/// A = the rows [psi' y], the oldest first, row k times root^(B-1-k). Returns root^B.
+template <Field T>
+T weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
+    Index const d = psi.rows();
+    A.resize(y.size(), d + 1);
+    T weight = T(1);
+    for (Index k = y.size() - 1; k >= 0; --k) {
+        for (Index i = 0; i < d; ++i) A(k, i) = weight * psi(i, k);
+        A(k, d) = weight * y[k];
+        weight *= root;
+    }
+    return weight;
+}
+
+/// Folds the B x (d + 1) block A = [psi' y] into weight [R z], R = L', one reflection for each column i:
+///
+///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
+///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
+///
+/// A's last column becomes eta. Returns the product of |R_ii / r|. A zero column asks for no reflection.
+/// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
+template <Real T, int N>
+T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
+    Index const d = z.size(), rows = A.rows();
+    for (Index i = 0; i < d; ++i) {
+        for (Index j = i; j < d; ++j) L(j, i) *= weight;
+        z[i] *= weight;
+    }
+    T ratio = T(1);
+    for (Index i = 0; i < d; ++i) {
+        T* const v = A.col(i).data();
+        T const a = L(i, i);
+        T squares = T(0);
+        run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
+        Reflector<T> const turn(a, norm(a, squares, v, rows));                                           // (1)
+        if (all(turn.tau == T(0))) continue;
+        run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
+        L(i, i) = turn.r;
+        ratio *= turn.cosine(a);
+        run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
+    }
+    return ratio;
+}
+
+/// The same of one row [x' eta], along the rows of R: x becomes v, eta the last number. Returns sqrt(gamma).
+template <Real T, int N>
+T reflect_row_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, StateVector<T, N>& x, T& eta, StateVector<T, N>& tau) {
+    T ratio = T(1);
+    run_kernel<T, N>(kernels::ReflectIn<T>{z.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, tau.data(), &ratio, weight});
+    return ratio;
+}
+
+}  // namespace rlslab

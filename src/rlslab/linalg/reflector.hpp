@@ -1,0 +1,59 @@
+// One Householder reflection: its coefficients, and the norm they come from.
+#pragma once
+
+#include <rlslab/linalg/rotations.hpp>
+
+namespace rlslab {
+
+/// |(a, x)| where the plain sum of squares leaves the range in which its terms are normal numbers: the largest is divided
+/// out first. Lanes that are `in_range` keep the root of the `plain` sum.
+template <Real T>
+[[gnu::noinline]] T norm_scaled(T const& a, T const* x, Index n, Truth<T> const& in_range, T const& plain) {
+    T largest = T(0);
+    for (Index k = 0; k < n; ++k) {
+        Truth<T> const stays = absolute(x[k]) <= largest || !(largest == largest);    // a NaN stays
+        largest = select(stays, largest, absolute(x[k]));
+    }
+    Truth<T> const as_it_is = largest == T(0) || !is_finite(largest);
+    if constexpr (std::same_as<Truth<T>, bool>) {
+        if (as_it_is) return largest;
+    }
+    T const most = select(largest < absolute(a), absolute(a), largest);
+    auto const square = [&most](T const& number) {
+        T const right = number / most, left = number / most;
+        return T(left * right);
+    };
+    T scaled = square(a);
+    for (Index k = 0; k < n; ++k) scaled += square(x[k]);
+    T const size = most * square_root(scaled);
+    if constexpr (std::same_as<Truth<T>, bool>)
+        return size;
+    else
+        return select(in_range, square_root(plain), select(as_it_is, largest, size));
+}
+
+/// |(a, x)|, given the squares of x already summed; 0 where x = 0, which asks for no reflection.
+template <Real T>
+[[gnu::always_inline]] inline T norm(T const& a, T const& squares, T const* x, Index n) {
+    T const sum = a * a + squares;
+    Truth<T> const in_range = T(0) < squares && is_finite(sum) && least_sum_of_squares<T>() < sum;
+    if (all(in_range)) return square_root(sum);
+    return norm_scaled(a, x, n, in_range, sum);
+}
+
+/// I - tau (1, x / pivot)(1, x / pivot)' carries (a, x) into (r, 0), r away from a's sign. A size of 0 asks for none: tau = 0.
+template <Real T>
+struct Reflector {
+    T r, tau, pivot;
+
+    [[gnu::always_inline]] Reflector(T const& a, T const& size) {
+        Truth<T> const nothing = size == T(0);
+        r = select(nothing, a, select(a < T(0), size, T(-size)));
+        tau = select(nothing, T(0), T((r - a) / r));
+        pivot = select(nothing, T(1), T(a - r));
+    }
+    /// |a / r|, the cosine.
+    [[gnu::always_inline]] T cosine(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
+};
+
+}  // namespace rlslab

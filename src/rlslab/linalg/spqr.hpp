@@ -1,0 +1,48 @@
+// Sparse rows folded into a sparse triangle by SuiteSparseQR. GPL-2+ by that library.
+#pragma once
+
+#include <rlslab/linalg/sparse.hpp>
+
+#include <Eigen/SPQRSupport>
+
+#include <vector>
+
+namespace rlslab {
+
+/// An upper triangular R, d x d, as SuiteSparseQR takes and gives it.
+using SparseTriangle = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
+
+/// Whether R has its d pivots: one that underflowed to zero SuiteSparseQR leaves out, and Eigen then divides by another entry.
+inline bool has_pivots(SparseTriangle const& R) {
+    for (Index j = 0; j < R.cols(); ++j) {
+        SparseTriangle::ReverseInnerIterator const last(R, j);
+        if (!last || last.index() != j || last.value() == 0) return false;
+    }
+    return true;
+}
+
+/// Folds the rows psi' with right-hand sides y into [R z]: R and the rows are stacked and factored, columns in their order,
+/// none dropped. Memory and time follow the fill of R and of the reflections.
+inline void append_rows(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {
+    Index const d = R.cols();
+    std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;
+    entries.reserve(size_t(R.nonZeros() + psi.nonZeros()));
+    for (Index j = 0; j < d; ++j)
+        for (SparseTriangle::InnerIterator it(R, j); it; ++it) entries.emplace_back(it.row(), it.col(), it.value());
+    for (Index k = 0; k < psi.cols(); ++k)
+        for (SparseRows::InnerIterator it(psi, k); it; ++it) entries.emplace_back(d + k, it.index(), it.value());
+    SparseTriangle A(d + psi.cols(), d);
+    A.setFromTriplets(entries.begin(), entries.end());
+    Vector<double> right(A.rows());
+    right << z, y;
+
+    Eigen::SPQR<SparseTriangle> qr;
+    qr.setSPQROrdering(SPQR_ORDERING_FIXED);
+    qr.setPivotThreshold(0);
+    qr.compute(A);
+    Vector<double> const rotated = qr.matrixQ().adjoint() * right;
+    R = qr.matrixR();
+    z = rotated.head(d);
+}
+
+}  // namespace rlslab

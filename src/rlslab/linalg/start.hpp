@@ -1,0 +1,93 @@
+// From a prior to the state each family of variants starts with.
+#pragma once
+
+#include <rlslab/linalg/finite.hpp>
+
+namespace rlslab {
+
+/// theta0, or zero.
+template <Field T, int N>
+StateVector<T, N> start_theta(Problem<T> const& problem) {
+    StateVector<T, N> theta(problem.size);
+    if (problem.prior && problem.prior->theta)
+        for (Index i = 0; i < problem.size; ++i) theta[i] = (*problem.prior->theta)[i];
+    return theta;
+}
+
+/// P0. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
+template <Field T, int N>
+StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
+    expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
+    StateMatrix<T, N> P(problem.size);
+    if (problem.prior->covariance) {
+        StateVector<T, N> D(problem.size);
+        expects(all(factor_udu(*problem.prior->covariance, P, D)), "a positive definite prior covariance");
+    }
+    for (Index j = 0; j < problem.size; ++j)
+        if (problem.prior->covariance)
+            for (Index i = 0; i < problem.size; ++i) P(i, j) = (*problem.prior->covariance)(i, j);
+        else
+            P(j, j) = problem.prior->variance;
+    return P;
+}
+
+/// P0 = U diag(D) U'. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
+template <Field T, int N>
+void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+    expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
+    if (problem.prior->covariance) {
+        expects(all(factor_udu(*problem.prior->covariance, U, D)), "a positive definite prior covariance");
+        return;
+    }
+    for (Index j = 0; j < problem.size; ++j) {
+        U(j, j) = T(1);
+        D[j] = problem.prior->variance;
+    }
+}
+
+/// P0 = S S', S upper triangular.
+template <Real T, int N>
+StateMatrix<T, N> start_root(Problem<T> const& problem) {
+    using std::sqrt;
+    StateMatrix<T, N> S(problem.size);
+    StateVector<T, N> D(problem.size);
+    start_ud(problem, S, D);
+    for (Index j = 0; j < problem.size; ++j) {
+        T const root = sqrt(D[j]);
+        for (Index i = 0; i <= j; ++i) S(i, j) *= root;
+    }
+    return S;
+}
+
+/// P0^-1 = L diag(D) L', L unit lower triangular (L = U^-T of P0 = U D^-1 U'). Without a prior: L = I, D = 0.
+template <Field T, int N>
+void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& D) {
+    Index const d = problem.size;
+    if (!problem.prior) {
+        for (Index j = 0; j < d; ++j) L(j, j) = T(1);
+        return;
+    }
+    StateMatrix<T, N> U(d);
+    start_ud(problem, U, D);
+    for (Index j = 0; j < d; ++j) D[j] = T(1) / D[j];
+    // Row j of U^-1, which is column j of L, by U^-1 U = I.
+    for (Index j = 0; j < d; ++j) {
+        L(j, j) = T(1);
+        for (Index i = j + 1; i < d; ++i) L(i, j) = -dot(L.column(j) + j, U.column(i) + j, i - j);
+    }
+}
+
+/// P0^-1 = L L', L lower triangular, and z = L'theta0. Without a prior: L = 0, z = 0.
+template <Real T, int N>
+void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& z) {
+    using std::sqrt;
+    StateVector<T, N> D(problem.size);
+    start_information(problem, L, D);
+    for (Index j = 0; j < problem.size; ++j) {
+        T const root = sqrt(D[j]);
+        for (Index i = j; i < problem.size; ++i) L(i, j) *= root;
+    }
+    multiply_lower_transposed(L, start_theta<T, N>(problem), z);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,106 @@
+// Where a variant keeps its numbers: a column of d, a square of d x d stored by columns; inline when d is fixed.
+#pragma once
+
+#include <rlslab/core/problem.hpp>
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace rlslab {
+
+/// The arithmetics whose kernels are compiled for the machine's registers.
+template <class T>
+concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
+
+/// Where kernels work on whole blocks of rows, columns are padded to them; nothing reads the padding.
+template <class T, int N>
+constexpr Index padded(Index size) {
+    if (!Hardware<T>) return size;
+    return N != Dynamic && N <= 4 ? 4 : (size + 7) & ~Index(7);
+}
+
+namespace detail {
+/// Columns begin on the machine's cache lines.
+template <class T>
+struct Aligned {
+    using value_type = T;
+    static constexpr std::align_val_t alignment{64};
+    Aligned() = default;
+    template <class Other>
+    Aligned(Aligned<Other> const&) {}
+    T* allocate(size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
+    void deallocate(T* p, size_t) { ::operator delete(p, alignment); }
+    friend bool operator==(Aligned, Aligned) { return true; }
+};
+
+/// size numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
+template <class T, int Capacity>
+struct Buffer {
+    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
+    alignas(alignment) std::array<T, size_t(Capacity)> values;
+    explicit Buffer(Index) { values.fill(T(0)); }
+};
+template <class T>
+struct Buffer<T, Dynamic> {
+    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
+    explicit Buffer(Index size) : values(size_t(size), T(0)) {}
+};
+}  // namespace detail
+
+namespace detail {
+/// A size that goes away with what it is the size of: a filter that was moved from has none, and refuses every row.
+struct MovedSize {
+    Index value;
+    explicit MovedSize(Index size) : value(size) {}
+    MovedSize(MovedSize const&) = default;
+    MovedSize(MovedSize&& other) noexcept : value(std::exchange(other.value, 0)) {}
+    MovedSize& operator=(MovedSize const&) = default;
+    MovedSize& operator=(MovedSize&& other) noexcept {
+        value = std::exchange(other.value, 0);
+        return *this;
+    }
+};
+}  // namespace detail
+
+/// d numbers, zero at first.
+template <class T, int N = Dynamic>
+class StateVector {
+    static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
+    detail::Buffer<T, Capacity> buffer_;
+    detail::MovedSize size_;
+
+public:
+    explicit StateVector(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
+    Index size() const { return N == Dynamic ? size_.value : N; }
+    T* data() { return buffer_.values.data(); }
+    T const* data() const { return buffer_.values.data(); }
+    T& operator[](Index i) { return data()[i]; }
+    T const& operator[](Index i) const { return data()[i]; }
+    auto view() const { return Eigen::Map<Vector<T, N> const>(data(), size()); }
+};
+
+/// d x d numbers by columns, zero at first.
+template <class T, int N = Dynamic>
+class StateMatrix {
+    static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
+    detail::Buffer<T, Capacity> buffer_;
+    detail::MovedSize size_;
+
+public:
+    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
+    Index size() const { return N == Dynamic ? size_.value : N; }
+    Index stride() const { return padded<T, N>(size()); }    ///< from one column to the next
+    T* column(Index j) { return buffer_.values.data() + j * stride(); }
+    T const* column(Index j) const { return buffer_.values.data() + j * stride(); }
+    T& operator()(Index i, Index j) { return column(j)[i]; }
+    T const& operator()(Index i, Index j) const { return column(j)[i]; }
+    auto view() const {
+        using Stride = Eigen::OuterStride<>;
+        return Eigen::Map<Matrix<T, N> const, 0, Stride>(column(0), size(), size(), Stride(stride()));
+    }
+};
+
+}  // namespace rlslab

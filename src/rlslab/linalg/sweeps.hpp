@@ -1,0 +1,96 @@
+// One pass over a triangle: the heart of the triangular forms, with every coefficient known before it starts.
+#pragma once
+
+#include <rlslab/linalg/kernels.hpp>
+
+namespace rlslab {
+
+// --- upper triangles of a covariance --------------------------------------------------------------------------------------
+
+/// out = S'x and out = S x, S upper triangular.
+template <Field T, int N>
+void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out) {
+    run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
+}
+
+/// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j, t the old U_ij, v = 0 at first.
+template <Field T, int N>
+void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v) {
+    run_kernel<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()});
+}
+
+/// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j, t the old S_ij, v = 0 at first.
+template <Field T, int N>
+void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<T, N> const& keep, StateVector<T, N> const& mix,
+                   DivisorNearOne<T> const& by_r, StateVector<T, N>& v) {
+    run_kernel<T, N>(kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(),
+                                       by_r.correction()});
+}
+
+/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.
+template <Real T, int N>
+void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r, StateVector<T, N>& g) {
+    run_kernel<T, N>(kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()});
+}
+
+/// before_j = b_{j-1}, after_j = b_j of b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns the last b. By the plain sum of squares,
+/// where a square that vanishes is nothing beside 1, or by one hypotenuse after another where a square overflows.
+template <Real T, int N>
+T prefix_norms(StateVector<T, N> const& a, StateVector<T, N>& before, StateVector<T, N>& after) {
+    T const sum = prefix_sums(T(1), a, a, before, after);
+    Truth<T> const in_range = is_finite(sum);
+    if (all(in_range)) {
+        take_roots(before, before);
+        take_roots(after, after);
+        return after[a.size() - 1];
+    }
+    T b = T(1);
+    for (Index j = 0; j < a.size(); ++j) {
+        before[j] = select(in_range, square_root(before[j]), b);
+        b = givens(b, a[j]).r;
+        after[j] = select(in_range, square_root(after[j]), b);
+    }
+    return after[a.size() - 1];
+}
+
+// --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
+
+/// x_j -= x_i L_ji for i = 1 ... d and j > i: solves L x = x, L unit lower triangular.
+template <Field T, int N>
+void eliminate(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
+    run_kernel<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
+}
+
+/// s_i = w_i x_i of 1/w_{i+1} = 1/w_i + x_i^2 / D_i, w_1 = 1; returns the last w. Where 1/w is not finite (a zero D_i, an
+/// overflow) w_{i+1} = w_i D_i / (D_i + w_i x_i^2) instead, and a row that changes nothing keeps its weight.
+template <Field T, int N>
+T gentleman_weights(StateVector<T, N> const& x, StateVector<T, N> const& D, StateVector<T, N>& s, StateVector<T, N>& scratch) {
+    scale(x, x, s);
+    divide(s, D, s);
+    T const inverse = prefix_sums(T(1), s, scratch, s);
+    divide(x, scratch, s);
+    Truth<T> const in_range = is_finite(inverse);
+    if (all(in_range)) return T(1) / inverse;
+    T w = T(1);
+    for (Index i = 0; i < x.size(); ++i) {
+        T const weighed = w * x[i], sum = D[i] + weighed * x[i];
+        s[i] = select(in_range, s[i], weighed);
+        Truth<T> const nothing = x[i] == T(0) || sum == T(0);
+        w = select(nothing, w, T(w * (D[i] / select(nothing, T(1), sum))));
+    }
+    return select(in_range, T(T(1) / inverse), w);
+}
+
+/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.
+template <Field T, int N>
+void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e, StateVector<T, N>& x) {
+    run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
+}
+
+/// The rotations (c_i, s_i), i = 1 ... d, that carry x into r R, R = L', and (z, eta) with it.
+template <Real T, int N>
+void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, T const& r, StateVector<T, N>& z, T& eta, StateVector<T, N>& c, StateVector<T, N>& s) {
+    run_kernel<T, N>(kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
+}
+
+}  // namespace rlslab

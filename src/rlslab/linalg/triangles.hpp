@@ -1,0 +1,137 @@
+// Triangular factors: the factorisations a filter starts from, and the solves of the information forms.
+//
+// An upper triangular R is kept as L = R', so that row i of R is column i of L and contiguous.
+#pragma once
+
+#include <rlslab/linalg/kernels.hpp>
+
+namespace rlslab {
+
+/// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
+/// Returns false when a pivot is not positive (the factors are then meaningless).
+template <Field T, int N>
+Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+    Truth<T> positive = true;
+    for (Index j = D.size() - 1; j >= 0; --j) {
+        D[j] = X(j, j);
+        positive = positive && T(0) < D[j];
+        U(j, j) = T(1);
+        for (Index i = 0; i < j; ++i) U(i, j) = X(i, j) / D[j];
+        for (Index k = 0; k < j; ++k)
+            for (Index i = 0; i <= k; ++i) X(i, k) -= U(i, j) * X(k, j);
+    }
+    return positive;
+}
+
+/// X = L diag(D) L' with L unit lower triangular (root-free Cholesky); X's lower triangle is read.
+/// Returns false when a pivot is not positive.
+template <Field T, int N>
+Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<T, N>& D) {
+    Index const d = D.size();
+    Truth<T> positive = true;
+    for (Index j = 0; j < d; ++j)
+        for (Index i = j; i < d; ++i) L(i, j) = X(i, j);
+    for (Index j = 0; j < d; ++j) {
+        D[j] = L(j, j);
+        positive = positive && T(0) < D[j];
+        L(j, j) = T(1);
+        for (Index k = j + 1; k < d; ++k) {
+            T const m = L(k, j) / D[j];
+            add_scaled(L.column(k) + k, -m, L.column(j) + k, d - k);
+            L(k, j) = m;
+        }
+    }
+    return positive;
+}
+
+/// No zero on the diagonal.
+template <Field T, int N>
+Truth<T> nonsingular(StateMatrix<T, N> const& L) {
+    Truth<T> out = true;
+    for (Index i = 0; i < L.size(); ++i) out = out && !(L(i, i) == T(0));
+    return out;
+}
+
+/// Solves L x = x in place, L lower triangular.
+template <Field T, int N, class X>
+void solve_lower(StateMatrix<T, N> const& L, X& x) {
+    Index const d = x.size();
+    for (Index i = 0; i < d; ++i) {
+        x[i] /= L(i, i);
+        add_scaled(x.data() + i + 1, -x[i], L.column(i) + i + 1, d - i - 1);
+    }
+}
+
+/// Solves L'x = x in place, L lower triangular.
+template <Field T, int N, class X>
+void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
+    Index const d = x.size();
+    for (Index i = d - 1; i >= 0; --i) {
+        if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x.data() + i + 1, d - i - 1);
+        x[i] /= L(i, i);
+    }
+}
+
+/// Solves L diag(D) L'x = x in place; what is not positive has no solution: NaN.
+template <Field T, int N>
+void solve_ldl(StateMatrix<T, N> const& L, StateVector<T, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
+    solve_lower(L, x);
+    for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], T(1))), undefined<T>());
+    solve_lower_transposed(L, x);
+}
+
+/// out = L'x, L lower triangular.
+template <Field T, int N>
+void multiply_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& x, StateVector<T, N>& out) {
+    Index const d = x.size();
+    for (Index i = 0; i < d; ++i) out[i] = dot(L.column(i) + i, x.data() + i, d - i);
+}
+
+template <Field T, int N>
+Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
+    Vector<T, N> x = b.view();
+    solve_lower_transposed(L, x);
+    return x;
+}
+
+/// Solves L L'x = x and L diag(D) L'x = x in place.
+template <Field T, int N, class X>
+void solve_outer(StateMatrix<T, N> const& L, X& x) {
+    solve_lower(L, x);
+    solve_lower_transposed(L, x);
+}
+template <Field T, int N, class X>
+void solve_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& D, X& x) {
+    solve_lower(L, x);
+    for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
+    solve_lower_transposed(L, x);
+}
+template <Field T, int N>
+Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
+    Vector<T, N> x = b.view();
+    solve_outer(L, x);
+    return x;
+}
+
+/// A A' and A diag(D) A'.
+template <Field T, int N>
+Matrix<T, N> outer(StateMatrix<T, N> const& A) {
+    StateMatrix<T, N> out(A.size());
+    multiply_by_transposed(A, A, out);
+    return out.view();
+}
+template <Field T, int N>
+void outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D, StateMatrix<T, N>& out) {
+    StateMatrix<T, N> AD = A;
+    for (Index j = 0; j < D.size(); ++j)
+        for (Index i = 0; i < D.size(); ++i) AD(i, j) *= D[j];
+    multiply_by_transposed(AD, A, out);
+}
+template <Field T, int N>
+Matrix<T, N> outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D) {
+    StateMatrix<T, N> out(A.size());
+    outer(A, D, out);
+    return out.view();
+}
+
+}  // namespace rlslab

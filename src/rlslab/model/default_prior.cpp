@@ -1,0 +1,85 @@
+// The least c by a lower bound that is raised until it holds; sizes by exponents alone.
+#include <rlslab/model/default_prior.hpp>
+
+#include <rlslab/reference/certified.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace rlslab {
+namespace {
+
+constexpr double most_bias = 1e-3;
+constexpr int least_exponent = 5, largest_exponent = 500;    // of c, and of every c / s_i
+
+/// k of s = 2^k, where mean squares in [2^(2k-1), 2^(2k+1)) share s.
+int scale_exponent(Eigen::Ref<Eigen::RowVectorXd const> const& row) {
+    double largest = 0;
+    for (Index k = 0; k < row.size(); ++k) largest = std::max(largest, std::abs(row[k]));
+    if (largest == 0) return 0;
+    int of_largest = 0, of_mean = 0;
+    std::frexp(largest, &of_largest);
+    double sum = 0;    // squares of numbers below 1: no overflow, and what underflows does not count
+    for (Index k = 0; k < row.size(); ++k) {
+        double const x = std::ldexp(row[k], -of_largest);
+        sum += x * x;
+    }
+    std::frexp(sum / double(row.size()), &of_mean);    // the mean square lies in [2^(e-1), 2^e)
+    return of_largest + (of_mean >> 1);                // floor(e / 2)
+}
+
+}  // namespace
+
+Vector<double> regressor_scales(Records const& records) {
+    Vector<double> s(records.parameters());
+    for (Index i = 0; i < records.parameters(); ++i) s[i] = std::ldexp(1.0, std::clamp(scale_exponent(records.psi.row(i)), -largest_exponent, largest_exponent));
+    return s;
+}
+
+Prior<double> DefaultPrior::prior() const {
+    Prior<double> out;
+    out.covariance = Matrix<double>::Zero(s.size(), s.size());
+    for (Index i = 0; i < s.size(); ++i) {
+        double const root = std::clamp(c / s[i], std::ldexp(1.0, -largest_exponent), std::ldexp(1.0, largest_exponent));
+        (*out.covariance)(i, i) = root * root;
+    }
+    return out;
+}
+
+DefaultPrior default_prior(Records const& records, double forgetting) {
+    expects(records.psi.allFinite() && records.y.allFinite(), "finite data");
+    DefaultPrior out{regressor_scales(records), std::ldexp(1.0, least_exponent), 0, 0, false};
+    std::vector<double> lambdas{1.0};
+    if (forgetting != 1) lambdas.push_back(forgetting);
+    for (double const lambda : lambdas) {
+        Problem<double> problem{.size = records.parameters(), .forgetting = lambda, .prior = std::nullopt};
+        CertifiedSolution const without = certified(problem, records, {records.rows()}).front();
+        // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
+        double bias;
+        for (;;) {
+            problem.prior = out.prior();
+            bias = relative_change(certified(problem, records, {records.rows()}).front(), without, out.s);
+            int const room = largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff());
+            if (!(bias > most_bias) || room <= 0) break;
+            int doublings = 0;
+            bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;    // t in [2^(e-1), 2^e)
+            out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room));
+        }
+        // No such law holds for a component: c is doubled until it does.
+        double worst;
+        for (;; out.c *= 2) {
+            problem.prior = out.prior();
+            CertifiedSolution const with = certified(problem, records, {records.rows()}).front();
+            bias = relative_change(with, without, out.s), worst = largest_relative_change(with, without, out.s);
+            if (!(worst > most_bias) || out.c / out.s.minCoeff() >= std::ldexp(1.0, largest_exponent)) break;
+        }
+        out.bias = std::isnan(bias) ? bias : std::max(out.bias, bias);
+        out.worst = std::isnan(worst) ? worst : std::max(out.worst, worst);
+        if (std::isnan(bias)) break;
+    }
+    out.reached = out.bias <= most_bias && out.worst <= most_bias;
+    return out;
+}
+
+}  // namespace rlslab

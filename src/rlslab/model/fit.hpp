@@ -1,0 +1,43 @@
+// Batch least squares and what statistics makes of it: one estimate, three ways to it.
+#pragma once
+
+#include <rlslab/core/records.hpp>
+
+#include <string_view>
+
+namespace rlslab {
+
+/// theta_LS = argmin |Y - Phi theta|^2 and, for white xi, its statistics (N rows, d parameters, rank r):
+///
+///   residuals  eps = Y - Phi theta          J = eps'eps              sigma^2 = J / (N - r)
+///   covariance sigma^2 (Phi'Phi)^-1         sd_i = sqrt of its diagonal
+///   interval   theta_i +- t sd_i, t Student's quantile of N - r degrees of freedom
+///   fit        100 (1 - |Y - Y^| / |Y - mean Y|) percent
+struct Fit {
+    Vector<double> theta, sd, residuals;
+    Matrix<double> covariance;
+    double J = 0, sigma2 = 0, percent = 0;
+    Index rank = 0;
+    Vector<double> singular = {};    ///< singular values of Phi, largest first (svd alone)
+    Vector<double> low = {}, high = {};
+    bool converged = true;           ///< false: svd's rotations were stopped before the columns were orthogonal to rounding
+};
+
+enum class FitBy { normal_equations, qr, svd };
+constexpr std::string_view name_of(FitBy by) {
+    constexpr std::string_view names[] = {"normal_equations", "qr", "svd"};
+    return names[static_cast<int>(by)];
+}
+
+/// normal_equations squares the condition number: theta is NaN where the Gram matrix does not factor in binary64. qr: Householder on
+/// blocks of rows; NaN where R has a zero on its diagonal. svd: one-sided Jacobi on R; directions with singular values below
+/// tolerance (times the largest; by default max(N, d) u, at least 2^-440) are dropped, and theta is the shortest of the minimisers.
+/// Powers of two in the data come out as powers of two: of Phi and Y as wholes, and but for svd of each column of Phi; a result
+/// beyond binary64's exponents is infinite or 0.
+/// Throws std::invalid_argument for fewer rows than parameters and a confidence outside (0, 1). Cost N d^2.
+Fit fit(Records const& records, FitBy by = FitBy::qr, double confidence = 0.95, double tolerance = -1);
+
+/// 100 (1 - |y - predicted| / |y - mean y|); -infinity where y is constant and missed.
+double fit_percent(Vector<double> const& y, Vector<double> const& predicted);
+
+}  // namespace rlslab

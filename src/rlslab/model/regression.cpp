@@ -1,0 +1,129 @@
+// Regressors are written in place, a column each; a missing value shows as a NaN and the column is used again.
+#include <rlslab/model/regression.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab {
+namespace {
+
+[[noreturn]] void fail(std::string const& file, std::string const& message) {
+    throw InputError(file.empty() ? message : file + ": " + message);
+}
+
+std::string counted(Index n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+void expect_rows(std::string const& file, Index size, Index rows) {
+    if (rows < size)
+        fail(file, fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "",
+                               counted(size, "row"), rows));
+}
+
+/// Rows first ... of y = psi' theta; write(k, psi) fills in the regressor of row k, NaN where a value is missing.
+template <class Write>
+Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first,
+                  Write const& write) {
+    Index const size = Index(names.size()), rows = Index(y.size());
+    expect_rows(file, size, rows);
+    Index const most = std::max(Index(0), rows - first);
+    Records records{.psi = Matrix<double>(size, most), .y = Vector<double>(most), .names = std::move(names)};
+    Index used = 0;
+    for (Index k = first; k < rows; ++k) {
+        write(k, std::span(records.psi.col(used).data(), std::size_t(size)));
+        records.y[used] = y[std::size_t(k)];
+        if (!records.psi.col(used).hasNaN() && !std::isnan(records.y[used])) ++used;
+    }
+    records.skipped = most - used;
+    records.presample = rows - most;
+    if (used < size) {
+        std::string const history = records.presample > 0 ? fmt::format(" a presample of {} and", records.presample) : "";
+        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values",
+                               counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), used, history,
+                               records.skipped));
+    }
+    if (used < most) {
+        records.psi.conservativeResize(Eigen::NoChange, used);
+        records.y.conservativeResize(used);
+    }
+    return records;
+}
+
+}  // namespace
+
+Arx arx_of_order(int order) {
+    if (order < 1) fail("", fmt::format("order: expected at least 1, found {}", order));
+    return {.na = order, .nb = order};
+}
+
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept) {
+    if (regressors.empty()) fail(data.file, "expected the name of a regressor at least");
+    std::vector<Lagged> now;
+    for (auto const& name : regressors) {
+        if (name == output) fail(data.file, fmt::format("column \"{}\" is both regressor and output", printable(name)));
+        if (std::ranges::count(regressors, name) > 1)
+            fail(data.file, fmt::format("column \"{}\" is twice among the regressors", printable(name)));
+        now.push_back({name, 0, true});
+    }
+    return lagged_records(data, now, output, intercept);
+}
+
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept) {
+    expects(!regressors.empty(), "at least one regressor");
+    struct Source {
+        double const* column;
+        Index lag;
+        double sign;
+    };
+    std::vector<std::string> names;
+    if (intercept) names.push_back("1");
+    std::vector<Source> sources;
+    Index first = 0;
+    for (Lagged const& r : regressors) {
+        expects(0 <= r.lag && (r.column != output || r.lag > 0), "regressors of the present and the past, outputs of the past");
+        bool const past_output = r.column == output;
+        std::string const name = r.plain ? r.column : text_of(r);
+        names.push_back((past_output ? "-" : "") + (data.header ? name : "column " + name));      // a column "1" is not the intercept
+        sources.push_back({data[r.column].data(), r.lag, past_output ? -1.0 : 1.0});
+        first = std::max(first, Index(r.lag));
+    }
+    return collected(data.file, data[output], std::move(names), first, [&](Index k, std::span<double> psi) {
+        psi[0] = 1;
+        std::ranges::transform(sources, psi.begin() + intercept, [k](Source const& s) { return s.sign * s.column[k - s.lag]; });
+    });
+}
+
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
+                    Arx const& model, std::string const& file) {
+    expects(Index(inputs.size()) == model.inputs && inputs.size() == input_names.size(), "as many inputs, and names of them, as the model has");
+    for (auto const& u : inputs) expects(u.size() == y.size(), "input and output of equal length");
+    if (model.na < 0) fail("", fmt::format("na: expected at least 0, found {}", model.na));
+    if (model.nb < 0) fail("", fmt::format("nb: expected at least 0, found {}", model.nb));
+    if (model.delay < 0) fail("", fmt::format("delay: expected at least 0, found {}", model.delay));
+    expect_rows(file, model.size(), Index(y.size()));        // before names are made: a mistyped order may be huge
+    std::vector<std::string> names;
+    for (int i = 1; i <= model.na; ++i) names.push_back(fmt::format("a{}", i));
+    for (std::string const& input : input_names)
+        for (int i = 0; i <= model.nb; ++i) names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
+    if (model.intercept) names.push_back("c");
+    return collected(file, y, std::move(names), model.presample(), [&](Index k, std::span<double> psi) {
+        auto next = psi.begin();
+        for (Index i = 1; i <= model.na; ++i) *next++ = -y[std::size_t(k - i)];
+        for (auto const& u : inputs)
+            for (Index i = 0; i <= model.nb; ++i) *next++ = u[std::size_t(k - model.delay - i)];
+        if (model.intercept) *next = 1;
+    });
+}
+
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file) {
+    return arx_records({u}, {"u"}, y, model, file);
+}
+
+Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model) {
+    if (input == output) fail(data.file, fmt::format("column \"{}\" is both input and output", printable(input)));
+    return arx_records(data[input], data[output], model, data.file);
+}
+
+}  // namespace rlslab

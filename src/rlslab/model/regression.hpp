@@ -1,0 +1,54 @@
+// Regression problems out of columns of data: y on given columns, or ARX models.
+#pragma once
+
+#include <rlslab/core/records.hpp>
+#include <rlslab/model/csv.hpp>
+#include <rlslab/model/lags.hpp>
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only if asked for.
+///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
+/// With several inputs a polynomial b for each, one after another.
+struct Arx {
+    int na, nb;                    ///< >= 0; na = 0: a finite impulse response
+    int delay = 0;                 ///< >= 0
+    bool intercept = false;
+    int inputs = 1;                ///< >= 1
+    Index size() const { return Index(na) + Index(inputs) * (nb + 1) + intercept; }    ///< d
+    Index presample() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
+};
+
+/// The model of that order: na = nb = order, no delay, no intercept. Throws InputError unless order >= 1.
+Arx arx_of_order(int order);
+
+/// Every row y = regressors' theta of the data whose values are all there; an intercept is a 1 put first.
+/// psi is d x N, d = regressors.size() + intercept. Throws InputError for no regressor, one named twice or as output,
+/// fewer than d usable rows; std::invalid_argument for a column that was not read.
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept = false);
+
+/// The same on present and past values: y[k] = sum of (u[k-lag], or -y[k-lag] for the output as in Arx) times theta, on every row from
+/// the longest lag on. Names: "-y[k-1]", "u[k-3]"; of a plain regressor its column's. Throws InputError for fewer than d usable rows;
+/// std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept = false);
+
+/// Every row of the model's equation on u and y (equally long; NaN: missing) whose values are all there.
+/// psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and fewer than d usable rows;
+/// messages about rows begin with `file`.
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
+                    std::string const& file = "");
+
+/// The same for several inputs; the parameters of input "u2" are called b0[u2] ...
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
+                    Arx const& model, std::string const& file = "");
+
+/// The same on two columns. Throws InputError if input and output are one column, too.
+Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);
+
+}  // namespace rlslab

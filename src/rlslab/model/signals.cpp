@@ -1,0 +1,78 @@
+// One loop each, in order: what a seed gives does not depend on the machine.
+#include <rlslab/model/signals.hpp>
+
+#include <rlslab/arithmetic/multiprecision.hpp>
+
+#include <array>
+#include <boost/math/constants/constants.hpp>
+
+namespace rlslab {
+
+Signal white_noise(Index n, Seed seed) {
+    expects(n >= 0, "no negative number of samples");
+    Signal out(size_t(n), 0.0);
+    for (double& x : out) x = seed.bell();
+    return out;
+}
+
+Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index burn_in) {
+    expects(n >= 0 && burn_in >= 0, "no negative number of samples");
+    Signal x(size_t(n + burn_in), 0.0);
+    for (size_t k = 0; k < x.size(); ++k) {
+        x[k] = seed.bell();
+        for (size_t i = 1; i <= a.size() && i <= k; ++i) x[k] -= a[i - 1] * x[k - i];
+    }
+    return {x.begin() + burn_in, x.end()};
+}
+
+Signal prbs(int m, Index n, Index hold) {
+    expects(2 <= m && m <= 20, "a register of 2 to 20 cells");
+    expects(n >= 0 && hold >= 1, "a number of samples, and at least one to hold a level");
+    // Which cells are added to what is shifted in; a primitive polynomial for each m (tests count the periods).
+    constexpr std::array<std::array<int, 4>, 21> taps{{{}, {}, {2, 1}, {3, 2}, {4, 3}, {5, 3}, {6, 5}, {7, 6}, {8, 6, 5, 4}, {9, 5}, {10, 7},
+                                                       {11, 9}, {12, 6, 4, 1}, {13, 4, 3, 1}, {14, 5, 3, 1}, {15, 14}, {16, 15, 13, 4},
+                                                       {17, 14}, {18, 11}, {19, 6, 2, 1}, {20, 17}}};
+    unsigned cells = (1u << m) - 1;    // cell i is bit i - 1
+    Signal out(size_t(n), 0.0);
+    for (Index k = 0; k < n; ++k) {
+        out[size_t(k)] = cells >> (m - 1) & 1 ? 1.0 : -1.0;
+        if (k % hold != hold - 1) continue;
+        unsigned in = 0;
+        for (int const tap : taps[size_t(m)])
+            if (tap > 0) in ^= cells >> (tap - 1) & 1;
+        cells = (cells << 1 | in) & ((1u << m) - 1);
+    }
+    return out;
+}
+
+Signal multisine(Index n, int harmonics) {
+    expects(harmonics >= 1 && 2 * Index(harmonics) < n, "at least one harmonic, and fewer than half the samples");
+    using boost::math::constants::pi;
+    Signal out(size_t(n), 0.0);
+    Reference const scale = sqrt(Reference(2) / harmonics);    // n/2 is what each cosine squared sums to
+    for (Index k = 0; k < n; ++k) {
+        Reference sum = 0;
+        for (Index h = 1; h <= harmonics; ++h)
+            sum += cos(pi<Reference>() * (Reference(2 * h * k) / n - Reference(h * (h - 1)) / harmonics));
+        out[size_t(k)] = static_cast<double>(scale * sum);
+    }
+    return out;
+}
+
+Signal random_steps(Index n, Index shortest, Index longest, Seed seed) {
+    expects(n >= 0 && 1 <= shortest && shortest <= longest, "steps of at least one sample, the shortest no longer than the longest");
+    Signal out(size_t(n), 0.0);
+    Index left = 0;
+    double level = 0;
+    for (double& x : out) {
+        if (left == 0) {
+            left = shortest + Index(seed.next() % std::uint64_t(longest - shortest + 1));
+            level = 2 * seed.uniform() - 1;
+        }
+        x = level;
+        --left;
+    }
+    return out;
+}
+
+}  // namespace rlslab

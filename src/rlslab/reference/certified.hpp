@@ -1,0 +1,115 @@
+// The certified reference: the exact minimiser for the very bits a variant was given, enclosed by proven bounds.
+#pragma once
+
+#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/records.hpp>
+#include <rlslab/core/stored.hpp>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rlslab {
+
+/// What is known of the exact solution after k rows.
+///   certified    theta and P are enclosed to the digits asked for
+///   singular     no unique minimiser: the regressors' rank, proven, is less than d and there is no prior
+///   undefined    an infinity or a NaN among the data so far or in the prior, or P0 not positive definite
+///   unresolved   the enclosure was still too wide at the largest working precision
+enum class Status { certified, singular, undefined, unresolved };
+
+constexpr std::string_view name_of(Status status) {
+    constexpr std::string_view names[] = {"certified", "singular", "undefined", "unresolved"};
+    return names[static_cast<int>(status)];
+}
+
+/// The solution of Problem after k rows, as balls (midpoint and proven radius, of any precision):
+///
+///   (1)  M_k = lambda^k P0^-1 + sum_i lambda^(k-i) psi_i psi_i'          P_k = M_k^-1
+///   (2)  b_k = lambda^k P0^-1 theta0 + sum_i lambda^(k-i) psi_i y_i      theta_k = P_k b_k
+///
+/// A value: copies share the enclosure, which never changes; any thread may ask. Unless certified, numbers are NaN,
+/// vectors and matrices NaN throughout, and strings "nan".
+///
+/// The digits measured are proven: -log10 of an upper bound of the error. Where the estimate comes within the enclosure
+/// itself the answer is about the digits asked of `certified`; ask it for more to see further. +infinity: equal, and
+/// the solution is known exactly. -infinity: an error against an exact solution of norm zero. NaN: the estimate has an
+/// infinity or a NaN. All throw std::invalid_argument when the estimate's size is not d.
+class CertifiedSolution {
+public:
+    struct Enclosure;
+
+    CertifiedSolution(Index step, Index size, Index rank, Status status);
+    CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure);
+
+    Index step() const { return step_; }          ///< k
+    Index size() const { return size_; }          ///< d
+    Index rank() const { return rank_; }          ///< of M_k, proven: d when certified; 0 when nothing is known
+    Status status() const { return status_; }
+    int bits() const;                             ///< working precision that certified it; 0: none did
+    double radius() const;                        ///< >= ||error of the midpoint||_2 / ||theta||_2
+    double covariance_radius() const;             ///< the same for P, in the Frobenius norm
+
+    Vector<Reference> theta() const;              ///< midpoints rounded to 257 bits
+    Matrix<Reference> covariance() const;         ///< likewise P_k
+
+    /// theta correctly rounded to so many significant digits, as "-1.2345e-4". A component whose enclosure does not
+    /// settle that rounding gets as many digits as it settles; one that is not told apart from zero is "0".
+    std::vector<std::string> theta_strings(int digits = 30) const;
+
+    /// -log10(||estimate - theta||_2 / ||theta||_2).
+    double theta_digits(Vector<Reference> const& estimate) const;
+    /// The least log relative error of a component: -log10(|x - c| / |c|), or -log10|x - c| where c may be 0.
+    double theta_digits_worst(Vector<Reference> const& estimate) const;
+    /// -log10(||estimate - P||_F / ||P||_F), P rebuilt from the stored numbers in balls at rising precision, so that
+    /// none of the probe's own rounding is charged; a plain matrix is taken as it is, not symmetrised.
+    /// NaN also when an information form is singular. Cost O(d^3). Throws std::range_error when only integers of more
+    /// than 2^20 bits could decide that.
+    double covariance_digits(Stored<Reference> const& estimate) const;
+
+    /// Whether these numbers lie inside the enclosure: what a proof must never fail.
+    bool encloses(Vector<Rational> const& theta) const;
+    bool encloses(Matrix<Rational> const& covariance) const;
+
+    /// null unless certified. Complete only for those who include enclosure.hpp, and Arb with it.
+    Enclosure const* enclosure() const { return enclosure_.get(); }
+
+private:
+    Index step_, size_, rank_;
+    Status status_;
+    std::shared_ptr<Enclosure const> enclosure_;
+};
+
+/// The exact solutions after each of these steps (ascending, 1 <= k <= rows), from binary64 data taken at face value.
+///
+/// Certified means, for every component i and every pair (i, j),
+///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
+/// which is read off the balls; no return flag is trusted. With forgetting = 1 the sums in (1) and (2) are exact
+/// integers; with less they are balls, and the whole recursion is repeated at doubled precision until it is enough.
+/// A step is called unresolved after 2^16 bits (4 times the digits asked for, if that is more) were not enough. A theta of
+/// which no ball leaves out zero is then decided exactly, as far as numbers of 2^20 bits go: if it is zero, it is certified
+/// with radius 0.
+///
+/// Deterministic. Memory O(d^2) besides the data and the results. Cost per row: about d^2/2 short multiplications, with
+/// forgetting at the working precision; per step asked for: O(d^3).
+/// Throws std::invalid_argument for a problem that is not well posed, data of another size, steps out of order or
+/// range, a P0 that is not symmetric.
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
+                             int digits = 30);
+
+/// kappa_2 of the weighted data matrix, rows scaled by sqrt(lambda^(N-k)): to about 12 digits, from the certified
+/// inverse of its Gram matrix. Infinity when singular (proven) or beyond double's range; NaN when the regressors are
+/// not finite. The cost of `certified` for one step, and 40 products of d x d doubles.
+double condition(Records const& data, double forgetting);
+
+/// ||theta - theta_from||_2 / ||theta_from||_2 of two exact solutions: what the prior costs, whatever the variant, or the
+/// rounding of the data. 0 for two zeros, infinity for a change of zero, NaN unless both are certified.
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from);
+/// The same in the norm |x|^2 = sum (s_i x_i)^2, s_i > 0: with s_i the size of regressor i it does not depend on units.
+double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
+/// The largest change of a component, max_i |x_i - from_i| / max(|from_i|, 2^-20 |from| / s_i) in the same norm: a component that
+/// adds less than a millionth to the prediction is not asked for its own digits.
+double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
+
+}  // namespace rlslab

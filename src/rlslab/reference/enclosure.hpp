@@ -1,0 +1,22 @@
+// What a CertifiedSolution holds. Internal: includes arb.h.
+#pragma once
+
+#include <rlslab/reference/balls.hpp>
+#include <rlslab/reference/certified.hpp>
+
+namespace rlslab {
+
+struct CertifiedSolution::Enclosure {
+    balls::BallMatrix theta;         ///< d x 1
+    balls::BallMatrix covariance;    ///< d x d
+    long bits;                       ///< working precision
+    int digits;                      ///< asked for
+};
+
+/// What `certified` promises of theta, and of P, read off the balls:
+///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
+/// False also for some that are less than twice as accurate as promised.
+bool theta_is_accurate(CertifiedSolution::Enclosure const& enclosure);
+bool covariance_is_accurate(CertifiedSolution::Enclosure const& enclosure);
+
+}  // namespace rlslab

@@ -1,0 +1,78 @@
+// The Gram matrix of [psi y]: exactly in integers, or with forgetting in balls. Internal: includes arb.h.
+#pragma once
+
+#include <rlslab/core/records.hpp>
+#include <rlslab/reference/balls.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace rlslab::balls {
+
+/// G = sum_i a_i a_i', a_i = (psi_i, y_i), in integers: every column j has its own unit 2^e_j, the largest power of two
+/// that divides all its entries, so that columns of very different scale do not lengthen one another.
+///
+///   G_ij = 2^(e_i + e_j) sum_k m_ki m_kj
+///
+/// Memory O(d^2). Data must be finite.
+class IntegerGram {
+    Records const& data_;
+    std::vector<int> unit_;    ///< e_j; the output is column d
+    IntegerMatrix sum_;
+    Index rows_ = 0;
+
+    void add(Index first, Index count);
+
+public:
+    IntegerGram(Records const& data, Index last);
+    /// Takes in the rows up to k <= last.
+    void advance(Index k);
+    IntegerMatrix const& mantissas() const { return sum_; }
+    /// G_ij rounded to so many bits, the rounding in the radius.
+    void entry(arb_ptr ball, Index i, Index j, long bits) const;
+};
+
+/// M = lambda^k M_0 + sum_i lambda^(k-i) a_i a_i' in balls, by blocks of rows:
+///
+///   (1)  M <- lambda^B M + A' W A,    W = diag(lambda^(B-1), ..., lambda, 1)
+///
+/// With a power p it is lambda^p that forgets, itself a ball.
+///
+/// A's entries are exact and short, which makes Arb's dot products cheap. Memory O(d^2 + B d).
+class ForgettingGram {
+    Records const& data_;
+    long bits_;
+    std::vector<Ball> power_;        ///< lambda^0 ... lambda^B
+    BallMatrix sum_;                 ///< upper triangle
+    BallMatrix a_, wa_;              ///< A' and A' W
+    Index rows_ = 0;
+
+    void add(Index first, Index count);
+
+public:
+    static constexpr Index block = 64;
+    /// M_0, (d+1) x (d+1), is the prior's part (upper triangle).
+    ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power = 1);
+    void advance(Index k);
+    BallMatrix const& matrix() const { return sum_; }
+};
+
+/// True proves theta_k = 0: M_k theta_k = b_k is zero where P0 b_k is, a sum of products of what is given. False says nothing:
+/// it is not zero, or would take numbers of more than 2^20 bits. Called where the balls around theta all contain zero.
+bool surely_vanishes(Problem<double> const& problem, Records const& data, Index k);
+
+/// The rank of the first k regressors, proven, for ascending k. Elimination modulo the prime 2^61 - 1 bounds it from
+/// below; k, d and, only where these leave a gap, exact integer elimination bound it from above.
+std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps);
+
+/// Whether a finite square matrix is nonsingular, decided exactly: modulo a prime first, then in integers.
+/// Throws std::range_error when the exponents within a column differ by more than 2^20.
+bool nonsingular(Matrix<Reference> const& A);
+
+/// True proves that a finite square matrix is nonsingular, modulo the same prime; false says nothing. Fast.
+bool surely_nonsingular(Matrix<double> const& A);
+
+/// sign of det of the leading n x n block of F + F', exactly. Throws as above.
+int sign_of_leading_minor(Matrix<Reference> const& F, Index n);
+
+}  // namespace rlslab::balls

@@ -1,0 +1,82 @@
+// How the NIST regressions are scored, the recursive table of docs/literature.md 3.5, and the words of the study's claims.
+#pragma once
+
+#include "studies/engine/findings.hpp"
+#include "studies/published/nist_data.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/core/random.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace rlslab::strd {
+
+/// NIST's log relative error of the worst parameter against these decimals.
+inline double decimal_digits(std::string const& set, Vector<Reference> const& theta) {
+    double worst = INFINITY;
+    for (Index i = 0; i < theta.size(); ++i) {
+        Reference const exact = decimal(set, i);
+        worst = std::min(worst, -correctly::log10(static_cast<double>(abs(Reference(theta[i] - exact)) / abs(exact))));
+    }
+    return worst;
+}
+inline Records shuffled(Records records, Seed seed) {
+    for (Index i = records.rows() - 1; i > 0; --i) {
+        Index const j = Index(seed.next() % std::uint64_t(i + 1));
+        records.psi.col(i).swap(records.psi.col(j));
+        std::swap(records.y[i], records.y[j]);
+    }
+    return records;
+}
+
+/// Digits of the worst parameter at c^2 = 1e20 in file order: the recursive table of docs/literature.md 3.5, where a digit is left.
+using Row = std::map<std::string, double>;
+inline std::map<std::string, Row> const listed{
+    {"longley", {{"potter", 0.6}, {"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0},
+     {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
+    {"filip", {{"potter", 1.4}, {"carlson", 5.0}, {"ud", 5.0}, {"inverse_qr", 4.6}, {"qr", 7.3}, {"gentleman", 7.2}}},
+    {"wampler3", {{"potter", 0.4}, {"carlson", 9.7}, {"ud", 9.8}, {"inverse_qr", 9.6},
+     {"information", 6.6}, {"qr", 9.4}, {"gentleman", 9.5}}},
+    {"wampler4", {{"potter", -1.6}, {"carlson", 8.1}, {"ud", 7.8}, {"inverse_qr", 7.8},
+     {"information", 6.6}, {"qr", 7.8}, {"gentleman", 8.7}}},
+    {"wampler5", {{"potter", -3.6}, {"carlson", 6.4}, {"ud", 5.8}, {"inverse_qr", 5.6},
+     {"information", 6.6}, {"qr", 5.8}, {"gentleman", 6.7}}}};
+
+/// An entry is met within 0.7 in file order, or lies among what other orders of the rows give.
+inline Finding table_is_met(Table const& t) {
+    int met = 0, among = 0;
+    double scatter = 0;
+    std::string missed;
+    for (auto const& [set, row] : listed)
+        for (auto const& [variant, digits] : row) {
+            std::vector<double> const ours = t.where("set", set).where("variant", variant).numbers("digits");
+            auto const [least, most] = std::minmax_element(ours.begin(), ours.end());
+            if (std::abs(ours.front() - digits) <= 0.7) ++met;
+            else if (*least <= digits && digits <= *most) ++among, scatter = std::max(scatter, *most - *least);
+            else missed += fmt::format(", missed {} {}: {}, ours {:.1f} ... {:.1f}", set, variant, digits, *least, *most);
+        }
+    // Where orders scattered by more, anything would lie among them.
+    return {missed.empty() && scatter <= 6,
+            fmt::format("{} within 0.7 in file order, {} among other orders, which scatter by up to {:.1f} digits{}", met, among, scatter,
+                        missed)};
+}
+
+inline Table prior_of(Table const& t, double c2) { return t.where("c2", [=](double c) { return std::abs(c / c2 - 1) < 0.01; }); }
+/// Median digits of one set, less those of another.
+inline Number fall(std::string from, std::string to) {
+    return [=](Table const& t) { return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to)); };
+}
+/// Median digits of a variant, less qr's.
+inline Number lead(std::string variant) {
+    return [=](Table const& t) { return median("digits")(t.where("variant", variant)) - median("digits")(t.where("variant", "qr")); };
+}
+inline std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
+inline std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+
+}  // namespace rlslab::strd
