@@ -36,20 +36,9 @@ std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
                       : fmt::format(" {:>4} {:>4} {:>4} ", "-", "-", "-");
     return out;
 }
-std::string asymmetry_text(std::optional<double> const& asymmetry) {
-    if (!asymmetry) return "-";
-    return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
-}
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
 std::string operations_text(std::optional<long> const& operations) {
     return operations ? fmt::format("{}", *operations) : "-";
-}
-
-/// "as stored: lambda 0.9906, rank 5 of 5; the exact theta agrees with that of the given data to 2.3 digits"
-std::string storage_text(Storage const& s, Comparison const& c) {
-    return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
-                       s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
-                                      : "no exact theta: the problem leaves the range");
 }
 
 std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.substr(0, x.size() - 2) + "  " : x; }
@@ -109,9 +98,7 @@ std::string as_table(Comparison const& c, bool colour) {
             out += paint("2", fmt::format("{:<24} {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:<19}{:>6}{:>6}{:>7}", "", "low", "mid", "high", "low", "mid", "high", "low", "mid",
                                           "high", "breakdown", "asym", "ops", "ns")) + '\n';
         }
-        bool const best = std::any_of(c.recommendations.begin(), c.recommendations.end(), [&](Recommendation const& rec) {
-            return rec.arithmetic == a.name && rec.variant == r.entry->variant;
-        });
+        bool const best = is_recommended(c, r);
         std::string const line = fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
                                              asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
         out += paint(best ? "32" : r.broken ? "31" : "0", line) + '\n';

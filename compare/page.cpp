@@ -12,19 +12,17 @@ namespace rlslab {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-/// Digits below are drawn here: an error of ten times the answer is as bad as any other.
-constexpr double floor_of_figures = -1;
+/// The axes of digits end here: an error of ten times the answer is as bad as any other.
+constexpr double least_digits = -1;
 
 struct Shown {
-    char const *name, *title, *axis;
+    char const* axis;
     std::optional<double> Digits::*digits;
     Spread PerMeasure<Spread>::*spread;
 };
-constexpr Shown shown[] = {{"theta", "Digits of theta along the record", "digits of theta", &Digits::theta, &PerMeasure<Spread>::theta},
-                           {"worst", "Digits of theta's worst component along the record", "digits of the worst component", &Digits::worst, &PerMeasure<Spread>::worst},
-                           {"covariance", "Digits of P along the record", "digits of P", &Digits::covariance, &PerMeasure<Spread>::covariance}};
-
-double drawn(double digits) { return std::isnan(digits) ? digits : std::max(digits, floor_of_figures); }
+constexpr Shown shown[] = {{"digits of theta", &Digits::theta, &PerMeasure<Spread>::theta},
+                           {"digits of the worst component", &Digits::worst, &PerMeasure<Spread>::worst},
+                           {"digits of P", &Digits::covariance, &PerMeasure<Spread>::covariance}};
 
 /// Calls see(arithmetic, its results) for each arithmetic in turn.
 template <class See>
@@ -37,106 +35,154 @@ void for_each_arithmetic(Comparison const& c, See const& see) {
     }
 }
 
-std::string panel_name(Recommendation const& r, std::vector<Result const*> const& results) {
-    return fmt::format("{} ({} bits)", r.arithmetic, results.front()->entry->arithmetic->digits);
+/// "double (53 bits): ★ ud, in the code".
+std::string panel_name(Comparison const& c, Recommendation const& r, std::vector<Result const*> const& results) {
+    std::string const mark = r.variant.empty() ? "" : fmt::format(": ★ {}{}", r.variant, coded(c) == &r ? ", in the code" : "");
+    return fmt::format("{} ({} bits){}", r.arithmetic, results.front()->entry->arithmetic->digits, mark);
 }
 
-Figure along_the_record(Comparison const& c, Shown const& of) {
-    Figure figure{.name = fmt::format("along-{}", of.name), .title = of.title, .x = "row", .y = of.axis, .panels = {}, .own_y = true};
-    for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-        Panel panel{.name = panel_name(r, results), .curves = {}, .guides = {}};
-        for (size_t i = 0; i < results.size(); ++i) {
-            Result const& x = *results[i];
-            Curve curve{.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {}, .y = {}, .marks = false};
-            for (size_t k = 0; k < x.path.size(); ++k) {
-                curve.x.push_back(double(c.checkpoints[k]));
-                curve.y.push_back(drawn((x.path[k].*of.digits).value_or(nan)));
+/// Before the first checkpoint there is no digit to stand at: the cross is at the first point's height.
+Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve const& curve) {
+    size_t const after = size_t(std::ranges::lower_bound(c.checkpoints, breakdown.step) - c.checkpoints.begin());
+    double const y = curve.y[std::min(after, curve.y.size() - 1)];
+    return {double(breakdown.step), std::isnan(y) ? least_digits : y,
+            fmt::format("{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
+                        breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
+            curve.name};
+}
+
+/// A panel for each measure in each arithmetic: one legend for all.
+Figure along_the_record(Comparison const& c) {
+    Figure figure{.name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .panels = {}, .own_y = true};
+    for (Shown const& of : shown)
+        for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
+            Panel panel{.name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)), .curves = {}, .guides = {}, .y_least = least_digits};
+            for (size_t i = 0; i < results.size(); ++i) {
+                Result const& x = *results[i];
+                Curve curve{.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {}, .y = {}, .marks = false, .strong = is_recommended(c, x)};
+                for (size_t k = 0; k < x.path.size(); ++k) {
+                    curve.x.push_back(double(c.checkpoints[k]));
+                    curve.y.push_back((x.path[k].*of.digits).value_or(nan));
+                }
+                if (x.breakdown && !x.path.empty()) panel.events.push_back(breakdown_event(c, *x.breakdown, curve));
+                panel.curves.push_back(std::move(curve));
             }
-            if (x.breakdown && !x.path.empty()) {
-                size_t const after = size_t(std::ranges::lower_bound(c.checkpoints, x.breakdown->step) - c.checkpoints.begin());
-                double const y = curve.y[std::min(after, curve.y.size() - 1)];
-                panel.events.push_back({double(x.breakdown->step), std::isnan(y) ? floor_of_figures : y,
-                                        fmt::format("{}: {} at row {}", curve.name, x.breakdown->kind, x.breakdown->step), curve.name});
-            }
-            panel.curves.push_back(std::move(curve));
-        }
-        figure.panels.push_back(std::move(panel));
-    });
+            figure.panels.push_back(std::move(panel));
+        });
     return figure;
 }
+
+/// "4.9 (4.5 to 5.3)".
+std::string spread_words(Spread const& s) { return fmt::format("{} ({} to {})", tenths(s.median), tenths(s.low), tenths(s.high)); }
 
 /// One figure an arithmetic: the most accurate variants first.
 std::string spreads(Comparison const& c) {
     std::string out;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> results) {
+        std::string const title = "The spread of the digits in " + panel_name(c, r, results);
         std::erase_if(results, [](Result const* x) { return !x->spread; });
         std::ranges::stable_sort(results, std::greater<>(), [](Result const* x) {
             return std::min({x->spread->theta.median, x->spread->worst.median, x->spread->covariance.median});
         });
         if (results.empty()) return;
-        Figure figure{.name = "spread-" + r.arithmetic, .title = "The spread of the digits in " + panel_name(r, results), .x = "", .y = "digits", .panels = {Panel{}}};
+        Figure figure{.name = "spread-" + r.arithmetic, .title = title, .x = "", .y = "digits", .panels = {Panel{}}};
+        figure.panels.front().y_least = least_digits;
         for (size_t m = 0; m < std::size(shown); ++m) {
             Curve curve{.name = shown[m].axis, .look = look_of("", m), .x = {}, .y = {}, .line = false, .bars = true};
             for (size_t i = 0; i < results.size(); ++i) {
                 Spread const& s = (*results[i]->spread).*shown[m].spread;
                 curve.x.push_back(double(i) + 0.22 * (double(m) - 1));
-                curve.y.push_back(drawn(s.median));
-                curve.low.push_back(drawn(s.low));
-                curve.high.push_back(drawn(s.high));
-                curve.says.push_back(fmt::format("{}: {:.1f} ({:.1f} to {:.1f}) {}", results[i]->entry->variant, s.median, s.low, s.high, shown[m].axis));
+                curve.y.push_back(s.median);
+                curve.low.push_back(s.low);
+                curve.high.push_back(s.high);
+                curve.says.push_back(fmt::format("{}: {} {}", results[i]->entry->variant, spread_words(s), shown[m].axis));
             }
             figure.panels.front().curves.push_back(std::move(curve));
         }
-        for (Result const* x : results) figure.x_names.emplace_back(x->entry->variant);
+        for (size_t i = 0; i < results.size(); ++i) {
+            bool const best = is_recommended(c, *results[i]);
+            figure.x_names.push_back((best ? "★ " : "") + std::string(results[i]->entry->variant));
+            if (best) figure.strong_x.push_back(i);
+        }
         out += figure_html(figure);
     });
     return out;
 }
 
+/// Calls see(line) for each line, without its end.
+template <class See>
+void for_each_line(std::string const& text, See const& see) {
+    for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
+        end = std::min(text.find('\n', begin), text.size());
+        see(text.substr(begin, end - begin));
+    }
+}
+
 /// Preformatted: line by line, for escaped text is one line.
 std::string pre(std::string const& text) {
     std::string out = "<pre>";
-    for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
-        end = std::min(text.find('\n', begin), text.size());
-        out += escaped(text.substr(begin, end - begin)) + '\n';
-    }
+    for_each_line(text, [&](std::string const& line) { out += escaped(line) + '\n'; });
     return out + "</pre>\n";
+}
+
+/// Sentences: each line that does not go on with the one before.
+std::string says(std::string const& text) {
+    std::string out;
+    for_each_line(text, [&](std::string const& line) {
+        bool const goes_on = line.starts_with(' ') && !out.empty();
+        out += goes_on ? escaped(line.substr(line.find_first_not_of(' ') - 1)) : (out.empty() ? "<div>" : "</div><div>") + escaped(line);
+    });
+    return "<div class=\"says\">" + out + "</div></div>\n";
 }
 
 Figure costs(Comparison const& c) {
     Figure figure{.name = "cost", .title = "Digits of theta against what a row costs", .x = "operations a row, theta included", .y = "digits of theta", .log_x = true,
                   .panels = {}, .own_y = true};
-    figure.names = true;
+    figure.names = true, figure.legend = false;
+    std::vector<std::string> uncounted;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-        Panel panel{.name = panel_name(r, results), .curves = {}, .guides = {}};
+        Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};
         for (size_t i = 0; i < results.size(); ++i) {
             Result const& x = *results[i];
+            if (std::string const name(x.entry->variant); !x.operations && std::ranges::find(uncounted, name) == uncounted.end()) uncounted.push_back(name);
             if (!x.operations || !x.spread) continue;
             Spread const& s = x.spread->theta;
-            panel.curves.push_back({.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {double(*x.operations)}, .y = {drawn(s.median)},
-                                    .low = {drawn(s.low)}, .high = {drawn(s.high)}, .line = false, .bars = true,
-                                    .says = {fmt::format("{}: {} operations, {:.1f} digits of theta ({:.1f} to {:.1f})", x.entry->variant, *x.operations, s.median, s.low,
-                                                         s.high)}});
+            panel.curves.push_back({.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {double(*x.operations)}, .y = {s.median},
+                                    .low = {s.low}, .high = {s.high}, .line = false, .bars = true,
+                                    .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant, *x.operations, spread_words(s))},
+                                    .strong = is_recommended(c, x)});
         }
         figure.panels.push_back(std::move(panel));
     });
+    if (!uncounted.empty()) figure.note = fmt::format("Not drawn: {}, whose operations are a library's and are not counted.", fmt::join(uncounted, ", "));
     return figure;
 }
 
-std::string table(Comparison const& c) {
-    std::vector<std::vector<std::string>> rows;
-    for (Result const& x : c.results) {
-        std::vector<std::string> row{std::string(x.entry->variant), std::string(x.entry->arithmetic->name)};
-        for (Shown const& of : shown)
-            row.push_back(x.spread ? fmt::format("{} ({} to {})", tenths(((*x.spread).*of.spread).median), tenths(((*x.spread).*of.spread).low),
-                                                 tenths(((*x.spread).*of.spread).high))
-                                   : "-");
-        row.push_back(breakdown_text(x));
-        row.push_back(x.operations ? fmt::format("{}", *x.operations) : "-");
-        row.push_back(x.ns_per_update ? fmt::format("{:.0f}", *x.ns_per_update) : "-");
-        rows.push_back(std::move(row));
-    }
-    return table_html({"variant", "arithmetic", "theta", "worst component", "P", "breakdown", "operations", "ns"}, rows);
+/// For each arithmetic what storing the problem does to it, and its results; the recommended one stands out.
+std::string tables(Comparison const& c) {
+    std::string out;
+    for_each_arithmetic(c, [&](Recommendation const&, std::vector<Result const*> const& results) {
+        Arithmetic const& a = *results.front()->entry->arithmetic;
+        out += fmt::format("<h3>{} ({} bits, {:.1f} digits)</h3>\n", a.name, a.digits, a.decimal_digits());
+        for (Storage const& s : c.storage)
+            if (s.arithmetic == a.name) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(storage_text(s, c)));
+        std::vector<std::vector<std::string>> rows;
+        std::vector<size_t> best;
+        for (Result const* x : results) {
+            if (is_recommended(c, *x)) best.push_back(rows.size());
+            std::vector<std::string> row{(is_recommended(c, *x) ? "★ " : "") + std::string(x->entry->variant)};
+            for (Shown const& of : shown) row.push_back(x->spread ? spread_words((*x->spread).*of.spread) : "-");
+            row.push_back(breakdown_text(*x));
+            row.push_back(asymmetry_text(x->asymmetry));
+            row.push_back(x->operations ? fmt::format("{}", *x->operations) : "-");
+            if (c.options.timings) row.push_back(x->ns_per_update ? fmt::format("{:.0f}", *x->ns_per_update) : "-");
+            rows.push_back(std::move(row));
+        }
+        std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
+        if (c.options.timings) head.emplace_back("ns");
+        out += table_html(head, rows, best);
+    });
+    return out;
 }
 
 std::string solutions(Comparison const& c) {
@@ -152,17 +198,26 @@ std::string as_page(Comparison const& c) {
     std::string const what = c.model.file.empty() ? "a record" : c.model.file.substr(c.model.file.rfind('/') + 1);
     std::string body = fmt::format("<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab {}</p>\n",
                                    escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
-    body += pre(verdict(c));
+    std::string told;
+    for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+    if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
+    body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty()) body += pre(paste);
-    body += "<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them. "
-            "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite. "
-            "Less than -1 digit is drawn at -1.</p>\n";
-    for (Shown const& of : shown) body += figure_html(along_the_record(c, of));
+    body += fmt::format("<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them. "
+                        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "
+                        "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
+                        "A star and the strong line mark the recommended variant.</p>\n",
+                        std::ranges::any_of(c.results, [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
+                            ? fmt::format("; one left of its line broke down before the first checkpoint, row {}", c.checkpoints.front())
+                            : "",
+                        least_digits);
+    body += figure_html(along_the_record(c));
     body += fmt::format("</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the spread over the checkpoints{}: "
                         "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
                         c.options.forgetting == 1 ? " and over four orders of the rows" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
-    body += "</section><section><h2>All numbers</h2>\n" + table(c) + "</section><section><h2>The exact solutions</h2>\n";
+    body += "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one tenth of the counts reach. "
+            "Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" + tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format("<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius, c.bits);
     return page("rlslab compare: " + what, body);

@@ -30,6 +30,23 @@ std::string breakdown_text(Result const& r) {
     if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);
     return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
+
+std::string asymmetry_text(std::optional<double> const& asymmetry) {
+    if (!asymmetry) return "-";
+    return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
+}
+
+std::string storage_text(Storage const& s, Comparison const& c) {
+    return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
+                       s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
+                                      : "no exact theta: the problem leaves the range");
+}
+
+bool is_recommended(Comparison const& c, Result const& result) {
+    return std::ranges::any_of(c.recommendations,
+                               [&](Recommendation const& r) { return r.arithmetic == result.entry->arithmetic->name && r.variant == result.entry->variant; });
+}
+
 std::string prior_text(Comparison const& c) {
     std::string out = "theta0 = 0, P0 = ";
     if (c.scaled_prior) {

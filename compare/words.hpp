@@ -20,6 +20,15 @@ std::string tenths(double digits);
 /// "none", "indefinite at 25", "in 2 of 4 orders".
 std::string breakdown_text(Result const& result);
 
+/// "8e-01", "0"; "-" where nothing is known.
+std::string asymmetry_text(std::optional<double> const& asymmetry);
+
+/// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
+std::string storage_text(Storage const& storage, Comparison const& comparison);
+
+/// Whether this result is the one recommended in its arithmetic.
+bool is_recommended(Comparison const& comparison, Result const& result);
+
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
 

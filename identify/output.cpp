@@ -105,13 +105,13 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
         std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
         auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
         if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
-        Curve c{.name = p.name, .look = look_of("", panel->curves.size()), .x = {}, .y = {}, .low = {}, .high = {}};
+        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};    // one look a parameter
         for (size_t i = settled; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
             c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
         }
-        c.marks = false;
+        c.marks = j >= 16;    // from there on colour and dash come again
         panel->curves.push_back(std::move(c));
     }
     out.push_back(std::move(on_the_way));
@@ -138,10 +138,14 @@ void draw_poles(std::vector<Figure>& out, Identified const& m) {
 }
 
 void draw_orders(std::vector<Figure>& out, Identified const& m) {
+    constexpr double least_probability = 1e-8;
     Figure orders{"orders", "What each order explains, and what the criteria say of it", "order", "", false, false, false, {}};
     orders.own_y = true;
+    for (OrderFit const& f : m.choice.fits)
+        if (f.order > 0) orders.x_ticks.push_back(f.order);
+    bool const is_one = std::ranges::find(m.choice.fits, m.order, &OrderFit::order) != m.choice.fits.end() && m.structure == fmt::format("order {}", m.order);
     size_t place = 0;
-    auto const criterion = [&](std::string name, std::vector<std::pair<std::string, double OrderFit::*>> const& which) {
+    auto const criterion = [&](std::string name, std::vector<std::pair<std::string, double OrderFit::*>> const& which) -> Panel& {
         Panel p{std::move(name), {}, {}};
         for (size_t i = 0; i < which.size(); ++i) {
             Signal x, y;
@@ -149,10 +153,16 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
                 if (f.order > 0 && std::isfinite(f.*which[i].second)) x.push_back(f.order), y.push_back(f.*which[i].second);
             p.curves.push_back(curve(which[i].first, place++, x, y));
         }
+        if (is_one) p.events.push_back({.x = double(m.order), .text = fmt::format("order {}", m.order)});
         orders.panels.push_back(std::move(p));
+        return orders.panels.back();
     };
     criterion("criteria: smaller is better", {{"AIC", &OrderFit::aic}, {"BIC", &OrderFit::bic}});
-    criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::ljung_box}});
+    Panel& white = criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::ljung_box}});
+    white.log_y = true, white.y_least = least_probability, white.y_holds = {white_level, 1};
+    white.guides.push_back(level(fmt::format("level {}", white_level), 1, std::max(1.0, orders.x_ticks.empty() ? 1 : orders.x_ticks.back()), white_level));
+    if (std::ranges::any_of(m.choice.fits, [](OrderFit const& f) { return f.order > 0 && f.ljung_box < least_probability; }))
+        orders.note = fmt::format("A triangle at the lower edge stands for a probability below {}.", least_probability);
     if (m.held_out > 0) criterion("one-step fit on held-out rows, %", {{"held out", &OrderFit::held_out}});
     out.push_back(std::move(orders));
 }
@@ -161,10 +171,30 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
 std::vector<Figure> drawn(Identified const& m) {
     std::vector<Figure> out;
     bool const model = !m.model.b.empty();
+    if (!m.choice.fits.empty()) draw_orders(out, m);
     if (model) draw_outputs(out, m);
     draw_trajectory(out, m);
     if (model) draw_poles(out, m);
-    if (!m.choice.fits.empty()) draw_orders(out, m);
+    return out;
+}
+
+}  // namespace
+
+namespace {
+
+/// A box for each: "warning", "next".
+std::string boxes(std::string const& kind, std::string const& type, std::vector<std::string> const& sentences) {
+    std::string out;
+    for (std::string const& words : sentences) out += fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", type, kind, escaped(words));
+    return out.empty() ? "" : "<ul class=\"claims\">" + out + "</ul>";
+}
+
+/// Without what the header says already.
+std::vector<std::string> order_lines_below(Identified const& m) {
+    std::vector<std::string> out = order_lines(m);
+    std::string const said = fmt::format("{} ({})", m.structure, m.why);
+    if (out.front().starts_with(said)) out.front().erase(0, said.size() + (out.front().starts_with(said + "; ") ? 2 : 0));
+    std::erase(out, "");
     return out;
 }
 
@@ -174,22 +204,17 @@ std::string as_page(Identified const& m) {
     std::vector<Figure> const figures = drawn(m);
     std::string body = fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>", escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure),
                                    escaped(m.why));
-    if (!m.warnings.empty()) {
-        body += "<ul class=\"claims\">";
-        for (std::string const& warning : m.warnings) body += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
-        body += "</ul>";
-    }
-    body += "</header>";
-    for (std::string const& words : data_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
-    for (std::string const& words : input_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
-    for (std::string const& words : order_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
-    body += fmt::format("<div class=\"scroll\"><table><thead><tr><th>parameter</th><th>of</th><th>estimate</th><th>sd</th><th>{:g} % interval</th></tr></thead><tbody>",
-                        100 * m.options.confidence);
+    body += boxes("warning", "fails", m.warnings) + "</header>";
+    for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
+    std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
-        body += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} ... {}</td></tr>", escaped(printable(p.name)), escaped(p.of), number_text(p.value, 6),
-                            number_text(p.sd, 2), number_text(p.low, 5), number_text(p.high, 5));
-    body += "</tbody></table></div>";
-    for (std::string const& words : result_lines(m)) body += fmt::format("<p>{}</p>", escaped(words));
+        rows.push_back({printable(p.name), p.of, number_text(p.value, 6), number_text(p.sd, 2), fmt::format("{} ... {}", number_text(p.low, 5), number_text(p.high, 5))});
+    body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
+    for (std::string const& words : result_lines(m))
+        if (!words.starts_with("next: ")) body += fmt::format("<p>{}</p>", escaped(words));
+    body += boxes("next", "next", m.hints);
+    for (auto const& lines : {data_lines(m), input_lines(m)})
+        for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);
     return page(m.file + ": identified", body);
 }

@@ -21,6 +21,7 @@ struct Range {
 struct Tick {
     double value;
     std::string text = {}, power = {};    ///< "0.5"; or "2·10" and its power "-7"; no text: a minor tick
+    bool strong = false;
 };
 struct Ticks {
     std::vector<Tick> all;    ///< ascending, inside the range

@@ -11,9 +11,6 @@
 namespace rlslab::plot {
 namespace {
 
-struct Point {
-    double x, y;
-};
 using Run = std::vector<Point>;
 constexpr double far = 1e9;    // so far outside, a place and its difference from another are still finite
 
@@ -115,14 +112,46 @@ std::string band(Curve const& curve, Axes const& axes) {
     return out;
 }
 
-std::string bars(Curve const& curve, Axes const& axes) {
-    std::string path;
+std::string says(Figure const& figure, Curve const& curve, size_t i) {
+    if (i < curve.says.size()) return curve.says[i];
+    size_t const place = static_cast<size_t>(std::clamp(curve.x[i], 0.0, 1e6));
+    std::string const x =
+        place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
+    std::string out = fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
+    if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.low[i]), number_text(curve.high[i]));
+    return out;
+}
+
+/// For what is less than the axis shows: at its lower edge.
+constexpr double edge_height = 5.4;
+std::string edge_mark(double x, Axes const& axes) { return mark_path("triangle-down", x, axes.box.bottom - edge_height); }
+
+std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
+    std::string path, edges;
     for (size_t i = 0; i < curve.x.size(); ++i) {
-        if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i)) continue;
-        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes), bottom = inside(curve.low[i], axes);
-        path += fmt::format("M{0} {1}h6M{2} {1}V{3}M{0} {3}h6", fixed(x - 3), fixed(top), fixed(x), fixed(bottom));
+        if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i) || curve.high[i] < panel.y_least) continue;
+        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes), bottom = curve.low[i] < panel.y_least ? axes.box.bottom : inside(curve.low[i], axes);
+        path += fmt::format("M{0} {1}h6M{2} {1}V{3}", fixed(x - 3), fixed(top), fixed(x), fixed(bottom));
+        if (curve.low[i] < panel.y_least) edges += edge_mark(x, axes);
+        else path += fmt::format("M{} {}h6", fixed(x - 3), fixed(bottom));
     }
-    return path.empty() ? "" : fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.2\"/>", path, curve.look.colour);
+    if (path.empty()) return "";
+    std::string out = fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>", path, curve.look.colour, curve.strong ? 2.4 : 1.2);
+    if (!edges.empty()) out += fmt::format("<path d=\"{}\" fill=\"#fff\" stroke=\"{}\"/>", edges, curve.look.colour);
+    return out;
+}
+
+/// Points below the axis: triangles at its lower edge, with the numbers in their tooltips.
+std::string below(Figure const& figure, Panel const& panel, Curve const& curve, Axes const& axes) {
+    std::string out;
+    double last = -far;
+    for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
+        auto const at = curve.y[i] < panel.y_least ? mark_place(panel, curve, i, axes) : std::nullopt;
+        if (!at || (curve.line && std::abs(at->x - last) < 14)) continue;
+        last = at->x;
+        out += fmt::format("<path d=\"{}\"><title>{}, below the axis</title></path>", edge_mark(at->x, axes), escaped_xml(says(figure, curve, i)));
+    }
+    return out.empty() ? "" : fmt::format("<g class=\"below\" fill=\"{0}\" stroke=\"{0}\">{1}</g>", curve.look.colour, out);
 }
 
 std::string stems(Curve const& curve, Axes const& axes) {
@@ -134,25 +163,14 @@ std::string stems(Curve const& curve, Axes const& axes) {
     return path.empty() ? "" : fmt::format("<path d=\"{}\" {}/>", path, line_style({curve.look.colour}, 1.6));
 }
 
-std::string says(Figure const& figure, Curve const& curve, size_t i) {
-    if (i < curve.says.size()) return curve.says[i];
-    size_t const place = static_cast<size_t>(std::clamp(curve.x[i], 0.0, 1e6));
-    std::string const x =
-        place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
-    std::string out = fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
-    if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.low[i]), number_text(curve.high[i]));
-    return out;
-}
-
 /// Marks with tooltips. Along a line they keep a distance, and of very many only some are drawn; of the points of a cloud each
 /// place is drawn once.
-std::string marks(Figure const& figure, Curve const& curve, Axes const& axes) {
+std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, Axes const& axes) {
     constexpr double apart = 9;
     constexpr size_t many = 120, enough = 40, cloud = 2000;
     std::vector<std::pair<size_t, Point>> all;
     for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
-        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i]))
-            if (Point const p{axes.x(curve.x[i]), axes.y(curve.y[i])}; axes.box.holds(p.x, p.y)) all.emplace_back(i, p);
+        if (auto const p = mark_place(panel, curve, i, axes); p && !(curve.y[i] < panel.y_least)) all.emplace_back(i, *p);
     std::string out;
     if (curve.line) {
         size_t const stride = all.size() > many ? all.size() / enough : 1;
@@ -177,10 +195,20 @@ std::string marks(Figure const& figure, Curve const& curve, Axes const& axes) {
         }
         if (!path.empty()) out = fmt::format("<path d=\"{}\"><title>{}</title></path>", path, escaped_xml(curve.name));
     }
-    return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look), out);
+    if (curve.strong && !curve.line)
+        for (auto const& [i, p] : all) out += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"8.5\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"1.6\"/>", fixed(p.x), fixed(p.y));
+    return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look, curve.strong ? 1.8 : 1.3), out);
 }
 
 }  // namespace
+
+std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i, Axes const& axes) {
+    if (i >= std::min(curve.x.size(), curve.y.size()) || !axes.x.shows(curve.x[i])) return {};
+    bool const less = curve.y[i] < panel.y_least;
+    if (!less && !axes.y.shows(curve.y[i])) return {};
+    Point const out{axes.x(curve.x[i]), less ? axes.box.bottom - edge_height : axes.y(curve.y[i])};
+    return axes.box.holds(out.x, out.y) ? std::optional(out) : std::nullopt;
+}
 
 std::string fixed(double x) {
     std::string out = fmt::format("{:.1f}", x);
@@ -205,42 +233,75 @@ std::string mark_path(std::string const& mark, double x, double y) {
     return 'M' + fixed(x) + ' ' + fixed(y) + (found == outlines.end() ? outlines.find("circle") : found)->second;
 }
 
-std::string mark_style(Look const& look) {
-    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.3\"", look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour);
+std::string mark_style(Look const& look, double width) {
+    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"", look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour, width);
 }
 std::string line_style(Look const& look, double width) {
     return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", look.colour, width,
                        look.dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
-std::string curve_group(Figure const& figure, Curve const& curve, size_t series, bool guide, Axes const& axes) {
+std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide, Axes const& axes) {
+    bool const faint = !guide && !curve.strong && std::ranges::any_of(panel.curves, &Curve::strong);
     std::string out;
-    if (!guide) out += curve.bars ? bars(curve, axes) : band(curve, axes);
+    if (!guide) out += curve.bars ? bars(panel, curve, axes) : band(curve, axes);
     if (!guide && curve.stems) out += stems(curve, axes);
     std::string path;
     if (curve.line)
         for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; }))
             path += path_of(thinned(run), axes.box);
     if (!path.empty())
-        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path, line_style(curve.look, guide ? 1.4 : 1.8),
+        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path, line_style(curve.look, curve.strong ? 3.4 : guide || faint ? 1.4 : 1.8),
                            escaped_xml(curve.name));
-    if (curve.marks && !guide && !curve.look.mark.empty()) out += marks(figure, curve, axes);
-    return fmt::format("<g class=\"s\" data-s=\"{}\">{}</g>\n", series, out);
+    if (curve.marks && !guide && !curve.look.mark.empty()) out += marks(figure, panel, curve, axes);
+    if (!guide) out += below(figure, panel, curve, axes);
+    return fmt::format("<g class=\"s\" data-s=\"{}\"{}>{}</g>\n", series, !faint ? "" : curve.line ? " opacity=\".5\"" : " opacity=\".75\"", out);
 }
 
-std::string event_group(Event const& event, Look const& look, size_t series, Axes const& axes) {
+namespace {
+/// Whether a line or a mark of a curve is in this box.
+bool covered(Panel const& panel, Axes const& axes, Box const& box) {
+    for (Curve const& curve : panel.curves) {
+        std::optional<Point> before;
+        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
+            auto const at = mark_place(panel, curve, i, axes);
+            if (at && box.holds(at->x, at->y)) return true;
+            if (Point a = before.value_or(Point{}), b = at.value_or(Point{}); at && before && curve.line && clip(a, b, box)) return true;
+            before = at;
+        }
+    }
+    return false;
+}
+}  // namespace
+
+std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes) {
     if (!axes.x.shows(event.x)) return "";
     double const x = axes.x(event.x);
-    if (x < axes.box.left - 0.05 || x > axes.box.right + 0.05) return "";
+    Box const& box = axes.box;
+    if (x < box.left - 0.05 || x > box.right + 0.05) return "";
     std::string out;
     if (std::isnan(event.y) || !axes.y.shows(event.y)) {
-        bool const left = x > (axes.box.left + axes.box.right) / 2;
-        std::string const text = shortened(event.text, tick_size, (left ? x - axes.box.left : axes.box.right - x) - 6);
-        out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\">{}</text>",
-                          fixed(x), fixed(axes.box.top), fixed(axes.box.bottom), line_style({look.colour, true}, 1.3),
-                          fixed(left ? x - 5 : x + 5), fixed(axes.box.top + 14), left ? "end" : "start", look.colour, escaped_xml(text));
+        struct Side {
+            bool left;
+            double base;
+            std::string text;
+        };
+        std::vector<Side> sides;
+        bool const near_left = x > (box.left + box.right) / 2;
+        for (bool const left : {near_left, !near_left})
+            for (double const base : {box.top + 14, box.bottom - 7})
+                sides.push_back({left, base, shortened(event.text, tick_size, (left ? x - box.left : box.right - x) - 6)});
+        auto const free = std::ranges::find_if(sides, [&](Side const& side) {
+            double const width = tick_size * text_width(side.text), begin = side.left ? x - 5 - width : x + 5;
+            return side.text == event.text && !covered(panel, axes, {begin, side.base - 11, begin + width, side.base + 4});
+        });
+        Side const& side = free == sides.end() ? sides.front() : *free;
+        out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" stroke=\"#fff\" stroke-width=\"4\" "
+                          "paint-order=\"stroke\">{}</text>",
+                          fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3), fixed(side.left ? x - 5 : x + 5), fixed(side.base),
+                          side.left ? "end" : "start", look.colour, escaped_xml(side.text));
     } else {
-        double const y = std::clamp(axes.y(event.y), axes.box.top, axes.box.bottom);
+        double const y = std::clamp(axes.y(event.y), box.top, box.bottom);
         out = fmt::format(
             "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" fill=\"{2}\"/>"
             "<title>{4}</title>",

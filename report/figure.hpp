@@ -30,6 +30,7 @@ struct Curve {
     bool stems = false;                         ///< an upright line from y = 0 to each point
     bool bars = false;                          ///< low and high as an error bar at each point; otherwise as a band
     std::vector<std::string> says = {};         ///< a tooltip for each point; if empty, they tell name and numbers
+    bool strong = false;                        ///< thicker and over the others, which are lighter in a panel that has such a curve
 };
 
 /// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the top.
@@ -43,6 +44,9 @@ struct Panel {
     std::string name;
     std::vector<Curve> curves, guides;    ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
+    bool log_y = false;                   ///< besides the figure's; for a figure with own_y
+    double y_least = -std::numeric_limits<double>::infinity();    ///< the axis ends here: a triangle at its lower edge stands for less
+    std::vector<double> y_holds = {};     ///< besides the figure's
 };
 
 struct Figure {
@@ -59,6 +63,8 @@ struct Figure {
     std::vector<double> y_holds = {};       ///< numbers that the range of y has to hold, such as 0
     bool names = false;                     ///< each curve's name stands beside its last point, where there is room
     std::string note = {};                  ///< a sentence under the title
+    std::vector<size_t> strong_x = {};      ///< categories that stand out
+    bool legend = true;                     ///< whether a page lists the series above the panels
 };
 
 }  // namespace rlslab

@@ -19,9 +19,9 @@ std::string tspans(Tick const& tick) {
 
 // --- ranges -----------------------------------------------------------------------------------------------------------
 
-void add(Range& range, std::vector<double> const& values, bool logarithmic) {
+void add(Range& range, std::vector<double> const& values, bool logarithmic, double least = -INFINITY) {
     for (double const v : values)
-        if (Axis::shows(v, logarithmic)) range.add(v);
+        if (double const at = v < least ? least : v; Axis::shows(at, logarithmic)) range.add(at);
 }
 
 Range x_range(Figure const& figure, Panel const* only) {
@@ -37,16 +37,17 @@ Range x_range(Figure const& figure, Panel const* only) {
 }
 
 /// Of the curves; of guides what is at most half as far beyond as the curves' range is long.
-Range y_range(Figure const& figure, Panel const* only) {
+Range y_range(Figure const& figure, Panel const* only, bool logarithmic) {
     Range out, guides;
-    add(out, figure.y_holds, figure.log_y);
+    add(out, figure.y_holds, logarithmic);
     for (Panel const& panel : figure.panels) {
         if (only && &panel != only) continue;
+        add(out, panel.y_holds, logarithmic);
         for (Curve const& curve : panel.curves)
-            for (auto const* values : {&curve.y, &curve.low, &curve.high}) add(out, *values, figure.log_y);
-        for (Event const& event : panel.events) add(out, {event.y}, figure.log_y);
+            for (auto const* values : {&curve.y, &curve.low, &curve.high}) add(out, *values, logarithmic, panel.y_least);
+        for (Event const& event : panel.events) add(out, {event.y}, logarithmic, panel.y_least);
     }
-    Axis near(out, figure.log_y, 0.5);
+    Axis near(out, logarithmic, 0.5);
     near.place(0, 1);
     for (Panel const& panel : figure.panels) {
         if (only && &panel != only) continue;
@@ -63,7 +64,7 @@ Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vect
     if (!figure.x_names.empty()) {
         double widest = 0;
         for (size_t i = 0; i < figure.x_names.size(); ++i)
-            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 120)}),
+            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 180), "", std::ranges::find(figure.strong_x, i) != figure.strong_x.end()}),
                 widest = std::max(widest, width_of(out.ticks.back()));
         out.slanted = (widest + 8) * double(figure.x_names.size()) > width;
         out.height = out.slanted ? 0.6 * widest + 16 : 20;
@@ -91,9 +92,10 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     double const columns = double(std::max<size_t>(1, cells.places.size()));
     Range const along = figure.cells || figure.square ? x_range(figure, &panel) : x_range(figure, nullptr);
     Axis x(along, figure.log_x, figure.cells ? 0.5 / columns : figure.x_names.empty() ? 0.03 : 0);
-    Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5} : y_range(figure, figure.own_y || figure.square ? &panel : nullptr),
-           figure.log_y && !figure.cells, figure.cells ? 0 : 0.05);
-    bool const square = figure.square && !figure.log_x && !figure.log_y;
+    bool const logarithmic = logarithmic_y(figure, panel) && !figure.cells;
+    Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5} : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
+           logarithmic, figure.cells ? 0 : names_points(figure) ? 0.1 : 0.05);
+    bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
     // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the labels.
@@ -125,6 +127,12 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
 std::string grid_group(Figure const& figure, Frame const& frame) {
     auto const& [x, y, box] = frame.axes;
     std::string labelled, fine, out;
+    for (size_t const i : figure.strong_x) {
+        double const left = std::max(box.left, x(double(i) - 0.5)), right = std::min(box.right, x(double(i) + 0.5));
+        if (left < right)
+            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left), fixed(box.top), fixed(right - left),
+                               fixed(box.bottom - box.top));
+    }
     if (!figure.cells) {
         for (Tick const& tick : frame.bottom.ticks)
             if (double const at = x(tick.value); figure.x_names.empty() && at > box.left - 0.05 && at < box.right + 0.05)
@@ -134,7 +142,7 @@ std::string grid_group(Figure const& figure, Frame const& frame) {
     }
     if (!fine.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#f0f0f0\"/>\n", fine);
     if (!labelled.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#dedede\"/>\n", labelled);
-    if (!figure.log_y && !figure.cells && y(0) > box.top && y(0) < box.bottom)
+    if (!figure.cells && y.shows(0) && y(0) > box.top && y(0) < box.bottom)
         out += fmt::format("<path d=\"M{} {}H{}\" stroke=\"#b5b5b5\"/>\n", fixed(box.left), fixed(y(0)), fixed(box.right));
     return out;
 }
@@ -152,12 +160,13 @@ std::string labels_group(Frame const& frame, double height) {
     for (Tick tick : frame.bottom.ticks) {
         double const at = x(tick.value);
         if (tick.text.empty() || at < box.left - 0.05 || at > box.right + 0.05) continue;
+        char const* const weight = tick.strong ? " font-weight=\"700\"" : "";
         if (frame.bottom.slanted) {
             tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);    // cos 35 degrees
-            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\">{}</text>", fixed(at + 4),
-                               fixed(box.bottom + 14), tspans(tick));
+            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\"{}>{}</text>", fixed(at + 4),
+                               fixed(box.bottom + 14), weight, tspans(tick));
         } else
-            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", fixed(at), fixed(box.bottom + 16), tspans(tick));
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at), fixed(box.bottom + 16), weight, tspans(tick));
     }
     for (Tick const& tick : frame.left.all)
         if (!tick.text.empty())

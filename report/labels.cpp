@@ -8,6 +8,10 @@
 
 namespace rlslab::plot {
 
+bool names_points(Figure const& figure) {
+    return figure.names && std::ranges::all_of(figure.panels, [](Panel const& panel) { return std::ranges::none_of(panel.curves, &Curve::line); });
+}
+
 Names names_of(Figure const& figure, Panel const& panel, bool named, double most) {
     Names out;
     if (!named || !figure.names) return out;
@@ -75,12 +79,9 @@ std::vector<double> spread(std::vector<double> wished, double gap, double top, d
     return wished;
 }
 
-std::optional<std::pair<double, double>> last_place(Curve const& curve, Axes const& axes) {
+std::optional<Point> last_place(Panel const& panel, Curve const& curve, Axes const& axes) {
     for (size_t i = std::min(curve.x.size(), curve.y.size()); i-- > 0;)
-        if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i])) {
-            std::pair const at{axes.x(curve.x[i]), axes.y(curve.y[i])};
-            if (axes.box.holds(at.first, at.second)) return at;
-        }
+        if (auto const at = mark_place(panel, curve, i, axes)) return at;
     return {};
 }
 
@@ -93,14 +94,13 @@ std::string names_at_ends(Panel const& panel, double width, std::vector<Curve co
     std::vector<double> wished;
     for (auto const* curves : {&panel.curves, &panel.guides})
         for (Curve const& curve : *curves)
-            if (auto const at = last_place(curve, axes)) ends.push_back({&curve, at->first, at->second}), wished.push_back(at->second);
+            if (auto const at = last_place(panel, curve, axes)) ends.push_back({&curve, at->x, at->y}), wished.push_back(at->y);
     std::vector<double> const heights = spread(wished, 15, axes.box.top, axes.box.bottom);
     std::string out;
     for (size_t i = 0; i < ends.size(); ++i) {
         auto const& [curve, x, y] = ends[i];
         out += fmt::format(
-            "<g class=\"s name\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\".8\" "
-            "stroke-opacity=\".6\"/>",
+            "<g class=\"s name\" data-s=\"{}\"><path d=\"M{} {}L{} {}L{} {}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.3\"/>",
             series_number(legend, curve->name), fixed(x + 6), fixed(y), fixed(axes.box.right + 8), fixed(y), fixed(axes.box.right + 24),
             fixed(heights[i]), curve->look.colour);
         out += text_at(axes.box.right + 28, heights[i] + 4.3, shortened(curve->name, tick_size, width - 30),
@@ -110,59 +110,46 @@ std::string names_at_ends(Panel const& panel, double width, std::vector<Curve co
     return out;
 }
 
-bool apart(Box const& a, Box const& b) { return a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom; }
-
-/// Places for a name of this width about a point, the nearest first: on eight sides, then farther out.
-std::vector<Box> places_about(double x, double y, double width) {
-    constexpr double half = 6.5;    // of a line of text
-    std::vector<Box> out;
-    for (double const r : {0.0, 14.0, 28.0, 44.0, 62.0}) {
-        double const right = x + 8 + r, left = x - 8 - r - width, middle = x - width / 2, near = 0.7 * r;
-        for (auto const& [begin, height] : {std::pair{right, y}, {left, y}, {middle, y - 13 - r}, {middle, y + 14 + r}, {x + 6 + near, y - 12 - near},
-                                            {x + 6 + near, y + 12 + near}, {x - 6 - near - width, y - 12 - near}, {x - 6 - near - width, y + 12 + near}})
-            out.push_back({begin, height - half, begin + width, height + half});
-    }
-    return out;
-}
-
-/// Each name beside its last point, in the first place that is free, with a line to it where that is not near; none where there
-/// is no room.
-std::string names_beside(Panel const& panel, std::vector<Curve const*> const& legend, Axes const& axes) {
-    std::vector<Box> taken;
+/// Each name beside its last point, with a line to it where that is not near.
+NamesGroup names_beside(Panel const& panel, std::vector<Curve const*> const& legend, Axes const& axes) {
+    std::vector<NamedPoint> points;
+    std::vector<Curve const*> curves;
     for (Curve const& curve : panel.curves)
-        for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
-            if (axes.x.shows(curve.x[i]) && axes.y.shows(curve.y[i])) {
-                double const x = axes.x(curve.x[i]), y = axes.y(curve.y[i]);
-                taken.push_back({x - 5, y - 5, x + 5, y + 5});
-                if (curve.bars && i < curve.low.size() && i < curve.high.size() && axes.y.shows(curve.low[i]) && axes.y.shows(curve.high[i]))
-                    taken.push_back({x - 3, axes.y(curve.high[i]), x + 3, axes.y(curve.low[i])});
-            }
-    std::string out;
-    for (Curve const& curve : panel.curves) {
-        auto const at = last_place(curve, axes);
-        if (!at) continue;
-        auto const [x, y] = *at;
-        std::vector<Box> const places = places_about(x, y, tick_size * text_width(curve.name));
-        auto const place = std::ranges::find_if(places, [&](Box const& b) {
-            return axes.box.holds(b.left, b.top) && axes.box.holds(b.right, b.bottom) &&
-                   std::ranges::all_of(taken, [&](Box const& other) { return apart(b, other); });
-        });
-        if (place == places.end()) continue;
-        taken.push_back(*place);
-        std::string const line = place - places.begin() < 8 ? ""
-                                 : fmt::format("<path d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\".8\" stroke-opacity=\".7\"/>", fixed(x), fixed(y),
-                                               fixed(std::clamp(x, place->left, place->right)), fixed(std::clamp(y, place->top, place->bottom)),
-                                               curve.look.colour);
-        out += fmt::format("<g class=\"s name\" data-s=\"{}\">{}{}</g>", series_number(legend, curve.name), line,
-                           text_at(place->left, place->bottom - 2.2, curve.name, fmt::format("font-size=\"{}\"", tick_size)));
+        for (size_t i = std::min(curve.x.size(), curve.y.size()); i-- > 0;) {
+            auto const at = mark_place(panel, curve, i, axes);
+            if (!at) continue;
+            Box bar{at->x, at->y, at->x, at->y};
+            auto const height = [&](double y) { return axes.y.shows(y) ? std::clamp(axes.y(y), axes.box.top, axes.box.bottom) : axes.box.bottom; };
+            if (curve.bars && i < curve.low.size() && i < curve.high.size()) bar = {at->x - 3, height(curve.high[i]), at->x + 3, height(curve.low[i])};
+            bool const last = curves.empty() || curves.back() != &curve;    // the others of a curve are in the way, and have no name
+            double const width = last ? tick_size * text_width(curve.name) * (curve.strong ? 1.1 : 1) : 0;
+            points.push_back({at->x, at->y, bar, width, curve.strong}), curves.push_back(&curve);
+        }
+    std::vector<std::optional<Box>> const places = places_beside(points, axes.box);
+    NamesGroup out;
+    for (size_t i = 0; i < points.size(); ++i) {
+        Curve const& curve = *curves[i];
+        if (points[i].width == 0) continue;
+        if (!places[i]) {
+            out.left_out.push_back(&curve);
+            continue;
+        }
+        Box const& place = *places[i];
+        double const x = points[i].x, y = points[i].y;
+        std::string const line = distance2(place, x, y) < leader_from * leader_from ? ""
+                                 : fmt::format("<path d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1\"/>", fixed(x), fixed(y), fixed(std::clamp(x, place.left, place.right)),
+                                               fixed(std::clamp(y, place.top, place.bottom)), curve.look.colour);
+        out.svg += fmt::format("<g class=\"s name\" data-s=\"{}\">{}{}</g>\n", series_number(legend, curve.name), line,
+                               text_at(place.left, place.bottom - 2.6, curve.name, fmt::format("font-size=\"{}\"{}", tick_size, curve.strong ? " font-weight=\"700\"" : "")));
     }
     return out;
 }
 
 }  // namespace
 
-std::string names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes) {
-    return names.at_ends ? names_at_ends(panel, names.width, legend, axes) : names.beside ? names_beside(panel, legend, axes) : "";
+NamesGroup names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes) {
+    if (names.at_ends) return {names_at_ends(panel, names.width, legend, axes), {}};
+    return names.beside ? names_beside(panel, legend, axes) : NamesGroup{};
 }
 
 }  // namespace rlslab::plot

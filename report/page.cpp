@@ -29,8 +29,25 @@ bool drawn(Figure const& figure, std::string const& name) {
         for (auto const* curves : {&panel.curves, &panel.guides})
             for (Curve const& curve : *curves)
                 for (size_t i = 0; curve.name == name && i < std::min(curve.x.size(), curve.y.size()); ++i)
-                    if (Axis::shows(curve.x[i], figure.log_x) && Axis::shows(curve.y[i], figure.log_y)) return true;
+                    if (Axis::shows(curve.x[i], figure.log_x) && (curve.y[i] < panel.y_least || Axis::shows(curve.y[i], plot::logarithmic_y(figure, panel)))) return true;
     return false;
+}
+
+/// A panel, and under it the series whose names find no place in it.
+std::string panel_html(Figure const& figure, size_t i, double width, double height, bool named) {
+    std::string out = panel_svg(figure, i, width, height, named);
+    if (!named) return out;
+    std::string names;
+    for (Curve const* curve : not_named(figure, i, width, height))
+        names += fmt::format("{}<span>{}{}</span>", names.empty() ? "not labelled: " : ", ", key_svg(*curve), escaped(curve->name));
+    return names.empty() ? out : out + fmt::format("<p class=\"soft unnamed\">{}</p>\n", names);
+}
+
+/// Stands out in some panel.
+bool strong(Figure const& figure, std::string const& name) {
+    return std::ranges::any_of(figure.panels, [&](Panel const& panel) {
+        return std::ranges::any_of(panel.curves, [&](Curve const& curve) { return curve.strong && curve.name == name; });
+    });
 }
 }  // namespace
 
@@ -38,6 +55,9 @@ std::string figure_html(Figure const& figure) {
     std::string out = fmt::format("<figure id=\"{}\"><figcaption>{}</figcaption>\n", escaped(figure.name), escaped(figure.title));
     if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
     size_t const panels = figure.panels.size();
+    // Names beside points need room: such panels stand one below the other, as wide as the page.
+    bool const alone = panels == 1 || plot::names_points(figure);
+    bool const three = (figure.cells && panels > 4) || (figure.own_y && !figure.names && panels == 3);
     bool at_ends = false;    // names at the curves' ends make a legend superfluous where they are shown
     if (figure.names && panels == 1)
         for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;
@@ -45,24 +65,24 @@ std::string figure_html(Figure const& figure) {
         Range const shades = plot::shades_of(figure);
         out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low),
                            plot::number_text(shades.high), escaped(figure.y));
-    } else if (auto const legend = legend_of(figure); legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
-        out += fmt::format("<p class=\"legend{}\">", at_ends ? " ends" : "");
-        for (size_t i = 0; i < legend.size(); ++i) 
-            out += fmt::format("<span data-s=\"{}\">{}{}{}</span> ", i, key_svg(*legend[i]), escaped(legend[i]->name),
+    } else if (auto const legend = legend_of(figure); figure.legend && (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty()))) {
+        out += fmt::format("<p class=\"legend{}{}\">", at_ends ? " ends" : "", panels > 2 ? " stays" : "");
+        for (size_t i = 0; i < legend.size(); ++i)
+            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "", key_svg(*legend[i]), escaped(legend[i]->name),
                                drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
         out += "</p>\n";
     }
-    out += fmt::format("<div class=\"panels {}\">\n", panels <= 1 ? "one" : figure.cells && panels > 4 ? "three" : "two");
+    out += fmt::format("<div class=\"panels {}\">\n", alone || panels == 0 ? "one" : three ? "three" : "two");
     for (size_t i = 0; i < panels; ++i) {
         std::string const& name = figure.panels[i].name;
         out += "<div class=\"panel\">";
         if (!name.empty()) out += fmt::format("<h3>{}</h3>", escaped(name));
-        if (panels == 1)
+        if (alone)
             out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-                               panel_svg(figure, i, 1040, figure.square ? 620 : 440, true),
-                               panel_svg(figure, i, 400, figure.square ? 400 : 330, !at_ends));
+                               panel_html(figure, i, 1040, figure.square ? 620 : panels > 1 ? 380 : 440, true),
+                               panel_html(figure, i, 400, figure.square ? 400 : 330, !at_ends));
         else
-            out += figure.cells && panels > 4 ? panel_svg(figure, i, 400, 300, true) : panel_svg(figure, i, 520, 350, true);
+            out += three ? panel_html(figure, i, 400, 300, true) : panel_html(figure, i, 520, 350, true);
         out += "</div>\n";
     }
     return out + "</div></figure>\n";
@@ -99,13 +119,14 @@ std::string formula_html(std::string_view tex) {
                         : fmt::format("<div class=\"formula\">{}</div>\n", math);
 }
 
-std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows) {
+std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows,
+                       std::vector<size_t> const& strong) {
     std::string out = "<div class=\"scroll\"><table><thead><tr>";
     for (std::string const& cell : head) out += fmt::format("<th>{}</th>", escaped(cell));
     out += "</tr></thead><tbody>\n";
-    for (auto const& row : rows) {
-        out += "<tr>";
-        for (std::string const& cell : row) out += fmt::format("<td>{}</td>", escaped(cell));
+    for (size_t i = 0; i < rows.size(); ++i) {
+        out += std::ranges::find(strong, i) == strong.end() ? "<tr>" : "<tr class=\"strong\">";
+        for (std::string const& cell : rows[i]) out += fmt::format("<td>{}</td>", escaped(cell));
         out += "</tr>\n";
     }
     return out + "</tbody></table></div>\n";

@@ -1,5 +1,12 @@
-// The legend hides and shows series: a click one of them, a double click all others. Everything is drawn without this.
+// A table or a listing says when there is more of it to the right. The legend hides and shows series: a click one of them, a double
+// click all others. Everything is drawn without this.
 'use strict';
+for (const box of document.querySelectorAll('.scroll, pre')) {
+  const look = () => box.classList.toggle('more', box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
+  box.addEventListener('scroll', look, { passive: true });
+  new ResizeObserver(look).observe(box);
+  look();
+}
 for (const figure of document.querySelectorAll('figure')) {
   const keys = [...figure.querySelectorAll('.legend span[data-s]')];
   if (keys.length < 2) continue;

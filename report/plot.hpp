@@ -4,9 +4,12 @@
 #include "report/axis.hpp"
 #include "report/figure.hpp"
 
+#include <optional>
 #include <string>
 
 namespace rlslab::plot {
+
+inline bool logarithmic_y(Figure const& figure, Panel const& panel) { return figure.log_y || panel.log_y; }
 
 struct Box {
     double left, top, right, bottom;
@@ -33,13 +36,19 @@ std::string text_at(double x, double y, std::string const& text, std::string con
 /// The mark's outline about (x, y); "" for no mark.
 std::string mark_path(std::string const& mark, double x, double y);
 /// Attributes of marks and lines of this look.
-std::string mark_style(Look const& look);
+std::string mark_style(Look const& look, double width = 1.3);
 std::string line_style(Look const& look, double width);
 
+struct Point {
+    double x, y;
+};
+/// Where the mark of a point stands: at the lower edge if y is less than the panel's least; none outside the box.
+std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i, Axes const& axes);
+
 /// A curve: its band or bars, its line, its marks with tooltips; nothing outside the box.
-std::string curve_group(Figure const& figure, Curve const& curve, size_t series, bool guide, Axes const& axes);
-/// What happened, over the curves. `looks`: of the curves by name.
-std::string event_group(Event const& event, Look const& look, size_t series, Axes const& axes);
+std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide, Axes const& axes);
+/// What happened, over the curves; the text of an upright line at the end and on the side where no curve is, if there is one.
+std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes);
 
 /// Cells of a heat map; they meet halfway between their places.
 struct Cells {
@@ -70,13 +79,36 @@ std::string labels_group(Frame const& frame, double height);
 /// The place in the legend; its size if the name is not in it.
 size_t series_number(std::vector<Curve const*> const& legend, std::string const& name);
 
+/// Whether names stand beside single points: such a figure needs room.
+bool names_points(Figure const& figure);
+
 /// Where a panel's curves are named in it: at their ends, in a margin of this width, or beside single points.
 struct Names {
     double width = 0;
     bool at_ends = false, beside = false;
 };
 Names names_of(Figure const& figure, Panel const& panel, bool named, double most);
-std::string names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes);
+struct NamesGroup {
+    std::string svg;
+    std::vector<Curve const*> left_out;    ///< found no place
+};
+NamesGroup names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes);
+
+/// A single point that has a name: its mark, its error bar, the name's width.
+struct NamedPoint {
+    double x, y;
+    Box bar;
+    double width;
+    bool first = false;    ///< chooses before the others
+};
+constexpr double name_height = 13, leader_from = 13;    ///< a leader leads to a name that is farther from its mark
+/// The square of the distance.
+double distance2(Box const& box, double x, double y);
+/// A place for each name, or none:
+///   (1) inside `within`                          (2) touches no mark, bar or other name
+///   (3) is nearer to its mark than to any other  (4) its leader, if it needs one, crosses no other mark, name or leader
+/// As many names as twenty greedy passes find places for: those that found none go first in the next pass.
+std::vector<std::optional<Box>> places_beside(std::vector<NamedPoint> const& points, Box const& within);
 
 Cells cells_of(Figure const& figure, Panel const& panel);
 std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box, Range shades);

@@ -15,8 +15,8 @@ using namespace plot;
 constexpr char const* ink = "#1a1a1a";
 constexpr char const* font = "font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\"";
 
-/// Everything of a panel in width x height units.
-std::string panel_body(Figure const& figure, Panel const& panel, double width, double height, bool named) {
+/// Everything of a panel in width x height units. `left_out`: curves whose names find no place.
+std::string panel_body(Figure const& figure, Panel const& panel, double width, double height, bool named, std::vector<Curve const*>& left_out) {
     std::vector<Curve const*> const legend = legend_of(figure);
     Cells const cells = figure.cells ? cells_of(figure, panel) : Cells{};
     Names const names = names_of(figure, panel, named, 0.35 * width);
@@ -26,18 +26,22 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
     if (figure.cells)
         out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
     else {
-        for (Curve const& guide : panel.guides) out += curve_group(figure, guide, series_number(legend, guide.name), true, axes);
-        for (Curve const& curve : panel.curves) out += curve_group(figure, curve, series_number(legend, curve.name), false, axes);
+        for (Curve const& guide : panel.guides) out += curve_group(figure, panel, guide, series_number(legend, guide.name), true, axes);
+        for (bool const strong : {false, true})    // over the others
+            for (Curve const& curve : panel.curves)
+                if (curve.strong == strong) out += curve_group(figure, panel, curve, series_number(legend, curve.name), false, axes);
         for (Event const& event : panel.events) {
             size_t const series = series_number(legend, event.series);
-            out += event_group(event, series < legend.size() ? legend[series]->look : Look{"#555555"}, series, axes);
+            out += event_group(event, panel, series < legend.size() ? legend[series]->look : Look{"#555555"}, series, axes);
         }
-        out += names_group(panel, names, legend, axes);
+        NamesGroup named_here = names_group(panel, names, legend, axes);
+        out += named_here.svg;
+        left_out = std::move(named_here.left_out);
     }
     out += labels_group(frame, height);
     bool any = false;
     for (Curve const& curve : panel.curves)
-        for (double const v : curve.y) any |= Axis::shows(v, figure.log_y);
+        for (double const v : curve.y) any |= v < panel.y_least || Axis::shows(v, logarithmic_y(figure, panel));
     if (!any)
         out += text_at((axes.box.left + axes.box.right) / 2, (axes.box.top + axes.box.bottom) / 2, "no number to draw",
                        "text-anchor=\"middle\" font-size=\"13\" fill=\"#5c5c5c\"");
@@ -47,13 +51,13 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
 /// What a screen reader says of it.
 std::string description(Figure const& figure, Panel const& panel) {
     std::string out = fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
-    if (figure.log_x || figure.log_y)
-        out += fmt::format(" ({} logarithmic)", figure.log_x && figure.log_y ? "both" : figure.log_x ? "x" : "y");
+    bool const log_y = logarithmic_y(figure, panel);
+    if (figure.log_x || log_y) out += fmt::format(" ({} logarithmic)", figure.log_x && log_y ? "both" : figure.log_x ? "x" : "y");
     out += ":";
     for (Curve const& curve : panel.curves) {
         Range y;
         for (double const v : curve.y)
-            if (Axis::shows(v, figure.log_y)) y.add(v);
+            if (Axis::shows(v, log_y)) y.add(v);
         if (!y.empty()) out += fmt::format(" {} {} to {};", curve.name, number_text(y.low), number_text(y.high));
     }
     for (Event const& event : panel.events) out += ' ' + event.text + ';';
@@ -96,11 +100,18 @@ std::string key_svg(Curve const& curve) {
 
 std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named) {
     Panel const& drawn = figure.panels.at(panel);
+    std::vector<Curve const*> left_out;
     return fmt::format(
         "<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} "
         "fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
         fixed(width), fixed(height), font, ink, escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
-        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height, named));
+        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height, named, left_out));
+}
+
+std::vector<Curve const*> not_named(Figure const& figure, size_t panel, double width, double height) {
+    std::vector<Curve const*> out;
+    if (figure.names) panel_body(figure, figure.panels.at(panel), width, height, true, out);
+    return out;
 }
 
 std::string svg(Figure const& figure) {
@@ -120,9 +131,13 @@ std::string svg(Figure const& figure) {
         if (!panel.name.empty())
             out += text_at(x + cell / 2, y + 8, shortened(panel.name, 13, cell),
                            "font-size=\"13\" font-weight=\"600\" text-anchor=\"middle\"");
+        std::vector<Curve const*> left_out;
         out += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", fixed(x), fixed(y + 8),
-                           panel_body(figure, panel, cell, panel_height, true));
-        if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22;
+                           panel_body(figure, panel, cell, panel_height, true, left_out));
+        std::string names;
+        for (Curve const* curve : left_out) names += (names.empty() ? "not labelled: " : ", ") + curve->name;
+        if (!names.empty()) out += text_at(x + 4, y + panel_height + 20, shortened(names, tick_size, cell - 8), fmt::format("font-size=\"{}\"", tick_size));
+        if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22 + (figure.names ? 16 : 0);
     }
     if (figure.cells) {
         Range const shades = shades_of(figure);

@@ -13,6 +13,9 @@ std::string svg(Figure const& figure);
 /// curves stand at their ends where the figure asks for that.
 std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named);
 
+/// The curves whose names find no place in that drawing: to be listed under it.
+std::vector<Curve const*> not_named(Figure const& figure, size_t panel, double width, double height);
+
 /// What a legend lists: each name once, curves before guides, in order of appearance. The number of a series in the legend is
 /// the attribute data-s of what is drawn of it.
 std::vector<Curve const*> legend_of(Figure const& figure);

@@ -188,8 +188,11 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     EXPECT_EQ(read(folder / "made/here/compare.csv"), shell("rlslab compare " + sales + " --no-timings --csv").out);
     EXPECT_EQ(read(folder / "made/here/filter.cpp"), json::parse(read(folder / "made/here/compare.json"))["code"]);
     std::string const page = read(folder / "made/here/compare.html");
-    for (char const* figure : {"along-theta", "along-worst", "along-covariance", "spread-float", "spread-double", "cost"})
+    for (char const* figure : {"along", "spread-float", "spread-double", "cost"})
         EXPECT_THAT(page, HasSubstr("<figure id=\"" + std::string(figure) + "\">"));
+    for (char const* said : {"as stored: lambda 1, rank 5 of 5", "<th>asymmetry</th>", "<tr class=\"strong\"><td>★ ud</td>", "class=\"strong\"><svg class=\"key\"",
+                             "Not drawn: qr_sparse, cholesky_sparse", "digits of theta, float (24 bits): ★ ud, in the code"})
+        EXPECT_THAT(page, HasSubstr(said));
     for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));
     EXPECT_THAT(page, HasSubstr("<pre>#include &lt;rlslab/variants/ud.hpp&gt;\n\n// sales[k] = psi&#39;theta"));
     for (char const* nothing : {"nan", "inf<", "-inf"}) EXPECT_THAT(page, Not(HasSubstr(nothing)));
