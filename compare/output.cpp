@@ -32,8 +32,8 @@ Json spread_json(Spread const& s) { return {{"low", tenths_json(s.low)}, {"media
 std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? fmt::format(" {:>4} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
-                      : fmt::format(" {:>4} {:>4} {:>4} ", "-", "-", "-");
+        out += spread ? fmt::format(" {:>5} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
+                      : fmt::format(" {:>5} {:>4} {:>4} ", "-", "-", "-");
     return out;
 }
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }

@@ -32,6 +32,27 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
             ""};
 }
 
+CLI::Validator named(char const* expected) {
+    return {[=](std::string& text) { return text.empty() ? fmt::format("expected {}", expected) : ""; }, ""};
+}
+
+std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
+    std::vector<std::string> out;
+    std::string whole;    // of a quoted name, from its quote mark on
+    for (std::string const& part : parts) {
+        if (whole.empty() && !part.starts_with('"')) {
+            out.push_back(part);
+            continue;
+        }
+        whole += whole.empty() ? part : ',' + part;
+        if (whole.size() < 2 || !whole.ends_with('"')) continue;
+        out.push_back(whole.substr(1, whole.size() - 2));
+        whole.clear();
+    }
+    if (!whole.empty()) out.push_back(whole);
+    return out;
+}
+
 void take_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help, char const* expected) {

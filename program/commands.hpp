@@ -15,6 +15,11 @@ CLI::Validator whole(long least, long most);
 /// A finite number that `holds`, else one line that says what was expected.
 CLI::Validator real(char const* expected, bool (*holds)(double));
 
+/// A name that is not empty, else one line that says what was expected.
+CLI::Validator named(char const* expected);
+/// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV.
+std::vector<std::string> unquoted(std::vector<std::string> const& parts);
+
 /// --separator and --decimal, of every command that reads a file.
 void take_format(CLI::App& command, CsvFormat& format);
 

@@ -156,11 +156,14 @@ Command compare_command(CLI::App& app) {
         ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
     count("--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");
-    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")->type_name("DIR");
+    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")->check(named("the name of a folder"))->type_name("DIR");
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback("--no-timings", [a] { a->options.timings = false; },
                                  "leave out nanoseconds, the only column that differs from run to run");
-    return {comparing, [a] { return run_compare(*a); }};
+    return {comparing, [a] {
+                a->inputs = unquoted(a->inputs), a->regressors = unquoted(a->regressors);
+                return run_compare(*a);
+            }};
 }
 
 }  // namespace rlslab

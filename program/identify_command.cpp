@@ -179,8 +179,11 @@ Command identify_command(CLI::App& app) {
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
-    c->add_option("--out", a->out, "folder for model.html and model.json")->type_name("DIR");
-    return {c, [a] { return run_identify(*a); }};
+    c->add_option("--out", a->out, "folder for model.html and model.json")->check(named("the name of a folder"))->type_name("DIR");
+    return {c, [a] {
+                a->options.inputs = unquoted(a->options.inputs), a->options.regressors = unquoted(a->options.regressors);
+                return run_identify(*a);
+            }};
 }
 
 Command simulate_command(CLI::App& app) {

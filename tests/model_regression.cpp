@@ -219,7 +219,7 @@ TEST(NistData, LeaveTheCertifiedResidualSums) {
 
 TEST(NistData, FilipHoldsTheBitsOfRepeatedProducts) {
     auto const filip = Nist().records("filip");
-    ASSERT_EQ(filip.size(), 11);
+    ASSERT_EQ(filip.parameters(), 11);
     ASSERT_EQ(filip.rows(), 82);
     for (Index k = 0; k < 82; ++k) {
         EXPECT_EQ(filip.psi(0, k), 1);

@@ -1,6 +1,13 @@
 // Records that would show nothing are refused in one line; every command reads them in the forms that people have.
 #include "tests/program.hpp"
 
+#include <rlslab/core/random.hpp>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+
 namespace rlslab {
 namespace {
 
@@ -45,6 +52,24 @@ TEST_F(DataFiles, OfADoubtfulFormAreExplained) {
     refused("excitation ok.csv --input u --separator x", "--separator: expected comma, semicolon, tab, bar or blank, found \"x\"");
     refused("excitation ok.csv --input u --decimal ';'", "--decimal");
     refused("excitation ok.csv --input u --separator semicolon", "no column \"u\"");
+}
+TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
+    std::ofstream file(folder / "comma.csv");
+    file << "\"u,1\",y\n";
+    Seed seed{7};
+    for (int k = 0; k < 60; ++k) file << std::round(1000 * seed.bell()) << ',' << std::round(1000 * seed.bell()) << '\n';
+    file.close();
+    std::string const quoted = "'\"u,1\"' --output y";
+    for (std::string const command : {"compare comma.csv --order 1 --input ", "identify comma.csv --order 1 --input ", "compare comma.csv --regressors "}) {
+        Outcome const run = shell("rlslab " + command + quoted);
+        EXPECT_LE(run.code, 1) << command << run.err;
+        EXPECT_THAT(run.out, testing::HasSubstr("u,1")) << command;
+    }
+    refused("compare comma.csv --input '\"u,1' --output y --order 1", "comma.csv: no column \"\\\"u,1\"; the columns are \"u,1\", \"y\"");
+}
+TEST_F(DataFiles, AnEmptyFolderIsNoFolder) {
+    refused("compare ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");
+    refused("identify ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");
 }
 
 }  // namespace
