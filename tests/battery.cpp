@@ -143,7 +143,7 @@ public:
         if (fault == Fault::wrong_residual) step.residual = e;
         return step;
     }
-    void take(Regressor<double> psi, double y)
+    void accumulate(Regressor<double> psi, double y)
         requires(fault == Fault::takes_otherwise)
     {
         update(psi, y + 0x1p-40);

@@ -2,6 +2,7 @@
 #include "compare/answer.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
+#include "compare/words.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -134,6 +135,49 @@ TEST(Recommendation, NoneWhereThePriorDecides) {
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
     c.prior_bias = std::nan("");
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+    c.prior_bias = 0, c.options.p0.reset();
+    c.component_bias = 0.1;
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
+    c.component_bias = 0.101;
+    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("decides a component of theta (it moves it by 0.1 of itself): rescale the columns"));
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+}
+TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
+    Comparison c{};
+    EXPECT_TRUE(warnings(c).empty());
+    c.prior_bias = 0.02, c.component_bias = 0.5, c.offset = 2.01;
+    c.model.output = "y[k]";
+    ASSERT_EQ(warnings(c).size(), 2u);
+    EXPECT_THAT(warnings(c)[0], HasSubstr("moves theta by 0.02 of itself"));
+    EXPECT_THAT(warnings(c)[1], HasSubstr("the mean of y[k] is 2.01 times its standard deviation and the model has no constant"));
+    c.prior_bias = 0.01, c.offset = 2;
+    ASSERT_EQ(warnings(c).size(), 1u);
+    EXPECT_THAT(warnings(c)[0], HasSubstr("moves a component of theta by 0.5 of itself"));
+    c.component_bias = 0.1;
+    EXPECT_TRUE(warnings(c).empty());
+}
+TEST(Warnings, AnOffsetIsTheMeanOfYInItsStandardDeviationsWhereNoRegressorIsConstant) {
+    Records r{.psi = Matrix<double>{{1, 2, 3, 5}}, .y = Vector<double>{{9, 11, 9, 11}}, .names = {"x"}};
+    CompareOptions options;
+    options.variants = {"ud"}, options.arithmetics = {"double"}, options.timings = false;
+    EXPECT_DOUBLE_EQ(compare(r, options).offset, 10);
+    r.psi = Matrix<double>{{1, 2, 3, 5}, {4, 4, 4, 4}}, r.names = {"x", "1"};
+    EXPECT_EQ(compare(r, options).offset, 0);
+}
+/// Wampler's polynomial: a bound on theta alone leaves x1 with the wrong sign.
+TEST(Warnings, NoComponentIsThePriorsByDefault) {
+    Records r{.psi = Matrix<double>(6, 21), .y = Vector<double>(21), .names = std::vector<std::string>(6, "x")};
+    for (Index k = 0; k < 21; ++k) {
+        double power = 1, sum = 0;
+        for (Index i = 0; i < 6; ++i, power *= double(k)) r.psi(i, k) = power, sum += power;
+        r.y[k] = sum;
+    }
+    CompareOptions options;
+    options.variants = {"ud"}, options.arithmetics = {"double"}, options.timings = false;
+    Comparison const c = compare(r, options);
+    for (std::string const& theta : c.theta) EXPECT_NEAR(std::stod(theta), 1, 1e-2);
+    EXPECT_LE(c.component_bias, 1e-2);
+    EXPECT_GT(c.component_bias, 1e-5) << "the least such c";
 }
 TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     Made m;

@@ -54,6 +54,21 @@ Rational bias_squared(Records const& r, Vector<double> const& s, double c, doubl
 
 Rational const allowed = Rational(1) / 1000000;
 
+/// (4): the largest change of a component, over that of the component or a millionth of the scaled whole.
+double component_bias(Records const& r, Vector<double> const& s, double c, double lambda) {
+    Vector<Rational> const with = solution(r, s, c, lambda), without = solution(r, s, 0, lambda);
+    double whole = 0, out = 0;
+    for (Index i = 0; i < 2; ++i) whole = std::hypot(whole, static_cast<double>(without[i]) * s[i]);
+    for (Index i = 0; i < 2; ++i) {
+        Rational const change = with[i] - without[i];
+        out = std::max(out, std::abs(static_cast<double>(change)) / std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, -20) / s[i]));
+    }
+    return out;
+}
+bool holds(Records const& r, Vector<double> const& s, double c, double lambda) {
+    return bias_squared(r, s, c, lambda) <= allowed && component_bias(r, s, c, lambda) <= 1e-2;
+}
+
 TEST(DefaultPrior, HasTheLeastCThatMovesThetaByAThousandth) {
     int above_the_least = 0;
     for (int k = 0; k <= 12; ++k)
@@ -66,12 +81,20 @@ TEST(DefaultPrior, HasTheLeastCThatMovesThetaByAThousandth) {
             EXPECT_LE(at_one, allowed) << k;
             double const larger = std::sqrt(static_cast<double>(std::max(at_lambda, at_one)));
             EXPECT_NEAR(p.bias / larger, 1, 1e-12) << k;
+            double const worst = std::max(component_bias(r, p.s, p.c, lambda), component_bias(r, p.s, p.c, 1));
+            EXPECT_LE(worst, 1e-2) << k;
+            EXPECT_NEAR(p.worst / worst, 1, 1e-12) << k;
             if (p.c > 32) {
                 ++above_the_least;
-                EXPECT_TRUE(bias_squared(r, p.s, p.c / 2, lambda) > allowed || bias_squared(r, p.s, p.c / 2, 1) > allowed) << k;
+                EXPECT_FALSE(holds(r, p.s, p.c / 2, lambda) && holds(r, p.s, p.c / 2, 1)) << k;
             }
         }
     EXPECT_GT(above_the_least, 10);
+    Records small = nearly_dependent(0);    // y = a + 2^-10 b: the norm hardly sees b
+    for (Index k = 0; k < small.rows(); ++k) small.y[k] = small.psi(0, k) + std::ldexp(small.psi(1, k), -10);
+    DefaultPrior const p = default_prior(small, 1);
+    EXPECT_TRUE(holds(small, p.s, p.c, 1) && !holds(small, p.s, p.c / 2, 1));
+    EXPECT_LE(bias_squared(small, p.s, p.c / 2, 1), allowed) << "(4) decides";
     EXPECT_EQ(default_prior(nearly_dependent(0), 1).c, 32);
 }
 

@@ -251,17 +251,17 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
     o.p0.reset();
     for (double const noise : {1.0, 0x1p-6}) {
         Trial t(90);
-        if (noise < 1) {    // the same system without noise but for the 64ths
+        if (noise < 1) {    // the same system without noise but for rounding
             DifferenceEquation const model{.a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
             t.y = simulate(model, {t.u, t.v}, Signal(90, 0.0));
-            for (double& x : t.y) x = std::round(4096 * x) / 4096;
+            for (double& x : t.y) x = std::round(0x1p24 * x) / 0x1p24;
         }
         Identified const f = identify(folder.file(t.text()), o);
         Rows const r(t, f);
         exact_fit::Fit const e = exact_fit::of(r.fitted);
         double const shared = default_prior(r.fitted, 1).c;
         auto const moved = [&](double c) {
-            Problem<double> problem{.size = d, .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, true}.prior()};
+            Problem<double> problem{.size = d, .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, 0, true}.prior()};
             Vector<Reference> const with = certified(problem, r.fitted, {r.fitted.rows()}).front().theta();
             double most = 0;
             for (Index i = 0; i < d; ++i) most = std::max(most, std::abs(static_cast<double>(with[i]) - number(e.theta[i])) / e.sd(i, N - d));

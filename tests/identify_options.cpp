@@ -239,8 +239,8 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
     EXPECT_THAT(text, HasSubstr("99 % interval"));
     EXPECT_THAT(text, HasSubstr(fmt::format(": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n", m.fitted, m.means[0], m.means[1], m.means[2])));
     EXPECT_THAT(text, HasSubstr(fmt::format("\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: it moves no parameter by more than", std::ilogb(m.c))));
-    EXPECT_THAT(text, HasSubstr("\ninput u: exciting of order 4 at least\ninput v: exciting of order 4 at least\n"));
-    EXPECT_THAT(text, HasSubstr(fmt::format("\norder 3 (given); AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test)));
+    EXPECT_THAT(text, HasSubstr("\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough for every order tried (exciting of order 4 at least)\n"));
+    EXPECT_THAT(text, HasSubstr("\norder 3 (given)\n"));
     std::string flat = std::regex_replace(text, std::regex("\n    "), " ");
     EXPECT_THAT(line_of(flat, "poles: "), HasSubstr(fmt::format("time constant {:.3g} samples", -1 / std::log(std::abs(m.poles[0])))));
     for (auto const& [input, j] : {std::pair("u", 0u), {"v", 1u}})
@@ -312,6 +312,34 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
         for (size_t i = 0; i < m.zeros[j].size(); ++i) EXPECT_EQ(input["zeros"][i], (json{m.zeros[j][i].real(), m.zeros[j][i].imag()}));
     }
     for (size_t i = 0; i < m.poles.size(); ++i) EXPECT_EQ(out["poles"][i], (json{m.poles[i].real(), m.poles[i].imag()}));
+}
+
+TEST_F(Options, EveryOrderThatWasTriedHasItsLine) {
+    Identified const m = run({.inputs = {"u", "v"}, .max_order = 4});
+    std::string const text = as_table(m);
+    EXPECT_THAT(text, HasSubstr(fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test)));
+    ASSERT_EQ(m.choice.fits.size(), 5u);
+    for (OrderFit const& fit : m.choice.fits)
+        EXPECT_THAT(text, HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order, fit.parameters,
+                                                number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.ljung_box, 2),
+                                                fmt::format("{:.2f} %", fit.held_out))));
+}
+TEST_F(Options, WithForgettingResidualsGetNoVerdictAndTheTableSaysWhy) {
+    std::string const text = as_table(run({.inputs = {"u", "v"}, .max_order = 4, .forgetting = 0.98}));
+    EXPECT_THAT(text, HasSubstr("all orders fitted without forgetting"));
+    EXPECT_THAT(text, HasSubstr("no verdict on those of the last theta over all rows"));
+    EXPECT_THAT(text, HasSubstr("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here"));
+    EXPECT_THAT(text, testing::Not(HasSubstr("are not white")));
+}
+TEST_F(Options, LambdaAndConfidenceThatLeaveNothingAreRefused) {
+    for (double const lambda : {0.5, 1e-30, 1e-100, 1e-320})
+        EXPECT_THAT(refusal({.order = 2, .forgetting = lambda}), HasSubstr("--forgetting: lambda = ")) << lambda;
+    EXPECT_THAT(program("data.csv --input u --output y --confidence 0.9999999999999999").err, HasSubstr("--confidence: expected a number from 0.001 to 0.999999"));
+}
+TEST_F(Options, APageOfALatin1NameIsUtf8) {
+    std::string text = csv({white_noise(200, Seed{3}), white_noise(200, Seed{4})}, "T\xb0,y");
+    std::string const page = as_page(identify(folder.file(text, "latin.csv"), {.inputs = {"T\xb0"}, .output = "y", .order = 1}));
+    EXPECT_NO_THROW(json(page).dump()) << "not UTF-8";
 }
 
 }  // namespace

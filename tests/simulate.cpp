@@ -65,7 +65,7 @@ TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
         EXPECT_LE(run.code, 1) << command << run.err;
         EXPECT_THAT(run.out, testing::HasSubstr("u,1")) << command;
     }
-    refused("compare comma.csv --input '\"u,1' --output y --order 1", "comma.csv: no column \"\\\"u,1\"; the columns are \"u,1\", \"y\"");
+    refused("compare comma.csv --input '\"u,1' --output y --order 1", "comma.csv: no column \"\"u,1\" (did you mean \"u,1\"?); the columns are \"u,1\", \"y\"");
 }
 TEST_F(DataFiles, AnEmptyFolderIsNoFolder) {
     refused("compare ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");

@@ -16,9 +16,8 @@ namespace rlslab {
 ///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
 /// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior. With one whose 1/sqrt(P0)
-/// is below u |psi| a row's reflection leaves of R's other columns what rounding leaves: start without a prior instead.
-/// Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior: better so than with
+/// 1/sqrt(P0) below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
     T lambda_, root_lambda_;

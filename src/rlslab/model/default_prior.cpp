@@ -10,7 +10,7 @@
 namespace rlslab {
 namespace {
 
-constexpr double most_bias = 1e-3;
+constexpr double most_bias = 1e-3, most_component = 1e-2;
 constexpr int least_exponent = 5, largest_exponent = 500;    // of c, and of every c / s_i
 
 /// k of s = 2^k, where mean squares in [2^(2k-1), 2^(2k+1)) share s.
@@ -50,35 +50,46 @@ Prior<double> DefaultPrior::prior() const {
 DefaultPrior default_prior(Records const& records, double forgetting) {
     expects(records.psi.allFinite() && records.y.allFinite(), "finite data");
     DefaultPrior out{regressor_scales(records), std::ldexp(1.0, least_exponent), 0, 0, false};
-    std::vector<double> lambdas{1.0};
-    if (forgetting != 1) lambdas.push_back(forgetting);
-    for (double const lambda : lambdas) {
-        Problem<double> problem{.size = records.parameters(), .forgetting = lambda, .prior = std::nullopt};
-        CertifiedSolution const without = certified(problem, records, {records.rows()}).front();
-        // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
-        double bias;
+    Problem<double> problem{.size = records.parameters(), .prior = std::nullopt};
+    auto const minimiser = [&] { return certified(problem, records, {records.rows()}).front(); };
+    struct Free {
+        double lambda;
+        CertifiedSolution theta;    // without a prior
+    };
+    std::vector<Free> free;
+    for (double const lambda : {1.0, forgetting}) {
+        if (!free.empty() && lambda == 1) break;
+        problem.forgetting = lambda;
+        free.push_back({lambda, minimiser()});
+    }
+    struct Moved {
+        double theta, component;
+    };
+    auto const moved_by = [&](Free const& without) {
+        problem.forgetting = without.lambda, problem.prior = out.prior();
+        CertifiedSolution const with = minimiser();
+        return Moved{relative_change(with, without.theta, out.s), largest_relative_change(with, without.theta, out.s)};
+    };
+    auto const room = [&] { return largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff()); };    // for doublings of c
+    // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
+    for (Free const& without : free)
         for (;;) {
-            problem.prior = out.prior();
-            bias = relative_change(certified(problem, records, {records.rows()}).front(), without, out.s);
-            int const room = largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff());
-            if (!(bias > most_bias) || room <= 0) break;
+            double const bias = moved_by(without).theta;
+            if (!(bias > most_bias) || room() <= 0) break;
             int doublings = 0;
             bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;    // t in [2^(e-1), 2^e)
-            out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room));
+            out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room()));
         }
-        // No such law holds for a component: c is doubled until it does.
-        double worst;
-        for (;; out.c *= 2) {
-            problem.prior = out.prior();
-            CertifiedSolution const with = certified(problem, records, {records.rows()}).front();
-            bias = relative_change(with, without, out.s), worst = largest_relative_change(with, without, out.s);
-            if (!(worst > most_bias) || out.c / out.s.minCoeff() >= std::ldexp(1.0, largest_exponent)) break;
-        }
-        out.bias = std::isnan(bias) ? bias : std::max(out.bias, bias);
-        out.worst = std::isnan(worst) ? worst : std::max(out.worst, worst);
-        if (std::isnan(bias)) break;
+    // No such law holds for a component: c is doubled until it does.
+    for (Free const& without : free)
+        while (moved_by(without).component > most_component && room() > 0) out.c *= 2;
+    for (Free const& without : free) {
+        Moved const moved = moved_by(without);
+        out.bias = std::isnan(moved.theta) ? moved.theta : std::max(out.bias, moved.theta);
+        out.worst = std::isnan(moved.component) ? moved.component : std::max(out.worst, moved.component);
+        if (std::isnan(moved.theta)) break;
     }
-    out.reached = out.bias <= most_bias && out.worst <= most_bias;
+    out.reached = out.bias <= most_bias && out.worst <= most_component;
     return out;
 }
 
