@@ -3,6 +3,8 @@
 
 #include "report/plot.hpp"
 
+#include <rlslab/core/input_error.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -69,14 +71,21 @@ std::string description(Figure const& figure, Panel const& panel) {
 
 std::string escaped_xml(std::string_view text) {
     std::string out;
-    for (char const c : text) {
+    for (; !text.empty(); text.remove_prefix(1)) {
+        char const c = text.front();
         if (c == '&') out += "&amp;";
         else if (c == '<') out += "&lt;";
         else if (c == '>') out += "&gt;";
         else if (c == '"') out += "&quot;";
         else if (c == '\'') out += "&#39;";
         else if (static_cast<unsigned char>(c) < 0x20) out += c == '\n' || c == '\t' ? ' ' : '?';
-        else out += c;
+        else if (static_cast<unsigned char>(c) < 0x80) out += c;
+        else if (size_t const length = printable_character(text); length > 0) {
+            out += text.substr(0, length);
+            text.remove_prefix(length - 1);
+        } else {    // not UTF-8, as pages are
+            out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        }
     }
     return out;
 }
