@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -223,6 +224,22 @@ TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
 }
 TEST(House, EveryFileSaysWhatItIs) {
     for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;
+}
+
+/// Private words that the field has a word for: their old -> new is in CHANGELOG.md.
+std::vector<std::string> private_words(std::string const& code) {
+    static std::regex const words("\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
+                                  "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags)\\b(?!\\|)");
+    std::vector<std::string> out;
+    for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
+    return out;
+}
+TEST(House, NamesAreTheFieldsWords) {
+    for (auto const& [path, code] : project())
+        if (path != "tests/house.cpp") {
+            EXPECT_THAT(private_words(code), testing::IsEmpty()) << path;
+        }
+    EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"), (std::vector<std::string>{"Undisturbed", "absorb"}));
 }
 
 }  // namespace
