@@ -115,7 +115,9 @@ TEST(Finite, AnOverflowIsReportedAtOnce) {
                 EXPECT_TRUE(finite || health != Health::sound) << entry.variant << ' ' << arithmetic << ' ' << k;
                 // Roots of the sums are within the range where the sums are not.
                 bool const squares = entry.variant == "gentleman" || entry.variant == "cholesky_sparse" || entry.variant == "conventional";
-                if (squares && k == 0) EXPECT_EQ(name_of(health), "nonfinite") << entry.variant << ' ' << arithmetic;
+                if (squares && k == 0) {
+                    EXPECT_EQ(name_of(health), "nonfinite") << entry.variant << ' ' << arithmetic;
+                }
             }
         }
 }
