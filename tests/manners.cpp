@@ -126,14 +126,15 @@ TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
 // ---- terminals --------------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
-    std::string const command = "cd '" + folder.string() + "'; '" + program + "' study identities --fresh --threads 1 --out out";
+    // A study of several seconds: progress begins after one.
+    std::string const command = "cd '" + folder.string() + "'; '" + program + "' study accuracy_steps --fresh --threads 1 --out out";
     Screen const seen = on_a_terminal(command);
     EXPECT_EQ(seen.code, 0);
     EXPECT_THAT(seen.text, HasSubstr("studying "));
     EXPECT_THAT(seen.text, testing::ContainsRegex("\r {14,}\r")) << "the line of progress is wiped off when it is over";
     EXPECT_THAT(on_a_terminal(command + " --quiet").text, Not(HasSubstr("studying ")));
     EXPECT_THAT(on_a_terminal(command + " 2>/dev/null").text, Not(HasSubstr("studying ")));
-    Outcome const piped = shell("rlslab study identities --fresh --threads 1 --out out");
+    Outcome const piped = shell("rlslab study accuracy_steps --fresh --threads 1 --out out");
     EXPECT_EQ(piped.err, "") << "a log wants no progress";
     EXPECT_THAT(piped.out, HasSubstr("claims hold"));
 }
@@ -169,16 +170,16 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
 // ---- interrupted ------------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
-    std::string const study = "'" + program + "' study identities --threads 1 --out ", in = "cd '" + folder.string() + "'; exec ";
+    std::string const study = "'" + program + "' study definiteness --threads 1 --out ", in = "cd '" + folder.string() + "'; exec ";
     Screen const stopped = on_a_terminal(in + study + "out", [](std::string const& text) { return text.find(" %") == text.npos ? "" : "\003"; });    // Ctrl-C
     EXPECT_EQ(stopped.code, 128 + SIGINT) << stopped.text;
     EXPECT_THAT(stopped.text, HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
-    EXPECT_GT(fs::file_size(folder / "out/.trials/identities"), 1000u) << "some trials were finished";
-    EXPECT_FALSE(fs::exists(folder / "out/identities.csv"));
+    EXPECT_GT(fs::file_size(folder / "out/.trials/definiteness"), 1000u) << "some trials were finished";
+    EXPECT_FALSE(fs::exists(folder / "out/definiteness.csv"));
     for (auto const& file : fs::recursive_directory_iterator(folder / "out")) EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
     ASSERT_EQ(on_a_terminal(in + study + "out").code, 0);
     ASSERT_EQ(on_a_terminal(in + study + "whole").code, 0);
-    EXPECT_EQ(read(folder / "out/identities.csv"), read(folder / "whole/identities.csv"));
+    EXPECT_EQ(read(folder / "out/definiteness.csv"), read(folder / "whole/definiteness.csv"));
 }
 
 // ---- help -------------------------------------------------------------------------------------------------------------------
