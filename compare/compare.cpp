@@ -45,10 +45,16 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Certi
     return out;
 }
 
+std::vector<Index> constant_regressors(Records const& records) {
+    std::vector<Index> out;
+    for (Index i = 0; i < records.parameters(); ++i)
+        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) out.push_back(i);
+    return out;
+}
+
 /// |mean of y| in standard deviations of y; 0 where a regressor is constant, and infinite where y is.
 double offset(Records const& records) {
-    for (Index i = 0; i < records.parameters(); ++i)
-        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) return 0;
+    if (!constant_regressors(records).empty()) return 0;
     Index const N = records.rows();
     double mean = 0, squares = 0;
     for (Index k = 0; k < N; ++k) mean += records.y[k] / double(N);
@@ -69,10 +75,9 @@ std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution cons
 }
 
 /// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
-std::string constant_regressors(Records const& records) {
+std::string constants_text(Records const& records) {
     std::vector<std::string> names;
-    for (Index i = 0; i < records.parameters(); ++i)
-        if ((records.psi.row(i).array() == records.psi(i, 0)).all()) names.push_back(records.names[size_t(i)]);
+    for (Index const i : constant_regressors(records)) names.push_back(records.names[size_t(i)]);
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
@@ -108,7 +113,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     if (without.status() == Status::singular)
         throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
                                      "over {} rows{}",
-                                     without.rank(), records.parameters(), rows, constant_regressors(records)));
+                                     without.rank(), records.parameters(), rows, constants_text(records)));
     std::optional<DefaultPrior> scaled;
     if (!options.p0) scaled = default_prior(records, options.forgetting);
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};

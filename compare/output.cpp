@@ -36,11 +36,6 @@ std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
                       : fmt::format(" {:>5} {:>4} {:>4} ", "-", "-", "-");
     return out;
 }
-std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
-std::string operations_text(std::optional<long> const& operations) {
-    return operations ? fmt::format("{}", *operations) : "-";
-}
-
 std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.substr(0, x.size() - 2) + "  " : x; }
 
 /// Both exact solutions, and in how many digits they agree.

@@ -174,8 +174,8 @@ std::string tables(Comparison const& c) {
             for (Shown const& of : shown) row.push_back(x->spread ? spread_words((*x->spread).*of.spread) : "-");
             row.push_back(breakdown_text(*x));
             row.push_back(asymmetry_text(x->asymmetry));
-            row.push_back(x->operations ? fmt::format("{}", *x->operations) : "-");
-            if (c.options.timings) row.push_back(x->ns_per_update ? fmt::format("{:.0f}", *x->ns_per_update) : "-");
+            row.push_back(operations_text(x->operations));
+            if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
             rows.push_back(std::move(row));
         }
         std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};

@@ -14,21 +14,23 @@ double least_median(Result const& r) { return std::min({r.spread->theta.median, 
 
 std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to {:.1f})", s.median, s.low, s.high); }
 
+/// What the prior decides: all of theta, or a component of it; or nothing.
+std::string decided_by_prior(double prior_bias, double component_bias) {
+    if (!(prior_bias <= most_prior_bias)) return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g})", prior_bias);
+    if (!(component_bias <= most_component_bias))
+        return fmt::format("the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself)", component_bias);
+    return "";
+}
+
 /// Why there can be no recommendation before any variant computes; or nothing.
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
-    if (!(c.prior_bias <= most_prior_bias))
-        return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g}): {}", c.prior_bias,
-                           c.options.p0 ? "leave out --p0" : "rescale the columns");
-    if (!(c.component_bias <= most_component_bias))
-        return fmt::format("the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself): {}", c.component_bias,
-                           c.options.p0 ? "leave out --p0" : "rescale the columns");
+    if (std::string const why = decided_by_prior(c.prior_bias, c.component_bias); !why.empty())
+        return why + (c.options.p0 ? ": leave out --p0" : ": rescale the columns");
     for (Storage const& s : c.storage) {
         if (s.arithmetic != arithmetic.name) continue;
         if (!s.in_range) return s.forgetting > 0 ? "P0 leaves its range" : "lambda is zero there";
         if (s.rank < c.size) return fmt::format("as stored there the regressors have rank {} of {}", s.rank, c.size);
-        if (!(s.prior_bias <= most_prior_bias)) return fmt::format("as stored there the prior, not the data, decides theta (it moves it by {:.2g})", s.prior_bias);
-        if (!(s.component_bias <= most_component_bias))
-            return fmt::format("as stored there the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself)", s.component_bias);
+        if (std::string const why = decided_by_prior(s.prior_bias, s.component_bias); !why.empty()) return "as stored there " + why;
     }
     return "";
 }

@@ -36,6 +36,10 @@ std::string asymmetry_text(std::optional<double> const& asymmetry) {
     return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
 }
 
+std::string operations_text(std::optional<long> const& operations) { return operations ? fmt::format("{}", *operations) : "-"; }
+
+std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
+
 std::string storage_text(Storage const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
                        s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)

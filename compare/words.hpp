@@ -23,6 +23,10 @@ std::string breakdown_text(Result const& result);
 /// "8e-01", "0"; "-" where nothing is known.
 std::string asymmetry_text(std::optional<double> const& asymmetry);
 
+/// Whole numbers; "-" where there are none.
+std::string operations_text(std::optional<long> const& operations);
+std::string nanoseconds_text(std::optional<double> const& ns);
+
 /// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
 std::string storage_text(Storage const& storage, Comparison const& comparison);
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 namespace rlslab {
 namespace {
@@ -162,16 +163,18 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
         }
         if (bits == 0) return out;
         double const lambda = problem.forgetting;
-        WeightedGram gram(data, lambda, steps.back(), 1, bits), squared(data, lambda, steps.back(), 2, bits), cubed(data, lambda, steps.back(), 3, bits);
+        WeightedGram gram(data, lambda, steps.back(), 1, bits);
+        std::optional<WeightedGram> squared, cubed;    // where lambda = 1 they are gram
+        if (lambda != 1) squared.emplace(data, lambda, steps.back(), 2, bits), cubed.emplace(data, lambda, steps.back(), 3, bits);
         bool all = true;
         for (Scattered& s : out) {
             if (!s.exact.enclosure()) continue;
             Index const k = s.exact.step();
             bool good = true;
             BallMatrix const G = gram.at(k, d + 1);
-            BallMatrix const M = lambda == 1 ? BallMatrix() : squared.at(k, d + 1), C = lambda == 1 ? BallMatrix() : cubed.at(k, d + 1);
+            BallMatrix const M = squared ? squared->at(k, d + 1) : BallMatrix(), C = cubed ? cubed->at(k, d + 1) : BallMatrix();
             bool const last = &s == &out.back();
-            Weighted const weighted{G, lambda == 1 ? G : M, lambda == 1 ? G : C, weight(lambda, 1, k, bits), weight(lambda, 2, k, bits)};
+            Weighted const weighted{G, squared ? M : G, cubed ? C : G, weight(lambda, 1, k, bits), weight(lambda, 2, k, bits)};
             s.scatter = scatter(s.exact.enclosure()->theta, s.exact.enclosure()->covariance, weighted, last, bits, good);
             if (!good) s.scatter = without(d, last), all = false;
         }
