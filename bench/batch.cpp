@@ -10,21 +10,23 @@ namespace {
 
 template <class F>
 void add_blocks() {
-    add_batch_rows("batch/" + std::string(F::name), [](Records const& records) { return &records; },
-                   [](Records const* records) {
-                       F filter({.size = records->parameters(), .forgetting = 1, .prior = std::nullopt});
-                       process(filter, records->psi, records->y);
-                       return Vector<double>(filter.theta());
-                   });
+    add_batch_rows(
+        "batch/" + std::string(F::name), [](Records const& records) { return &records; },
+        [](Records const* records) {
+            F filter({.size = records->parameters(), .forgetting = 1, .prior = std::nullopt});
+            process(filter, records->psi, records->y);
+            return Vector<double>(filter.theta());
+        });
 }
 
 void add_threads(unsigned threads) {
-    add_batch_rows(threads == 1 ? "fold_all/1_thread" : "fold_all/" + std::to_string(threads) + "_threads",
-                   [](Records const& records) { return &records; },
-                   [threads](Records const* records) {
-                       Problem<double> const problem{.size = records->parameters(), .forgetting = 1, .prior = std::nullopt};
-                       return Vector<double>(fold_all<QrBlock<double>>(problem, RowsInMemory(*records), threads).theta());
-                   });
+    add_batch_rows(
+        threads == 1 ? "fold_all/1_thread" : "fold_all/" + std::to_string(threads) + "_threads",
+        [](Records const& records) { return &records; },
+        [threads](Records const* records) {
+            Problem<double> const problem{.size = records->parameters(), .forgetting = 1, .prior = std::nullopt};
+            return Vector<double>(fold_all<QrBlock<double>>(problem, RowsInMemory(*records), threads).theta());
+        });
 }
 
 /// The digits are those proven, at most the 30 that were asked for.
@@ -33,9 +35,8 @@ void reference(benchmark::State& state, Index rows, Index size) {
     Stopwatch watch(state, rows);
     double radius = 1;
     for (auto _ : state)
-        watch.add([] {}, [&] {
-            return nanoseconds_of([&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); });
-        });
+        watch.add([] {},
+                  [&] { return nanoseconds_of([&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); }); });
     watch.finish({std::min(-std::log10(radius), 30.0), std::isfinite(radius)});
 }
 

@@ -14,9 +14,8 @@ void fixed(std::type_identity<F<T, Dynamic>>, Visit visit) {
 
 template <int N>
 void add() {
-    for_each(Variants<double>{}, []<class F>() {
-        fixed<N>(std::type_identity<F>{}, []<class Fixed>() { add_filter_row<Fixed>("fixed", N); });
-    });
+    for_each(Variants<double>{},
+             []<class F>() { fixed<N>(std::type_identity<F>{}, []<class Fixed>() { add_filter_row<Fixed>("fixed", N); }); });
 }
 
 [[maybe_unused]] bool const added = [] {

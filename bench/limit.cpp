@@ -13,7 +13,7 @@ constexpr int width = 4;
 constexpr int width = 2;
 #endif
 using Lanes = double __attribute__((vector_size(width * sizeof(double))));
-constexpr Index unrolled = 8;    // independent accumulators: an addition's latency times the additions in a cycle
+constexpr Index unrolled = 8;  // independent accumulators: an addition's latency times the additions in a cycle
 
 /// Small integers, so that their sums are exact in any order; aligned to a cache line.
 class Numbers {
@@ -27,7 +27,7 @@ public:
         for (Index i = 0; i < count; ++i) data()[i] = double(i % 16);
     }
     double* data() { return lines_.front().values; }
-    Lanes* lanes() { return reinterpret_cast<Lanes*>(data()); }    // GCC's vector types may alias their elements
+    Lanes* lanes() { return reinterpret_cast<Lanes*>(data()); }  // GCC's vector types may alias their elements
 };
 
 [[gnu::noinline]] double sum(Lanes const* x, Index count) {
@@ -48,7 +48,7 @@ public:
         for (Index j = 0; j < unrolled; ++j) y[i + j] += a;
 }
 
-constexpr int passes = 64;    // in one iteration
+constexpr int passes = 64;  // in one iteration
 
 /// The answer is exact or the loop has left something out.
 Answer exact_or_none(double found, double expected) {
@@ -60,14 +60,15 @@ void read(benchmark::State& state, Index count) {
     Stopwatch watch(state, passes);
     double total = 0;
     for (auto _ : state)
-        watch.add([&] { total = 0; }, [&] {
-            return nanoseconds_of([&] {
-                for (int k = 0; k < passes; ++k) {
-                    total += sum(x.lanes(), count);
-                    wanted(total);
-                }
-            });
-        });
+        watch.add([&] { total = 0; },
+                  [&] {
+                      return nanoseconds_of([&] {
+                          for (int k = 0; k < passes; ++k) {
+                              total += sum(x.lanes(), count);
+                              wanted(total);
+                          }
+                      });
+                  });
     watch.finish(exact_or_none(total, passes * 7.5 * double(count)));
 }
 
@@ -76,14 +77,15 @@ void read_modify_write(benchmark::State& state, Index count) {
     Stopwatch watch(state, passes);
     double before = 0;
     for (auto _ : state)
-        watch.add([&] { before = sum(y.lanes(), count); }, [&] {
-            return nanoseconds_of([&] {
-                for (int k = 0; k < passes; ++k) {
-                    increase(y.lanes(), 1, count);
-                    wanted(y);
-                }
-            });
-        });
+        watch.add([&] { before = sum(y.lanes(), count); },
+                  [&] {
+                      return nanoseconds_of([&] {
+                          for (int k = 0; k < passes; ++k) {
+                              increase(y.lanes(), 1, count);
+                              wanted(y);
+                          }
+                      });
+                  });
     watch.finish(exact_or_none(sum(y.lanes(), count) - before, passes * double(count)));
 }
 

@@ -39,7 +39,7 @@ template <class T, int L>
 void add(std::string const& arithmetic) {
     for_each(Variants<Pack<T, L>>{}, [&]<class F>() {
         for (Index size : sizes)
-            if (size <= 64)    // beyond, the squares of so many filters leave the cache
+            if (size <= 64)  // beyond, the squares of so many filters leave the cache
                 add_row("lockstep/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
                         [size](benchmark::State& state) { run_lockstep<F>(state, size); });
     });

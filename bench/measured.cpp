@@ -50,7 +50,8 @@ Run read_run(std::string const& path) {
     json const all = json::parse(file);
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
-                        context.value("date", "").substr(0, 10)), {}};
+                        context.value("date", "").substr(0, 10)),
+            {}};
     // Interleaved repetitions end in any order; the page has that of the program.
     std::vector<json> rows = all.at("benchmarks");
     std::ranges::stable_sort(rows, {}, [](json const& row) { return row.value("family_index", 0); });

@@ -9,17 +9,17 @@ namespace rlslab::bench {
 
 /// One row, its name taken apart: GROUP/NAME/ARITHMETIC/CASE, GROUP/NAME/CASE or GROUP/CASE.
 struct BenchRow {
-    std::string group, name, arithmetic, what;    ///< what: the last part, "64" or "200000x10"
-    std::string family;                           ///< "covariance", "factored covariance", "information", "peer", "limit"
-    double size;                                  ///< parameters; a limit's are those whose d x d doubles have its bytes
+    std::string group, name, arithmetic, what;  ///< what: the last part, "64" or "200000x10"
+    std::string family;                         ///< "covariance", "factored covariance", "information", "peer", "limit"
+    double size;                                ///< parameters; a limit's are those whose d x d doubles have its bytes
     double nanoseconds, digits;
     bool finite;
     std::optional<double> theta_nanoseconds;
-    double answered() const { return nanoseconds + theta_nanoseconds.value_or(0); }    ///< the update and theta() after it
+    double answered() const { return nanoseconds + theta_nanoseconds.value_or(0); }  ///< the update and theta() after it
 };
 
 struct Run {
-    std::string machine;    ///< one line for people
+    std::string machine;  ///< one line for people
     std::vector<BenchRow> rows;
 };
 

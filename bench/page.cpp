@@ -45,8 +45,7 @@ BenchRow const* find(Rows const& rows, std::string const& name, std::string cons
 std::string sentence(BenchRow const& row) {
     std::string out = fmt::format("{}, {}: {} per row, ", row.name, row.what, time_for_people(row.nanoseconds));
     out += row.finite ? fmt::format("{:.1f} digits", row.digits) : "not finite";
-    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5)
-        out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
+    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5) out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
     return out;
 }
 
@@ -60,8 +59,15 @@ Look look_in_bench(BenchRow const& row, size_t place) {
 
 /// Times against sizes; "" for a single size.
 std::string drawn(Rows const& rows, std::string const& title) {
-    Figure figure{.name = title, .title = "Time of a row against the number of parameters", .x = "parameters d", .y = "nanoseconds per row", .log_x = true, .log_y = true, .panels = {{"", {}, {}}}};
-    std::ranges::replace_if(figure.name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '-');
+    Figure figure{.name = title,
+                  .title = "Time of a row against the number of parameters",
+                  .x = "parameters d",
+                  .y = "nanoseconds per row",
+                  .log_x = true,
+                  .log_y = true,
+                  .panels = {{"", {}, {}}}};
+    std::ranges::replace_if(
+        figure.name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '-');
     std::set<double> sizes;
     size_t place = 0, peers = 0;
     for (std::string const& name : distinct(rows, std::mem_fn(&BenchRow::name))) {
@@ -108,8 +114,7 @@ std::string table(Rows const& rows, std::string const& yardstick) {
     for (std::string const& what : cases) {
         BenchRow const* best = nullptr;
         for (BenchRow const& row : rows)
-            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered()))
-                best = &row;
+            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered())) best = &row;
         least.push_back(best);
     }
     out += "</tr></thead><tbody>";
@@ -168,13 +173,21 @@ std::string others(Rows const& rows) {
     for (Section const& section :
          {Section{"Batches: all rows at hand, double, one thread",
                   "Time per row, the solution included; × is against the normal equations, which square the condition number.",
-                  "normal_equations", {"batch", "peer"}, true},
-          Section{"The same in parts, merged: qr_block on several cores", "Time per row; × is against one thread.", "1_thread",
-                  {"fold_all"}, false},
+                  "normal_equations",
+                  {"batch", "peer"},
+                  true},
+          Section{"The same in parts, merged: qr_block on several cores",
+                  "Time per row; × is against one thread.",
+                  "1_thread",
+                  {"fold_all"},
+                  false},
           Section{"Sparse rows: two numbers in each that are not zero", "Time per row.", "", {"sparse"}, true},
           Section{"The certified reference", "Time per row, with the proven digits.", "", {"reference"}, false},
           Section{"The machine's limit",
-                  "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.", "", {"limit"}, false}}) {
+                  "One pass over so many bytes, the d x d doubles of P for d = 32, 64, 128, 256.",
+                  "",
+                  {"limit"},
+                  false}}) {
         Rows const mine = kept(rows, [&](BenchRow const& r) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
@@ -194,7 +207,8 @@ std::string page_of(Run const& run) {
         "<p class=\"soft\">The plots show the update alone; peers are brown, the machine's limit is grey. In the tables what "
         "theta() takes on top is said where it has to be solved for, and counts in ×, the time over dlib's (less than 1 is "
         "faster), and in which variant is shaded as the fastest. information takes its rows without a report, whose innovation "
-        "would have to solve for theta.</p>\n", escaped(run.machine));
+        "would have to solve for theta.</p>\n",
+        escaped(run.machine));
     return page("rlslab: the time of an update", head + filters(run.rows) + others(run.rows));
 }
 
@@ -202,7 +216,7 @@ std::string page_of(Run const& run) {
 
 int main(int argc, char** argv) try {
     if (argc != 3) throw std::runtime_error("usage: rlslab_bench_page RUN.json PAGE.html");
-    std::signal(SIGXFSZ, SIG_IGN);    // a file beyond the limit is an error like any other
+    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
     rlslab::replace_file(argv[2], page_of(read_run(argv[1])));
 } catch (std::exception const& error) {
     fmt::print(stderr, "rlslab_bench_page: {}\n", error.what());

@@ -25,7 +25,7 @@ public:
         Eigen::Map<VectorXd const> const psi(row.data(), row.size());
         VectorXd const K = P_ * psi / (lambda_ + psi.dot(P_ * psi));
         theta_ += K * (y - psi.dot(theta_));
-        P_ = (P_ - K * psi.transpose() * P_) / lambda_;    // (K psi') P: cubic, as it stands in many a repository
+        P_ = (P_ - K * psi.transpose() * P_) / lambda_;  // (K psi') P: cubic, as it stands in many a repository
     }
     VectorXd const& theta() const { return theta_; }
 };
@@ -33,8 +33,7 @@ public:
 /// In place, on a tall matrix by columns: the fastest it offers. What is destroyed is copied outside the time.
 void add_householder() {
     add_batch_rows(
-        "peer/eigen_householder",
-        [](Records const& records) { return std::pair(MatrixXd(records.psi.transpose()), &records.y); },
+        "peer/eigen_householder", [](Records const& records) { return std::pair(MatrixXd(records.psi.transpose()), &records.y); },
         [](auto& input) -> VectorXd {
             Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> const qr(input.first);
             return qr.solve(*input.second);
@@ -42,12 +41,13 @@ void add_householder() {
 }
 
 void add_normal_equations() {
-    add_batch_rows("peer/normal_equations", [](Records const& records) { return &records; },
-                   [](Records const* records) -> VectorXd {
-                       MatrixXd M = MatrixXd::Zero(records->parameters(), records->parameters());
-                       M.selfadjointView<Eigen::Lower>().rankUpdate(records->psi);
-                       return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
-                   });
+    add_batch_rows(
+        "peer/normal_equations", [](Records const& records) { return &records; },
+        [](Records const* records) -> VectorXd {
+            MatrixXd M = MatrixXd::Zero(records->parameters(), records->parameters());
+            M.selfadjointView<Eigen::Lower>().rankUpdate(records->psi);
+            return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
+        });
 }
 
 [[maybe_unused]] bool const added = [] {

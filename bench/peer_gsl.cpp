@@ -32,7 +32,12 @@ Vector<double> solve(Data& data) {
 }
 
 [[maybe_unused]] bool const added = [] {
-    add_batch_rows("peer/gsl_tsqr", [](Records const& records) { return Data{records.psi, records.y}; }, solve);
+    add_batch_rows(
+        "peer/gsl_tsqr",
+        [](Records const& records) {
+            return Data{records.psi, records.y};
+        },
+        solve);
     return true;
 }();
 

@@ -2,8 +2,8 @@
 #include "bench/rows.hpp"
 
 // Fortran's, with the types of OpenBLAS' default build; lapacke.h would be one package more for this line.
-extern "C" void dgels_(char const* trans, int const* m, int const* n, int const* nrhs, double* a, int const* lda, double* b,
-                       int const* ldb, double* work, int const* lwork, int* info, std::size_t trans_length);
+extern "C" void dgels_(char const* trans, int const* m, int const* n, int const* nrhs, double* a, int const* lda, double* b, int const* ldb,
+                       double* work, int const* lwork, int* info, std::size_t trans_length);
 extern "C" void openblas_set_num_threads(int threads);
 
 namespace rlslab::bench {
@@ -27,8 +27,13 @@ Vector<double> solve(Data& data) {
 }
 
 [[maybe_unused]] bool const added = [] {
-    openblas_set_num_threads(1);    // for every row of the program: all of them are for one thread
-    add_batch_rows("peer/lapack_dgels", [](Records const& records) { return Data{records.psi.transpose(), records.y}; }, solve);
+    openblas_set_num_threads(1);  // for every row of the program: all of them are for one thread
+    add_batch_rows(
+        "peer/lapack_dgels",
+        [](Records const& records) {
+            return Data{records.psi.transpose(), records.y};
+        },
+        solve);
     return true;
 }();
 

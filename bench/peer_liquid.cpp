@@ -4,7 +4,7 @@
 #include <liquid/liquid.h>
 #include <memory>
 
-#pragma GCC diagnostic ignored "-Wdeprecated-declarations"    // liquid's next version is without it
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"  // liquid's next version is without it
 
 namespace rlslab::bench {
 namespace {
@@ -22,7 +22,7 @@ public:
     static constexpr std::string_view name = "liquid";
 
     explicit Liquid(Problem<float> const& problem) : size_(problem.size) {
-        std::vector<float> zero(size_t(size_), 0.f);    // its own start is theta0 = (1, 0, ..., 0)
+        std::vector<float> zero(size_t(size_), 0.f);  // its own start is theta0 = (1, 0, ..., 0)
         q_.reset(eqrls_rrrf_create(zero.data(), unsigned(size_)));
         eqrls_rrrf_set_bw(q_.get(), problem.forgetting);
     }
@@ -38,7 +38,7 @@ public:
         eqrls_rrrf_step(q_.get(), y, predicted);
     }
     Vector<float> theta() const {
-        Vector<float> weights(size_);    // of the newest sample first
+        Vector<float> weights(size_);  // of the newest sample first
         eqrls_rrrf_get_weights(q_.get(), weights.data());
         return weights;
     }

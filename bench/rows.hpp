@@ -28,7 +28,7 @@ struct Answer {
 /// Benchmark's own time is their mean, with the cost of stopping and starting its clock.
 class Stopwatch {
     benchmark::State& state_;
-    double const updates_;    // in one iteration
+    double const updates_;  // in one iteration
     double least_ = std::numeric_limits<double>::infinity();
 
 public:
@@ -65,8 +65,7 @@ template <class F>
 std::string family_of(F const& filter) {
     if constexpr (ReportsCovariance<F>)
         return filter.stored().form == Stored<typename F::scalar>::Form::factor ? "factored covariance" : "covariance";
-    else
-        return RecursiveLeastSquares<F> ? "information" : "peer";
+    else return RecursiveLeastSquares<F> ? "information" : "peer";
 }
 
 /// F, a variant or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with the
@@ -89,19 +88,19 @@ class FilterRow {
         for (int k = 0; k < 20; ++k) {
             constexpr int calls = 16;
             least = std::min(least, nanoseconds_of([&] {
-                                 for (int i = 0; i < calls; ++i) {
-                                     auto const& answer = filter.theta();
-                                     wanted(answer);
-                                 }
-                             }) / calls);
+                                        for (int i = 0; i < calls; ++i) {
+                                            auto const& answer = filter.theta();
+                                            wanted(answer);
+                                        }
+                                    }) / calls);
         }
         return least;
     }
 
 public:
     explicit FilterRow(Index size)
-        : scenario_(tapped_delay_line(size)), psi_(scenario_.records.psi.template cast<T>()),
-          y_(scenario_.records.y.template cast<T>()), scored_(problem_in<T>(scenario_.problem)) {
+        : scenario_(tapped_delay_line(size)), psi_(scenario_.records.psi.template cast<T>()), y_(scenario_.records.y.template cast<T>()),
+          scored_(problem_in<T>(scenario_.problem)) {
         stretch<Theta::unasked>(scored_, psi_, y_, 0, scenario_.scored);
         digits_ = digits(scenario_.exact, theta(scored_), std::numeric_limits<T>::digits);
     }
@@ -110,8 +109,7 @@ public:
         Stopwatch watch(state, rows);
         F filter = scored_;
         for (auto _ : state)
-            watch.add([&] { filter = scored_; },
-                      [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
+            watch.add([&] { filter = scored_; }, [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
         watch.finish({digits_, theta(filter).allFinite()});
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
         state.SetLabel(family_of(filter));
@@ -136,8 +134,7 @@ void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepar
     Vector<double> theta;
     std::optional<decltype(prepare(scenario.records))> input;
     for (auto _ : state)
-        watch.add([&] { input.emplace(prepare(scenario.records)); },
-                  [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
+        watch.add([&] { input.emplace(prepare(scenario.records)); }, [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
     watch.finish({digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()});
 }
 
@@ -145,9 +142,8 @@ void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepar
 template <class Prepare, class Solve>
 void add_batch_rows(std::string const& name, Prepare prepare, Solve solve) {
     for (Index size : batch_sizes)
-        add_row(name + "/" + shape(batch_rows, size), [=](benchmark::State& state) {
-            run_batch(state, batch(batch_rows, size), prepare, solve);
-        });
+        add_row(name + "/" + shape(batch_rows, size),
+                [=](benchmark::State& state) { run_batch(state, batch(batch_rows, size), prepare, solve); });
 }
 
 }  // namespace rlslab::bench

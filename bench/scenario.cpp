@@ -81,8 +81,7 @@ Scenario const& interpolation(Index size) {
 
 double digits(CertifiedSolution const& exact, Vector<double> const& theta, int arithmetic_bits) {
     if (!theta.allFinite()) return 0;
-    return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })),
-                    arithmetic_bits * std::log10(2.0));
+    return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })), arithmetic_bits * std::log10(2.0));
 }
 
 }  // namespace rlslab::bench

@@ -11,8 +11,8 @@ namespace rlslab::bench {
 struct Scenario {
     Problem<double> problem;
     Records records;
-    Index scored;    ///< theta is scored after this many rows; those that follow are for timing
-    CertifiedSolution exact;     ///< the certified solution there
+    Index scored;             ///< theta is scored after this many rows; those that follow are for timing
+    CertifiedSolution exact;  ///< the certified solution there
 };
 
 /// The filters' scenario: a transversal filter of d taps fed with white noise, psi_k = (x_k, x_{k-1}, ..., x_{k-d+1}), x = 0

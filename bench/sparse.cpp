@@ -13,11 +13,12 @@ void add() {
     for (Index size : {64, 128, 256})
         add_row("sparse/" + std::string(F::name) + "/" + std::to_string(size), [size](benchmark::State& state) {
             Scenario const& scenario = interpolation(size);
-            run_batch(state, scenario, [&](Records const&) { return F(scenario.problem); },
-                      [&](F& filter) {
-                          process(filter, scenario.records.psi, scenario.records.y);
-                          return Vector<double>(filter.theta());
-                      });
+            run_batch(
+                state, scenario, [&](Records const&) { return F(scenario.problem); },
+                [&](F& filter) {
+                    process(filter, scenario.records.psi, scenario.records.y);
+                    return Vector<double>(filter.theta());
+                });
         });
 }
 

@@ -15,7 +15,7 @@ struct Lists {
 
 template <int... I>
 Lists const& gathered(std::integer_sequence<int, I...>) {
-    static Lists lists;    // entries point into it
+    static Lists lists;  // entries point into it
     std::vector<Instances> all{instances<I>()...};
     for (Instances const& one : all) lists.arithmetics.push_back(one.arithmetic);
     for (size_t a = 0; a < all.size(); ++a)

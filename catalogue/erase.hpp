@@ -89,8 +89,8 @@ public:
 template <class F>
 double nanoseconds(Problem<double> const& problem, Records const& records, Seed seed) {
     using T = typename F::scalar;
-    constexpr double enough = 5e5;    // ns of undisturbed timing in all
-    constexpr int at_least = 8;       // stretches: others disturb some of them
+    constexpr double enough = 5e5;  // ns of undisturbed timing in all
+    constexpr int at_least = 8;     // stretches: others disturb some of them
     Matrix<T> const psi = records.psi.unaryExpr(&round_to<T>);
     Vector<T> const y = records.y.unaryExpr(&round_to<T>);
     Index rows = std::min<Index>(records.rows(), 16);
@@ -124,8 +124,14 @@ template <RecursiveLeastSquares F>
 Entry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
-    return {F::name, arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information",
-            GainPerturbable<F>, &Erased<F>::make, &nanoseconds<F>};
+    return {F::name,
+            arithmetic,
+            StartsWithoutPrior<F>,
+            block,
+            ReportsCovariance<F> ? "covariance" : "information",
+            GainPerturbable<F>,
+            &Erased<F>::make,
+            &nanoseconds<F>};
 }
 
 /// T as data.

@@ -7,7 +7,7 @@ namespace rlslab {
 
 struct Instances {
     Arithmetic arithmetic;
-    std::vector<Entry> entries;    ///< Entry::arithmetic is still to be set
+    std::vector<Entry> entries;  ///< Entry::arithmetic is still to be set
 };
 
 /// The instances of the I-th arithmetic of the list; defined by catalogue/instances.cpp compiled for that I.

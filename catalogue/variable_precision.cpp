@@ -10,7 +10,7 @@ namespace {
 static_assert(std::tuple_size_v<Arithmetics> == RLSLAB_ARITHMETICS, "catalogue/CMakeLists.txt counts the arithmetics");
 
 Instances any_length() {
-    static Arithmetic arithmetic;    // entries point to it
+    static Arithmetic arithmetic;  // entries point to it
     Instances out = instances<bits_index>();
     arithmetic = out.arithmetic;
     for (Entry& entry : out.entries) entry.arithmetic = &arithmetic;

@@ -17,7 +17,8 @@ constexpr double enough_digits = 3;
 std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float"}, {"double", "double"}, {"extended", "long double"}};
 
 Result const& result_of(Comparison const& c, Recommendation const& r) {
-    return *std::ranges::find_if(c.results, [&](Result const& x) { return x.entry->variant == r.variant && x.entry->arithmetic->name == r.arithmetic; });
+    return *std::ranges::find_if(
+        c.results, [&](Result const& x) { return x.entry->variant == r.variant && x.entry->arithmetic->name == r.arithmetic; });
 }
 
 std::string comment(std::string const& head, std::vector<std::string> const& items) {
@@ -39,7 +40,7 @@ std::string class_of(std::string_view variant) {
 
 std::string verdict(Comparison const& c) {
     std::string out;
-    std::vector<std::pair<std::string, std::vector<std::string>>> without;    // why, and where
+    std::vector<std::pair<std::string, std::vector<std::string>>> without;  // why, and where
     size_t arithmetic = 0, variant = 0;
     for (Recommendation const& r : c.recommendations) {
         if (r.variant.empty()) {
@@ -54,11 +55,14 @@ std::string verdict(Comparison const& c) {
         if (r.variant.empty()) continue;
         Result const& best = result_of(c, r);
         PerMeasure<Spread> const& spread = *best.spread;
-        out += fmt::format("in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P; {} operations{}\n",
-                           r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
-                           spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
+        out += fmt::format(
+            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P; {} "
+            "operations{}\n",
+            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
+            spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
     }
-    for (auto const& [why, where] : without) out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
+    for (auto const& [why, where] : without)
+        out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
     return out;
 }
 
@@ -84,7 +88,10 @@ std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
             double const low = result_of(c, r).spread->worst.low;
             if (low < enough_digits) out.push_back(fmt::format("{} in {}", tenths(low), name));
             if (&r == &taken)
-                return out.empty() ? "" : fmt::format("// digits of the worst component that nine tenths of the counts reach: {}; {} are wanted\n", fmt::join(out, ", "), enough_digits);
+                return out.empty()
+                           ? ""
+                           : fmt::format("// digits of the worst component that nine tenths of the counts reach: {}; {} are wanted\n",
+                                         fmt::join(out, ", "), enough_digits);
         }
     return "";
 }
@@ -94,7 +101,8 @@ std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
 std::string code(Comparison const& c) {
     Recommendation const* const r = coded(c);
     if (!r) return "";
-    std::string const T = std::ranges::find(hardware, r->arithmetic, &std::pair<std::string, std::string>::first)->second, type = class_of(r->variant);
+    std::string const T = std::ranges::find(hardware, r->arithmetic, &std::pair<std::string, std::string>::first)->second,
+                      type = class_of(r->variant);
     std::string out = fmt::format("#include <rlslab/variants/{}.hpp>\n\n", r->variant);
     out += why_not_shorter(c, *r);
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
@@ -106,12 +114,13 @@ std::string code(Comparison const& c) {
     if (c.scaled_prior) {
         Matrix<double> const P0 = *c.scaled_prior->prior().covariance;
         std::vector<std::string> entries;
-        for (Index i = 0; i < c.size; ++i) entries.push_back(fmt::format("{:#}", P0(i, i)));    // with a point: a whole number may not narrow to float
+        for (Index i = 0; i < c.size; ++i)
+            entries.push_back(fmt::format("{:#}", P0(i, i)));  // with a point: a whole number may not narrow to float
         std::string const begin = fmt::format("rlslab::Vector<{}> const P0{{{{", T);
         out += begin + listed(entries, std::string(begin.size(), ' '), begin.size()) + "}};\n";
         prior = "{.covariance = P0.asDiagonal()}";
     }
-    constexpr Index largest_fixed = 16;    // a fixed size keeps everything in the object: no heap after the start
+    constexpr Index largest_fixed = 16;  // a fixed size keeps everything in the object: no heap after the start
     out += fmt::format("rlslab::{}<{}{}> filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, T,
                        c.size <= largest_fixed ? fmt::format(", {}", c.size) : "", c.size, c.options.forgetting, T, prior);
     out += "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";

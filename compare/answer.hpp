@@ -15,7 +15,8 @@ std::string verdict(Comparison const& comparison);
 /// (the low end of its spread), else the longest; null: none.
 Recommendation const* coded(Comparison const& comparison);
 
-/// C++ that defines the recommended filter as `filter`, the model and the regressors' order and signs in comments above it; "" when coded() is
+/// C++ that defines the recommended filter as `filter`, the model and the regressors' order and signs in comments above it; "" when
+/// coded() is
 /// null. A file of its own: it compiles as it stands.
 std::string code(Comparison const& comparison);
 

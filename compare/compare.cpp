@@ -31,12 +31,20 @@ std::vector<std::string> printable_names(Records const& records) {
 Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, CertifiedSolution const& given, Vector<double> const& scales) {
     Problem<double> problem = stored.problem;
     problem.prior.reset();
-    Storage out{arithmetic.name, problem.forgetting, 0, stored.in_range, {}, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    Storage out{arithmetic.name,
+                problem.forgetting,
+                0,
+                stored.in_range,
+                {},
+                std::numeric_limits<double>::quiet_NaN(),
+                std::numeric_limits<double>::quiet_NaN()};
     CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
     if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
         CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
-        if (exact) out.prior_bias = relative_change(*exact, without, scales), out.component_bias = largest_relative_change(*exact, without, scales);
+        if (exact)
+            out.prior_bias = relative_change(*exact, without, scales),
+            out.component_bias = largest_relative_change(*exact, without, scales);
     }
     if (exact) {
         double const digits = -correctly::log10(relative_change(*exact, given));
@@ -64,12 +72,13 @@ double offset(Records const& records) {
 
 /// Digits in which two exact solutions agree, component by component.
 std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution const& b) {
-    constexpr double most = 30;    // to which they are certified
+    constexpr double most = 30;  // to which they are certified
     std::vector<double> out;
     Vector<Reference> const x = a.theta(), y = b.theta();
     for (Index i = 0; i < x.size(); ++i) {
         Reference const difference = absolute(Reference(x[i] - y[i]));
-        out.push_back(difference == 0 ? most : std::min(most, -correctly::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
+        out.push_back(difference == 0 ? most
+                                      : std::min(most, -correctly::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
     }
     return out;
 }
@@ -94,8 +103,7 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
     };
     std::vector<Entry const*> out;
     for (Entry const& entry : catalogue())
-        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name))
-            out.push_back(&entry);
+        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
     if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
@@ -111,20 +119,35 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
     CertifiedSolution const without = certified(problem, records, {rows}).front();
     if (without.status() == Status::singular)
-        throw InputError(fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
-                                     "over {} rows{}",
-                                     without.rank(), records.parameters(), rows, constants_text(records)));
+        throw InputError(
+            fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
+                        "over {} rows{}",
+                        without.rank(), records.parameters(), rows, constants_text(records)));
     std::optional<DefaultPrior> scaled;
     if (!options.p0) scaled = default_prior(records, options.forgetting);
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
     Vector<double> const scales = regressor_scales(records);
     CertifiedSolution const with = certified(problem, records, {rows}).front();
-    Comparison out{.rows = rows, .skipped = records.skipped, .size = records.parameters(), .names = printable_names(records), .model = {},
-                   .theta = with.theta_strings(30), .least_squares = without.theta_strings(30), .agreement = agreement(with, without),
-                   .radius = with.radius(), .bits = with.bits(), .condition = condition(records, options.forgetting), .scaled_prior = scaled,
-                   .prior_bias = relative_change(with, without, scales), .component_bias = largest_relative_change(with, without, scales),
-                   .offset = offset(records), .options = options, .checkpoints = checkpoints_of(rows), .storage = {},
-                   .results = {}, .recommendations = {}};
+    Comparison out{.rows = rows,
+                   .skipped = records.skipped,
+                   .size = records.parameters(),
+                   .names = printable_names(records),
+                   .model = {},
+                   .theta = with.theta_strings(30),
+                   .least_squares = without.theta_strings(30),
+                   .agreement = agreement(with, without),
+                   .radius = with.radius(),
+                   .bits = with.bits(),
+                   .condition = condition(records, options.forgetting),
+                   .scaled_prior = scaled,
+                   .prior_bias = relative_change(with, without, scales),
+                   .component_bias = largest_relative_change(with, without, scales),
+                   .offset = offset(records),
+                   .options = options,
+                   .checkpoints = checkpoints_of(rows),
+                   .storage = {},
+                   .results = {},
+                   .recommendations = {}};
     out.model.regressors = out.names;
 
     // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
@@ -146,7 +169,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
 
     out.results.assign(entries.size(), {});
     std::vector<size_t> order(entries.size());
-    for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;    // the slow arithmetics first
+    for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;  // the slow arithmetics first
     std::mutex one_at_a_time;
     size_t done = 0;
     arena.execute([&] {

@@ -45,51 +45,51 @@ struct Spread {
 
 /// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
 struct Breakdown {
-    Index step;            ///< from 1; 0: the prior itself, as this arithmetic stores it
-    std::string kind;      ///< "indefinite" or "nonfinite"
+    Index step;        ///< from 1; 0: the prior itself, as this arithmetic stores it
+    std::string kind;  ///< "indefinite" or "nonfinite"
 };
 
 /// One row of the table.
 struct Result {
     Entry const* entry;
-    Digits last = {};                                  ///< at the last row, in the record's order
-    std::optional<PerMeasure<Spread>> spread = {};    ///< absent: the stored problem has no exact solution
-    int runs = 0, broken = 0;                          ///< orders of rows (or draws) tried, and in how many the variant broke down
-    std::optional<Breakdown> breakdown = {};           ///< in the record's order
-    bool factor = false;                               ///< propagates a factor, which no rounding makes indefinite
-    std::vector<Digits> path = {};                     ///< at each of the comparison's checkpoints, in the record's order
-    std::optional<double> asymmetry = {};              ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
-    std::optional<long> operations = {};               ///< a row: the update, and theta where it is solved for on request
+    Digits last = {};                               ///< at the last row, in the record's order
+    std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
+    int runs = 0, broken = 0;                       ///< orders of rows (or draws) tried, and in how many the variant broke down
+    std::optional<Breakdown> breakdown = {};        ///< in the record's order
+    bool factor = false;                            ///< propagates a factor, which no rounding makes indefinite
+    std::vector<Digits> path = {};                  ///< at each of the comparison's checkpoints, in the record's order
+    std::optional<double> asymmetry = {};           ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
+    std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
 };
 
 /// What storing the problem costs in an arithmetic shorter than binary64, before any variant computes with it.
 struct Storage {
     std::string_view arithmetic;
-    double forgetting;                       ///< lambda as stored
-    Index rank;                              ///< exact, of the regressors as stored
-    bool in_range;                           ///< whether lambda and every entry of P0 are positive and finite there
-    std::optional<double> theta_digits;      ///< in which the exact solutions for the given and for the stored data agree
-    double prior_bias;                       ///< of the stored problem; NaN when the prior alone makes it one
-    double component_bias;                   ///< likewise
+    double forgetting;                   ///< lambda as stored
+    Index rank;                          ///< exact, of the regressors as stored
+    bool in_range;                       ///< whether lambda and every entry of P0 are positive and finite there
+    std::optional<double> theta_digits;  ///< in which the exact solutions for the given and for the stored data agree
+    double prior_bias;                   ///< of the stored problem; NaN when the prior alone makes it one
+    double component_bias;               ///< likewise
 };
 
 struct Recommendation {
     std::string arithmetic;
-    std::string variant;    ///< empty: none
+    std::string variant;  ///< empty: none
     std::string why;
 };
 
 /// What the parameters multiply, for people and for the code to paste.
 struct ModelText {
-    std::string file, output;                                ///< "sales.csv", "sales[k]"
-    std::vector<std::string> regressors;                     ///< "-sales[k-1]", "lead[k]", "1"
-    std::vector<std::pair<std::string, double>> means;       ///< taken off each column first
+    std::string file, output;                           ///< "sales.csv", "sales[k]"
+    std::vector<std::string> regressors;                ///< "-sales[k-1]", "lead[k]", "1"
+    std::vector<std::pair<std::string, double>> means;  ///< taken off each column first
 };
 
 struct Comparison {
     Index rows, skipped, size;
-    std::vector<std::string> names;            ///< of the parameters
+    std::vector<std::string> names;  ///< of the parameters
     ModelText model;
     std::vector<std::string> theta;            ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
     std::vector<std::string> least_squares;    ///< the exact minimiser without the prior

@@ -27,12 +27,15 @@ Json short_json(double x) {
 
 /// Minus infinity is no answer; JSON knows neither.
 Json tenths_json(double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", x + 0.0)) : Json(nullptr); }
-Json spread_json(Spread const& s) { return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}}; }
+Json spread_json(Spread const& s) {
+    return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}};
+}
 
 std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? fmt::format(" {:>5} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
+        out += spread ? fmt::format(" {:>5} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median),
+                                    tenths(((*spread).*m).high))
                       : fmt::format(" {:>5} {:>4} {:>4} ", "-", "-", "-");
     return out;
 }
@@ -42,10 +45,11 @@ std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.
 std::string theta_text(Comparison const& c) {
     size_t width = 11;
     for (std::string const& name : c.names) width = std::max(width, name.size());
-    std::string out = fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior", "with the prior: what filters are after", "agree");
+    std::string out = fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior",
+                                  "with the prior: what filters are after", "agree");
     for (size_t i = 0; i < c.names.size(); ++i)
-        out += fmt::format("{:<{}} {:>37} {:>37}  {:>5}\n", c.names[i], width, plain_exponent(c.least_squares[i]), plain_exponent(c.theta[i]),
-                           tenths(c.agreement[i]));
+        out += fmt::format("{:<{}} {:>37} {:>37}  {:>5}\n", c.names[i], width, plain_exponent(c.least_squares[i]),
+                           plain_exponent(c.theta[i]), tenths(c.agreement[i]));
     return out;
 }
 
@@ -70,9 +74,9 @@ struct Paint {
 
 std::string as_table(Comparison const& c, bool colour) {
     Paint const paint{colour};
-    std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n", c.model.file.empty() ? "" : c.model.file + ": ", c.rows,
-                                  c.skipped, c.size, c.size == 1 ? "" : "s", std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
-                                  c.options.forgetting);
+    std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n",
+                                  c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size, c.size == 1 ? "" : "s",
+                                  std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition), c.options.forgetting);
     out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n';
     for (std::string const& warning : warnings(c)) out += paint("31", "warning     " + wrapped(warning, 12, 12, text_width) + '\n');
     out += '\n' + paint("32", verdict(c));
@@ -87,35 +91,42 @@ std::string as_table(Comparison const& c, bool colour) {
             arithmetic = a.name;
             std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
             out += '\n' + paint("1", title) +
-                   paint("2", fmt::format("{:>{}}{:>17}{:>17}", "theta", 40 - std::min<size_t>(34, title.size()), "worst component", "P")) + '\n';
+                   paint("2", fmt::format("{:>{}}{:>17}{:>17}", "theta", 40 - std::min<size_t>(34, title.size()), "worst component", "P")) +
+                   '\n';
             for (Storage const& s : c.storage)
                 if (s.arithmetic == a.name) out += paint("2", "  " + storage_text(s, c)) + '\n';
-            out += paint("2", fmt::format("{:<24} {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:<19}{:>6}{:>6}{:>7}", "", "low", "mid", "high", "low", "mid", "high", "low", "mid",
-                                          "high", "breakdown", "asym", "ops", "ns")) + '\n';
+            out += paint("2", fmt::format("{:<24} {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:<19}{:>6}{:>6}{:>7}", "", "low",
+                                          "mid", "high", "low", "mid", "high", "low", "mid", "high", "breakdown", "asym", "ops", "ns")) +
+                   '\n';
         }
         bool const best = is_recommended(c, r);
-        std::string const line = fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
-                                             asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
+        std::string const line =
+            fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
+                        asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
         out += paint(best ? "32" : r.broken ? "31" : "0", line) + '\n';
     }
     out += "\nlow, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record";
     out += c.options.forgetting == 1 ? " and three other\norders of its rows; " : ";\n";
-    out += "against the exact answer for the data as stored, at most the arithmetic's own.\n"
-           "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
-           "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.\n"
-           "The recommendation never broke down and is as accurate as the best: in theta, worst component and P its spread reaches the\n"
-           "best's. Of several: a factor before P or its inverse, covariance before information, then the fewest operations.\n";
+    out +=
+        "against the exact answer for the data as stored, at most the arithmetic's own.\n"
+        "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
+        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.\n"
+        "The recommendation never broke down and is as accurate as the best: in theta, worst component and P its spread reaches the\n"
+        "best's. Of several: a factor before P or its inverse, covariance before information, then the fewest operations.\n";
     return out;
 }
 
 std::string as_json(Comparison const& c) {
     Json out;
     out["version"] = RLSLAB_VERSION;
-    out["options"] = {{"forgetting", c.options.forgetting}, {"p0", c.options.p0 ? Json(*c.options.p0) : Json(nullptr)}, {"seed", c.options.seed}};
+    out["options"] = {
+        {"forgetting", c.options.forgetting}, {"p0", c.options.p0 ? Json(*c.options.p0) : Json(nullptr)}, {"seed", c.options.seed}};
     out["data"] = {{"rows", c.rows}, {"skipped", c.skipped}, {"size", c.size}, {"parameters", c.names}, {"regressors", c.model.regressors}};
     if (c.scaled_prior) {
         Matrix<double> const P0 = *c.scaled_prior->prior().covariance;
-        out["prior"] = {{"c", c.scaled_prior->c}, {"s", std::vector<double>(c.scaled_prior->s.begin(), c.scaled_prior->s.end())}, {"P0", Json::array()},
+        out["prior"] = {{"c", c.scaled_prior->c},
+                        {"s", std::vector<double>(c.scaled_prior->s.begin(), c.scaled_prior->s.end())},
+                        {"P0", Json::array()},
                         {"formula", default_prior_formula}};
         for (Index i = 0; i < c.size; ++i) out["prior"]["P0"].push_back(P0(i, i));
     }
@@ -167,24 +178,25 @@ std::string as_json(Comparison const& c) {
     out["code"] = code(c);
     out["recommendation"] = Json::array();
     for (Recommendation const& r : c.recommendations)
-        out["recommendation"].push_back({{"arithmetic", r.arithmetic},
-                                         {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)},
-                                         {"why", r.why}});
+        out["recommendation"].push_back(
+            {{"arithmetic", r.arithmetic}, {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)}, {"why", r.why}});
     return out.dump(2) + '\n';
 }
 
 std::string as_csv(Comparison const& c) {
-    std::string out = "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-                      "asymmetry,operations,ns_per_update,runs,broken";
+    std::string out =
+        "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
+        "asymmetry,operations,ns_per_update,runs,broken";
     for (char const* of : {"theta", "worst", "covariance"})
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",{}_{}", of, point);
     out += '\n';
     auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
     for (Result const& r : c.results) {
-        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name, cell(digits_json(r.last.theta)),
-                           cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)), r.breakdown ? fmt::format("{}", r.breakdown->step) : "",
-                           r.breakdown ? r.breakdown->kind : "", r.asymmetry ? cell(short_json(*r.asymmetry)) : "",
-                           r.operations ? fmt::format("{}", *r.operations) : "", r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
+        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
+                           cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
+                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? r.breakdown->kind : "",
+                           r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
+                           r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
         for (auto const m : PerMeasure<Spread>::all())
             out += r.spread ? fmt::format(",{},{},{}", cell(tenths_json(((*r.spread).*m).low)), cell(tenths_json(((*r.spread).*m).median)),
                                           cell(tenths_json(((*r.spread).*m).high)))

@@ -46,8 +46,9 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
     size_t const after = size_t(std::ranges::lower_bound(c.checkpoints, breakdown.step) - c.checkpoints.begin());
     double const y = curve.y[std::min(after, curve.y.size() - 1)];
     return {double(breakdown.step), std::isnan(y) ? least_digits : y,
-            fmt::format("{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
-                        breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
+            fmt::format(
+                "{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
+                breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
             curve.name};
 }
 
@@ -56,10 +57,16 @@ Figure along_the_record(Comparison const& c) {
     Figure figure{.name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .panels = {}, .own_y = true};
     for (Shown const& of : shown)
         for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-            Panel panel{.name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)), .curves = {}, .guides = {}, .y_least = least_digits};
+            Panel panel{
+                .name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)), .curves = {}, .guides = {}, .y_least = least_digits};
             for (size_t i = 0; i < results.size(); ++i) {
                 Result const& x = *results[i];
-                Curve curve{.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {}, .y = {}, .marks = false, .strong = is_recommended(c, x)};
+                Curve curve{.name = std::string(x.entry->variant),
+                            .look = look_of(x.entry->variant, i),
+                            .x = {},
+                            .y = {},
+                            .marks = false,
+                            .strong = is_recommended(c, x)};
                 for (size_t k = 0; k < x.path.size(); ++k) {
                     curve.x.push_back(double(c.checkpoints[k]));
                     curve.y.push_back((x.path[k].*of.digits).value_or(nan));
@@ -136,25 +143,39 @@ std::string says(std::string const& text) {
 }
 
 Figure costs(Comparison const& c) {
-    Figure figure{.name = "cost", .title = "Digits of theta against what a row costs", .x = "operations a row, theta included", .y = "digits of theta", .log_x = true,
-                  .panels = {}, .own_y = true};
+    Figure figure{.name = "cost",
+                  .title = "Digits of theta against what a row costs",
+                  .x = "operations a row, theta included",
+                  .y = "digits of theta",
+                  .log_x = true,
+                  .panels = {},
+                  .own_y = true};
     figure.names = true, figure.legend = false;
     std::vector<std::string> uncounted;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
         Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};
         for (size_t i = 0; i < results.size(); ++i) {
             Result const& x = *results[i];
-            if (std::string const name(x.entry->variant); !x.operations && std::ranges::find(uncounted, name) == uncounted.end()) uncounted.push_back(name);
+            if (std::string const name(x.entry->variant); !x.operations && std::ranges::find(uncounted, name) == uncounted.end())
+                uncounted.push_back(name);
             if (!x.operations || !x.spread) continue;
             Spread const& s = x.spread->theta;
-            panel.curves.push_back({.name = std::string(x.entry->variant), .look = look_of(x.entry->variant, i), .x = {double(*x.operations)}, .y = {s.median},
-                                    .low = {s.low}, .high = {s.high}, .line = false, .bars = true,
-                                    .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant, *x.operations, spread_words(s))},
-                                    .strong = is_recommended(c, x)});
+            panel.curves.push_back(
+                {.name = std::string(x.entry->variant),
+                 .look = look_of(x.entry->variant, i),
+                 .x = {double(*x.operations)},
+                 .y = {s.median},
+                 .low = {s.low},
+                 .high = {s.high},
+                 .line = false,
+                 .bars = true,
+                 .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant, *x.operations, spread_words(s))},
+                 .strong = is_recommended(c, x)});
         }
         figure.panels.push_back(std::move(panel));
     });
-    if (!uncounted.empty()) figure.note = fmt::format("Not drawn: {}, whose operations are a library's and are not counted.", fmt::join(uncounted, ", "));
+    if (!uncounted.empty())
+        figure.note = fmt::format("Not drawn: {}, whose operations are a library's and are not counted.", fmt::join(uncounted, ", "));
     return figure;
 }
 
@@ -196,30 +217,40 @@ std::string solutions(Comparison const& c) {
 
 std::string as_page(Comparison const& c) {
     std::string const what = c.model.file.empty() ? "a record" : c.model.file.substr(c.model.file.rfind('/') + 1);
-    std::string body = fmt::format("<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab {}</p>\n",
-                                   escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
+    std::string body = fmt::format(
+        "<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab "
+        "{}</p>\n",
+        escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
     std::string told;
     for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
     if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
     body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty()) body += pre(paste);
-    body += fmt::format("<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them. "
-                        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "
-                        "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
-                        "A star and the strong line mark the recommended variant.</p>\n",
-                        std::ranges::any_of(c.results, [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
-                            ? fmt::format("; one left of its line broke down before the first checkpoint, row {}", c.checkpoints.front())
-                            : "",
-                        least_digits);
+    body += fmt::format(
+        "<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the "
+        "arithmetic stores them. "
+        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "
+        "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
+        "A star and the strong line mark the recommended variant.</p>\n",
+        std::ranges::any_of(c.results, [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
+            ? fmt::format("; one left of its line broke down before the first checkpoint, row {}", c.checkpoints.front())
+            : "",
+        least_digits);
     body += figure_html(along_the_record(c));
-    body += fmt::format("</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the spread over the checkpoints{}: "
-                        "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
-                        c.options.forgetting == 1 ? " and over four orders of the rows" : "");
+    body += fmt::format(
+        "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the spread over the "
+        "checkpoints{}: "
+        "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
+        c.options.forgetting == 1 ? " and over four orders of the rows" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
-    body += "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one tenth of the counts reach. "
-            "Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" + tables(c) + "</section><section><h2>The exact solutions</h2>\n";
+    body +=
+        "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one tenth of the counts "
+        "reach. "
+        "Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
+        tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
-    body += fmt::format("<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius, c.bits);
+    body +=
+        fmt::format("<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius, c.bits);
     return page("rlslab compare: " + what, body);
 }
 

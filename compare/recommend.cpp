@@ -48,11 +48,11 @@ Result const* chosen_of(std::vector<Result const*> const& sound) {
         if (least_median(*r) >= least_digits) able.push_back(r);
     if (able.empty()) return nullptr;
     std::ranges::stable_sort(able, [](Result const* a, Result const* b) { return preferred(*a, *b); });
-    Result const* const best = *std::ranges::max_element(able, {}, [](Result const* r) { return least_median(*r); });    // (1)
-    auto const as_good = [&](Result const* r) {                                                                            // (2)
+    Result const* const best = *std::ranges::max_element(able, {}, [](Result const* r) { return least_median(*r); });  // (1)
+    auto const as_good = [&](Result const* r) {                                                                        // (2)
         return std::ranges::all_of(PerMeasure<Spread>::all(), [&](auto m) { return ((*r->spread).*m).high >= ((*best->spread).*m).low; });
     };
-    return *std::ranges::find_if(able, as_good);                                                                           // (3)
+    return *std::ranges::find_if(able, as_good);  // (3)
 }
 
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
@@ -69,8 +69,8 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     if (choice) {
         PerMeasure<Spread> const& spread = *choice->spread;
         out.variant = choice->entry->variant;
-        out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta), spread_text(spread.worst),
-                              spread_text(spread.covariance));
+        out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta),
+                              spread_text(spread.worst), spread_text(spread.covariance));
     } else if (tried == 0) {
         out.why = "no variant was tried that takes single rows";
     } else if (sound.empty()) {

@@ -31,7 +31,7 @@ std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
 
 /// One pass over the rows in one order.
 struct Run {
-    std::vector<Digits> digits;    ///< at each checkpoint
+    std::vector<Digits> digits;  ///< at each checkpoint
     std::optional<Breakdown> breakdown;
     std::optional<double> asymmetry;
     bool factor;
@@ -53,13 +53,15 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
                 Index const k = permuted ? order.rows[size_t(first)] : first;
                 health = filter->update(stored.records.sample(k), stored.records.y[k]).health;
             } else if (permuted) {
-                health = filter->update_block(in_order(stored.records, {order.rows.begin() + first, order.rows.begin() + last}), 0, last - first).health;
+                health =
+                    filter->update_block(in_order(stored.records, {order.rows.begin() + first, order.rows.begin() + last}), 0, last - first)
+                        .health;
             } else {
                 health = filter->update_block(stored.records, first, last).health;
             }
             first = last;
             if (out.breakdown) continue;
-            std::string kind = breakdown(*filter, arithmetic);    // what is stored decides, not what the step saw of it
+            std::string kind = breakdown(*filter, arithmetic);  // what is stored decides, not what the step saw of it
             if (kind.empty() && health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
             if (!kind.empty()) out.breakdown = Breakdown{last, kind};
         }
@@ -91,7 +93,7 @@ Spread spread_of(std::vector<std::optional<double>> const& digits) {
 Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed) {
     Result result{.entry = &entry};
     if (!stored.in_range) {
-        result.breakdown = Breakdown{0, "indefinite"};    // a zero where something positive should stand, or an infinity
+        result.breakdown = Breakdown{0, "indefinite"};  // a zero where something positive should stand, or an infinity
         return result;
     }
     size_t const runs = std::max(stored.orders.size(), size_t(entry.arithmetic->stochastic ? least_draws : 1));

@@ -22,7 +22,8 @@ std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::u
     for (int i = 0; forgetting == 1 && i < others; ++i) {
         std::vector<Index> order(size_t(rows), 0);
         std::iota(order.begin(), order.end(), Index(0));
-        for (Index k = rows - 1; k > 0; --k) std::swap(order[size_t(k)], order[size_t(draws.uniform() * double(k + 1))]);    // Fisher and Yates
+        for (Index k = rows - 1; k > 0; --k)
+            std::swap(order[size_t(k)], order[size_t(draws.uniform() * double(k + 1))]);  // Fisher and Yates
         out.push_back(std::move(order));
     }
     return out;
@@ -30,7 +31,8 @@ std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::u
 
 Records in_order(Records const& records, std::vector<Index> const& rows) {
     if (rows.empty()) return records;
-    Records out{.psi = Eigen::MatrixXd(records.parameters(), Index(rows.size())), .y = Vector<double>(Index(rows.size())), .names = records.names};
+    Records out{
+        .psi = Eigen::MatrixXd(records.parameters(), Index(rows.size())), .y = Vector<double>(Index(rows.size())), .names = records.names};
     for (size_t k = 0; k < rows.size(); ++k) {
         out.psi.col(Index(k)) = records.psi.col(rows[k]);
         out.y[Index(k)] = records.y[rows[k]];

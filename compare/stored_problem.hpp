@@ -8,15 +8,15 @@ namespace rlslab {
 
 /// The rows in one order, and the exact solution at each checkpoint.
 struct RowOrder {
-    std::vector<Index> rows;      ///< row k of this order is row rows[k] of the record; empty: the record's own order
-    std::vector<CertifiedSolution> exact;     ///< one a checkpoint; empty: the stored problem has no exact solution
+    std::vector<Index> rows;               ///< row k of this order is row rows[k] of the record; empty: the record's own order
+    std::vector<CertifiedSolution> exact;  ///< one a checkpoint; empty: the stored problem has no exact solution
 };
 
 /// Data, lambda and P0 rounded to an arithmetic: what its variants are given, and its exact solutions with them.
 struct StoredProblem {
     Problem<double> problem;
     Records records;
-    bool in_range;                ///< lambda and P0 as stored are positive and finite
+    bool in_range;  ///< lambda and P0 as stored are positive and finite
     std::vector<RowOrder> orders;
 };
 

@@ -47,33 +47,40 @@ std::string storage_text(Storage const& s, Comparison const& c) {
 }
 
 bool is_recommended(Comparison const& c, Result const& result) {
-    return std::ranges::any_of(c.recommendations,
-                               [&](Recommendation const& r) { return r.arithmetic == result.entry->arithmetic->name && r.variant == result.entry->variant; });
+    return std::ranges::any_of(c.recommendations, [&](Recommendation const& r) {
+        return r.arithmetic == result.entry->arithmetic->name && r.variant == result.entry->variant;
+    });
 }
 
 std::string prior_text(Comparison const& c) {
     std::string out = "theta0 = 0, P0 = ";
     if (c.scaled_prior) {
         auto const [least, largest] = std::minmax_element(c.scaled_prior->s.begin(), c.scaled_prior->s.end());
-        out += fmt::format("diag((c / s_i)^2), c = {}, s_i = {} to {}: root mean squares of the regressors, rounded to powers of two; ", c.scaled_prior->c, *least,
-                           *largest);
+        out += fmt::format("diag((c / s_i)^2), c = {}, s_i = {} to {}: root mean squares of the regressors, rounded to powers of two; ",
+                           c.scaled_prior->c, *least, *largest);
     } else {
         out += fmt::format("{} I: ", *c.options.p0);
     }
     out += fmt::format("moves theta by {:.1e} of itself, its worst component by {:.1e}", c.prior_bias, c.component_bias);
     if (c.scaled_prior && c.scaled_prior->reached)
-        out += fmt::format(" (c is the least power of two from 32 on that leaves at most 1e-3 and 1e-2{})", c.options.forgetting == 1 ? "" : ", at this lambda and at 1");
+        out += fmt::format(" (c is the least power of two from 32 on that leaves at most 1e-3 and 1e-2{})",
+                           c.options.forgetting == 1 ? "" : ", at this lambda and at 1");
     return out;
 }
 
 std::vector<std::string> warnings(Comparison const& c) {
     std::vector<std::string> out;
-    std::string const remedy = c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
-    if (!(c.prior_bias <= most_prior_bias)) out.push_back(fmt::format("the prior moves theta by {:.2g} of itself: {}", c.prior_bias, remedy));
-    else if (!(c.component_bias <= most_component_bias)) out.push_back(fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
+    std::string const remedy =
+        c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
+    if (!(c.prior_bias <= most_prior_bias))
+        out.push_back(fmt::format("the prior moves theta by {:.2g} of itself: {}", c.prior_bias, remedy));
+    else if (!(c.component_bias <= most_component_bias))
+        out.push_back(fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
     if (c.offset > most_offset)
-        out.push_back(fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that the offset is fitted as dynamics: --detrend or --intercept",
-                                  c.model.output.empty() ? "y" : c.model.output, c.offset));
+        out.push_back(
+            fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that the offset is fitted "
+                        "as dynamics: --detrend or --intercept",
+                        c.model.output.empty() ? "y" : c.model.output, c.offset));
     return out;
 }
 

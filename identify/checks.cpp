@@ -18,7 +18,7 @@ using ComplexVector = Eigen::VectorXcd;
 struct Root {
     Complex value;
     ComplexVector gradient;
-    double apart;    ///< half the distance to the next root
+    double apart;  ///< half the distance to the next root
 };
 
 /// z^n by products alone.
@@ -37,7 +37,7 @@ std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const&
         for (int i = 0; i < n; ++i) slope = slope * z + double(n - i) * p[size_t(i)];
         ComplexVector gradient = ComplexVector::Zero(Index(at.size()));
         for (size_t i = 0; i < at.size(); ++i)
-            if (at[i] >= 0) gradient[Index(i)] = -power(z, n - at[i]) / slope;                        // (1)
+            if (at[i] >= 0) gradient[Index(i)] = -power(z, n - at[i]) / slope;  // (1)
         double apart = INFINITY;
         for (size_t s = 0; s < values.size(); ++s)
             if (s != r) apart = std::min(apart, std::abs(values[s] - z) / 2);
@@ -67,7 +67,7 @@ Spread spread(ComplexVector const& g, Estimation const& e) {
 std::pair<double, double> distance(Complex delta, Spread const& S, bool real) {
     if (real) return {delta.real() * delta.real() / S.rr, 1};
     double const det = S.rr * S.ii - S.ri * S.ri;
-    if (!(det > 1e-12 * (S.rr + S.ii) * (S.rr + S.ii))) return {std::norm(delta) / (S.rr + S.ii), 1};    // they move along a line
+    if (!(det > 1e-12 * (S.rr + S.ii) * (S.rr + S.ii))) return {std::norm(delta) / (S.rr + S.ii), 1};  // they move along a line
     return {(delta.real() * delta.real() * S.ii - 2 * delta.real() * delta.imag() * S.ri + delta.imag() * delta.imag() * S.rr) / det, 2};
 }
 
@@ -90,7 +90,7 @@ std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const
             bool const real = p.value.imag() == 0;
             if (real != (z.value.imag() == 0) || p.value.imag() < 0 || z.value.imag() < 0) continue;
             if (!(spread(p.gradient, e).sd() < p.apart && spread(z.gradient, e).sd() < z.apart)) continue;
-            Spread const S = spread(ComplexVector(p.gradient - z.gradient), e);                          // (2)
+            Spread const S = spread(ComplexVector(p.gradient - z.gradient), e);  // (2)
             auto const [q, freedom] = distance(p.value - z.value, S, real);
             if (correctly::chi_squared_tail(freedom, q) >= 1 - confidence) all.push_back({i, j, q, S.sd()});
         }
@@ -117,7 +117,8 @@ std::string listed(std::vector<Index> const& lags) {
 /// A coefficient of more standard deviations than this divides the others to first order.
 constexpr double surely = 3;
 
-std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation, double confidence) {
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
+                                        double confidence) {
     std::vector<double> a{1};
     a.insert(a.end(), model.a.begin(), model.a.end());
     std::vector<int> at;
@@ -128,7 +129,7 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
         std::vector<double> b = model.b[j];
         int const lead = int(std::ranges::find_if(b, [](double x) { return x != 0; }) - b.begin());
         b.erase(b.begin(), b.begin() + lead);
-        bool leads = true;    // a first coefficient that may be 0 puts a zero anywhere: none is judged by its sd
+        bool leads = true;  // a first coefficient that may be 0 puts a zero anywhere: none is judged by its sd
         for (size_t i = 0; i < terms.size(); ++i) {
             at[i] = terms[i].input == int(j) ? terms[i].lag - model.delay - lead : -1;
             if (at[i] == 0 && !(std::abs(b[0]) > surely * estimation.sd[Index(i)])) leads = false;
@@ -138,14 +139,17 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
     }
     std::vector<Cancellation> out;
     for (Pair const& first : pairs.empty() ? std::vector<Pair>{} : pairs[0]) {
-        auto const cancels = [&](std::vector<Pair> const& of) { return std::ranges::any_of(of, [&](Pair const& p) { return p.pole == first.pole; }); };
+        auto const cancels = [&](std::vector<Pair> const& of) {
+            return std::ranges::any_of(of, [&](Pair const& p) { return p.pole == first.pole; });
+        };
         Complex const p = ps[first.pole].value;
         if (std::ranges::all_of(pairs, cancels)) out.push_back({p, first.zero, std::abs(p - first.zero), first.sd});
     }
     return out;
 }
 
-std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& e, size_t input, double t) {
+std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& e, size_t input,
+                                  double t) {
     double A = 1, B = 0;
     for (double const x : model.a) A += x;
     for (double const x : model.b[input]) B += x;
@@ -177,7 +181,8 @@ std::vector<Index> beyond(Signal const& correlation, double bound, Index first) 
 
 namespace {
 
-/// What to do depends on the order that is left: chosen by its criterion, the larger one is better than a smaller one whose residuals are white.
+/// What to do depends on the order that is left: chosen by its criterion, the larger one is better than a smaller one whose residuals are
+/// white.
 void advise_of_cancellations(Identified& m, bool chosen) {
     if (m.cancellations.empty()) return;
     std::vector<std::string> pairs;
@@ -189,12 +194,16 @@ void advise_of_cancellations(Identified& m, bool chosen) {
     std::string const apart = fmt::format("the record cannot tell apart {}", fmt::join(pairs, ", "));
     auto const fit = std::ranges::find(m.choice.fits, lower, &OrderFit::order);
     if (fit == m.choice.fits.end())
-        m.warnings.push_back(apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether the residuals stay white");
+        m.warnings.push_back(apart +
+                             ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether the "
+                             "residuals stay white");
     else if (!(fit->ljung_box >= white_level))
-        m.hints.push_back(fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white", m.order,
-                                      apart, lower));
+        m.hints.push_back(
+            fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white",
+                        m.order, apart, lower));
     else if (!chosen && lower > 0)
-        m.warnings.push_back(fmt::format("{}: they may cancel, and the residuals of order {} pass for white, too: --order {}", apart, lower, lower));
+        m.warnings.push_back(
+            fmt::format("{}: they may cancel, and the residuals of order {} pass for white, too: --order {}", apart, lower, lower));
 }
 
 }  // namespace
@@ -206,42 +215,57 @@ void advise(Identified& m, int most) {
     IdentifyOptions const& o = m.options;
     bool const chosen = !structure_given(o), at_limit = chosen && m.order == most;
     if (at_limit && most == o.max_order)
-        m.warnings.push_back(fmt::format("order {} is the largest that was tried: a higher one may be better: --max-order {}", m.order, std::min(200, 2 * most)));
+        m.warnings.push_back(fmt::format("order {} is the largest that was tried: a higher one may be better: --max-order {}", m.order,
+                                         std::min(200, 2 * most)));
     else if (at_limit)
-        m.warnings.push_back(fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better", m.order));
+        m.warnings.push_back(fmt::format(
+            "order {} is the largest that this input supports: a richer input would show whether a higher one is better", m.order));
     if (m.failure && m.poles.empty() && m.model.b.empty()) return;
     if (!m.ljung_box.white() && o.forgetting != 1) {
-        m.hints.push_back("judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white");
+        m.hints.push_back(
+            "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white");
     } else if (!m.ljung_box.white()) {
         std::vector<std::string> what;
         bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
         for (size_t j = 0; j < m.cross_correlation.size(); ++j)
             if (auto const lags = beyond(m.cross_correlation[j], m.bound, 0); lags.size() > 1)
-                what.push_back(fmt::format("they follow past {} (lags {}): more of its past is needed (a higher order or nb), or the system is not linear", printable(o.inputs[j]),
-                                           listed(lags)));
-        if (what.empty()) what.push_back("they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes it up), or an input is missing");
-        m.warnings.push_back(fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
-                                         past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
-                                                      : "the standard deviations of the estimate do not hold",
-                                         fmt::join(what, "; ")));
+                what.push_back(fmt::format(
+                    "they follow past {} (lags {}): more of its past is needed (a higher order or nb), or the system is not linear",
+                    printable(o.inputs[j]), listed(lags)));
+        if (what.empty())
+            what.push_back(
+                "they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes it up), or an input is "
+                "missing");
+        m.warnings.push_back(
+            fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
+                        past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                                     : "the standard deviations of the estimate do not hold",
+                        fmt::join(what, "; ")));
     }
     if (m.held_out_one_step < 0)
-        m.warnings.push_back(fmt::format("held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from the first, or the order "
-                                         "is too high: look at the record, try a lower --order, another --validate, --forgetting 0.99",
-                                         std::isfinite(m.held_out_one_step) ? fmt::format("{:.3g} %", m.held_out_one_step) : "y does not change there"));
+        m.warnings.push_back(
+            fmt::format("held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from the "
+                        "first, or the order "
+                        "is too high: look at the record, try a lower --order, another --validate, --forgetting 0.99",
+                        std::isfinite(m.held_out_one_step) ? fmt::format("{:.3g} %", m.held_out_one_step) : "y does not change there"));
     else if (m.held_out_simulated < 0)
-        m.warnings.push_back(fmt::format("held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for prediction only; "
-                                         "for simulation try another order, or remove a drift of y",
-                                         std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated) : "the simulation grows beyond all numbers"));
+        m.warnings.push_back(fmt::format(
+            "held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for prediction only; "
+            "for simulation try another order, or remove a drift of y",
+            std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated)
+                                                : "the simulation grows beyond all numbers"));
     else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
-        m.warnings.push_back(fmt::format("one step ahead the fit falls from {:.3g} % to {:.3g} % held out: the system or its level changed, or the order is too high", m.fit_one_step,
-                                         m.held_out_one_step));
+        m.warnings.push_back(fmt::format(
+            "one step ahead the fit falls from {:.3g} % to {:.3g} % held out: the system or its level changed, or the order is too high",
+            m.fit_one_step, m.held_out_one_step));
     if (std::ranges::any_of(m.poles, [](Complex p) { return std::abs(p) >= 1; }))
-        m.warnings.push_back("a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high");
+        m.warnings.push_back(
+            "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high");
     for (size_t j = 0; j < o.inputs.size(); ++j)
         if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0)
-            m.hints.push_back(fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: --delay {}", idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle),
-                                          printable(o.inputs[j]), o.delay[j] + idle));
+            m.hints.push_back(fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: --delay {}",
+                                          idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(o.inputs[j]),
+                                          o.delay[j] + idle));
     advise_of_cancellations(m, chosen);
 }
 

@@ -12,13 +12,16 @@ namespace rlslab {
 ///   (3) q = (p - z)' S^-1 (p - z)  <=  chi^2's quantile at the confidence, 2 degrees of freedom for a complex pair, 1 for real ones
 ///
 /// (3) is Wald's test of a common root: not rejected, the pair says nothing that a model without it does not say. Judged only
-/// where the first order holds: p and z are known to within half the distance to the next pole, or zero. Each pole goes with the zero of least q; of
+/// where the first order holds: p and z are known to within half the distance to the next pole, or zero. Each pole goes with the zero of
+/// least q; of
 /// several inputs a pole cancels if it does for each. Source: Söderström & Stoica 1989, 11.4 (pole-zero cancellation).
-std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation, double confidence);
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
+                                        double confidence);
 
 /// Steady-state gain g = B(1)/A(1) of an input and its standard deviation, dg/db_i = 1/A(1), dg/da_i = -g/A(1). NaN where A(1) lies within
 /// t standard deviations of 0: an integrator.
-std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation, size_t input, double t);
+std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
+                                  size_t input, double t);
 
 /// The number of leading terms of an input whose intervals all hold 0; 0 if all of its terms' do.
 int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& parameters, int input);

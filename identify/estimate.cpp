@@ -78,7 +78,7 @@ std::vector<Index> checkpoints_of(Records const& records) {
 }
 
 struct Run {
-    std::vector<Vector<Reference>> theta;    ///< at the checkpoints
+    std::vector<Vector<Reference>> theta;  ///< at the checkpoints
     std::optional<Failure> failure;
 };
 
@@ -90,7 +90,8 @@ Run run(Entry const& entry, Problem<double> const& problem, Records const& recor
     for (Index const checkpoint : checkpoints) {
         while (k < checkpoint) {
             Index const last = std::min(checkpoint, k + entry.block);
-            Step<double> const step = entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
+            Step<double> const step =
+                entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
             k = last;
             if (out.failure) continue;
             std::string kind = breakdown(*filter, *entry.arithmetic);
@@ -104,8 +105,8 @@ Run run(Entry const& entry, Problem<double> const& problem, Records const& recor
 }
 
 /// The variant that a person should take instead: the first that does not break down and whose error does not matter; "" if none does.
-std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best, Vector<double> const& allowed,
-                           std::string const& than) {
+std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best,
+                           Vector<double> const& allowed, std::string const& than) {
     for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {
         if (name == than) continue;
         Run const tried = run(entry_of(name), problem, records, {records.rows()});
@@ -114,12 +115,13 @@ std::string better_variant(Problem<double> const& problem, Records const& record
     return "";
 }
 
-void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records const& records, Vector<Reference> const& theta, Vector<Reference> const& best,
-                        Vector<Reference> const& free, Vector<double> const& sd) {
+void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records const& records, Vector<Reference> const& theta,
+                        Vector<Reference> const& best, Vector<Reference> const& free, Vector<double> const& sd) {
     std::string const& variant = out.options.variant;
     Vector<double> const allowed = tolerance(sd, best, 1e-9);
     bool const rounded = !(largest_difference(theta, best, allowed) <= 1), biased = !(largest_difference(best, free, allowed) <= 1);
-    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})", std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
+    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})",
+                                           std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
     std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "";
     std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
                                                : fmt::format("--variant {} keeps enough of them on this record", better);
@@ -129,13 +131,16 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
                         out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
                         better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)));
     else if (rounded && biased && better.empty())
-        out.warnings.push_back(fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them by more than a tenth of what "
-                                           "noise does: {}", records.parameters(), hardly));
+        out.warnings.push_back(fmt::format(
+            "the record hardly determines these {} parameters: the prior and the rounding both move them by more than a tenth of what "
+            "noise does: {}",
+            records.parameters(), hardly));
     else if (rounded)
         out.warnings.push_back(fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead));
     if (biased && !(rounded && better.empty()))
-        out.warnings.push_back(out.options.p0 ? "the prior moves the estimate by more than a tenth of what noise does: a larger --p0, or none given"
-                                              : fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", hardly));
+        out.warnings.push_back(out.options.p0
+                                   ? "the prior moves the estimate by more than a tenth of what noise does: a larger --p0, or none given"
+                                   : fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", hardly));
 }
 
 }  // namespace
@@ -146,8 +151,9 @@ Estimation estimate(Identified& out, Records const& records) {
     Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
     Scattered const free = scattered(without, records, {rows}).front();
     if (!(free.scatter.freedom >= 1))
-        throw InputError(fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more", options.forgetting,
-                                     1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
+        throw InputError(
+            fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
+                        options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
     Problem<double> const problem = with_prior(out, records, free);
     std::vector<Index> const checkpoints = checkpoints_of(records);
     std::vector<Scattered> const exact = scattered(problem, records, checkpoints);
@@ -161,12 +167,14 @@ Estimation estimate(Identified& out, Records const& records) {
     out.sigma2 = scatter.J / out.freedom;
     out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : std::nan("");
     for (size_t i = 0; i < exact.size(); ++i)
-        out.trajectory.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
+        out.trajectory.push_back({checkpoints[i],
+                                  variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
                                   std::sqrt(out.sigma2) * exact[i].scatter.sd});
     Estimation const result{out.trajectory.back().sd, scatter.correlation};
     out.prior_move = largest_difference(last.theta(), free.exact.theta(), result.sd);
     warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd);
-    if (!(result.sd.array() >= 0).all()) out.warnings.push_back("the standard deviations could not be worked out to 12 digits and are left out");
+    if (!(result.sd.array() >= 0).all())
+        out.warnings.push_back("the standard deviations could not be worked out to 12 digits and are left out");
     out.digits = std::min(last.theta_digits(theta), 15.95);
     out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
     return result;

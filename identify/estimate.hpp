@@ -10,8 +10,8 @@ Entry const& entry_of(std::string const& variant);
 
 /// What an estimate needs beyond what it says of itself.
 struct Estimation {
-    Vector<double> sd;             ///< of the certified minimiser
-    Matrix<double> correlation;    ///< of its components
+    Vector<double> sd;           ///< of the certified minimiser
+    Matrix<double> correlation;  ///< of its components
 };
 
 /// Fills in c, scales, trajectory, failure, sigma2, freedom, quantile, condition, digits, and warnings of arithmetic. The standard

@@ -24,7 +24,8 @@ Data read(DataFile const& file, IdentifyOptions const& options) {
     std::vector<std::string> names = options.inputs;
     names.push_back(options.output);
     for (std::string const& name : names)
-        if (std::ranges::count(names, name) > 1) throw InputError(fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
+        if (std::ranges::count(names, name) > 1)
+            throw InputError(fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
     Columns const columns = read_data(file, names);
     Data out;
     for (std::string const& name : names) {
@@ -60,7 +61,8 @@ Signal scaled_correlation(Signal const& eps, Signal const& x, Index lags) {
 }
 
 /// What the inputs can identify, over the part that is fitted: the order they support, `most` at best.
-Index supported_order(Identified& out, Data const& data, Index fitted, Index most, std::vector<Index> const& coefficients, Progress const& progress) {
+Index supported_order(Identified& out, Data const& data, Index fitted, Index most, std::vector<Index> const& coefficients,
+                      Progress const& progress) {
     IdentifyOptions const& options = out.options;
     Index supported = most;
     for (size_t j = 0; j < data.inputs.size(); ++j) {
@@ -71,13 +73,17 @@ Index supported_order(Identified& out, Data const& data, Index fitted, Index mos
         std::string const name = printable(options.inputs[j]);
         if (e.order < coefficients[j]) {
             supported = std::min(supported, e.order - 1);
-            out.warnings.push_back(e.order >= 2 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that changes more often, or at more "
-                                                              "frequencies, supports a higher one", name, e.order, e.order - 1)
+            out.warnings.push_back(e.order >= 2 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An "
+                                                              "input that changes more often, or at more "
+                                                              "frequencies, supports a higher one",
+                                                              name, e.order, e.order - 1)
                                                 : fmt::format("input {} is exciting of order {} only", name, e.order));
         }
-        constexpr Index long_enough = 20;    // a PRBS of long levels may well begin with one
+        constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
         if (e.constant_at_start > long_enough && e.order > 0)
-            out.warnings.push_back(fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off", name, e.constant_at_start, fitted));
+            out.warnings.push_back(
+                fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off",
+                            name, e.constant_at_start, fitted));
         out.excitation.push_back(e);
     }
     return supported;
@@ -98,7 +104,7 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
     Signal const free = simulate_from(out.model, data.inputs, data.y, first);
     out.fit_one_step = fit_percent(all.y.head(out.fitted), predicted.head(out.fitted));
     if (out.held_out) out.held_out_one_step = fit_percent(all.y.tail(out.held_out), predicted.tail(out.held_out));
-    if (out.held_out > first) {    // simulated from its own first outputs
+    if (out.held_out > first) {  // simulated from its own first outputs
         auto const tail = [&](Signal const& x) { return Signal(x.begin() + begin - first, x.end()); };
         std::vector<Signal> later;
         for (Signal const& u : data.inputs) later.push_back(tail(u));
@@ -114,7 +120,8 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
     out.ljung_box = ljung_box(nothing_left ? Vector<double>(Vector<double>::Zero(out.fitted)) : residuals, lags, outputs);
     Signal const eps(residuals.data(), residuals.data() + residuals.size());
     out.auto_correlation = scaled_correlation(eps, eps, lags);
-    for (Signal const& u : data.inputs) out.cross_correlation.push_back(scaled_correlation(eps, Signal(u.begin() + first, u.begin() + first + out.fitted), lags));
+    for (Signal const& u : data.inputs)
+        out.cross_correlation.push_back(scaled_correlation(eps, Signal(u.begin() + first, u.begin() + first + out.fitted), lags));
     for (Index k = 0; k < all.rows(); ++k) {
         out.measured.push_back(all.y[k] + out.means.back());
         out.one_step.push_back(predicted[k] + out.means.back());
@@ -136,36 +143,41 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     if (std::ranges::all_of(data.y, [&](double v) { return v == data.y[0]; }))
         throw InputError(fmt::format("{}: column \"{}\" does not change: there is nothing to model", file, printable(options.output)));
     if (std::all_of(data.y.begin(), data.y.begin() + fitted_samples, [&](double v) { return v == data.y[0]; }))
-        throw InputError(fmt::format("{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate", file,
-                                     printable(options.output), fitted_samples));
+        throw InputError(fmt::format("{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate",
+                                     file, printable(options.output), fitted_samples));
 
     bool const given = structure_given(options);
     int const most = given ? 0 : options.max_order;
     std::vector<Term> const widest = terms_of(options, most);
     Index const needed = presample(widest) + Index(widest.size()) + 1;
     if (fitted_samples < needed)
-        throw InputError(fmt::format("{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}", file,
-                                     structure_text(options, most), widest.size(), needed, fitted_samples, out.held_out > 0 ? ", or a smaller --validate" : ""));
+        throw InputError(fmt::format("{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}",
+                                     file, structure_text(options, most), widest.size(), needed, fitted_samples,
+                                     out.held_out > 0 ? ", or a smaller --validate" : ""));
     for (Index j = 0; j <= inputs; ++j) {
         Signal& x = j < inputs ? data.inputs[size_t(j)] : data.y;
         out.means.push_back(options.detrend ? take_mean(x, fitted_samples) : 0.0);
         // Squares of what is left must not underflow.
         if (double const size = largest(x, fitted_samples); size > 0 && size < 0x1p-400)
-            throw InputError(fmt::format("{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten", file,
-                                         printable(j < inputs ? options.inputs[size_t(j)] : options.output), size));
+            throw InputError(
+                fmt::format("{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten", file,
+                            printable(j < inputs ? options.inputs[size_t(j)] : options.output), size));
     }
 
     // An input of m coefficients must be exciting of order m.
     std::vector<Index> coefficients(size_t(inputs), 0);
     for (Term const& t : widest)
         if (t.input >= 0) ++coefficients[size_t(t.input)];
-    Index const wanted = *std::ranges::max_element(coefficients) - 1, supported = supported_order(out, data, fitted_samples, wanted, coefficients, progress);
+    Index const wanted = *std::ranges::max_element(coefficients) - 1,
+                supported = supported_order(out, data, fitted_samples, wanted, coefficients, progress);
     if (given ? supported < wanted : supported < 1)
-        throw InputError(fmt::format("{}: {} ({})", file,
-                                     supported < 1    ? "the input does not excite the system: it supports no model of order 1 or more"
-                                     : options.order ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order, supported)
-                                                     : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}", wanted + 1, supported + 1),
-                                     fmt::join(out.warnings, "; ")));
+        throw InputError(fmt::format(
+            "{}: {} ({})", file,
+            supported < 1   ? "the input does not excite the system: it supports no model of order 1 or more"
+            : options.order ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order, supported)
+                            : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}", wanted + 1,
+                                          supported + 1),
+            fmt::join(out.warnings, "; ")));
 
     if (options.regressors.empty() && !options.na) {
         int const up_to = given ? options.order : int(std::min<Index>(most, supported));
@@ -184,17 +196,19 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     Problem<double> const problem{.size = fitted.parameters(), .prior = std::nullopt};
     CertifiedSolution const exact = certified(problem, fitted, {fitted.rows()}).front();
     if (exact.status() != Status::certified)
-        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, out.structure, exact.rank(), fitted.parameters()));
+        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, out.structure,
+                                     exact.rank(), fitted.parameters()));
     Estimation const estimation = estimate(out, fitted);
 
     Vector<double> const& theta = out.trajectory.back().theta;
     for (Index i = 0; i < fitted.parameters(); ++i) {
         double const value = std::isfinite(theta[i]) ? theta[i] : nan, reach = out.quantile * estimation.sd[i];
-        out.parameters.push_back({out.terms[size_t(i)].name, out.terms[size_t(i)].of, value, estimation.sd[i], value - reach, value + reach});
+        out.parameters.push_back(
+            {out.terms[size_t(i)].name, out.terms[size_t(i)].of, value, estimation.sd[i], value - reach, value + reach});
     }
     out.aic = out.bic = out.fpe = out.fit_one_step = out.held_out_one_step = out.held_out_simulated = nan;
     out.ljung_box = {nan, nan, 0, 0};
-    out.bound = 2.5758293035489004 / std::sqrt(double(out.fitted));    // the normal distribution's 99.5 %
+    out.bound = 2.5758293035489004 / std::sqrt(double(out.fitted));  // the normal distribution's 99.5 %
     if (theta.allFinite()) {
         predict(out, data, all, theta);
         out.cancellations = cancellations(out.model, out.terms, estimation, options.confidence);
@@ -205,7 +219,9 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     }
     if (options.forgetting == 1) {
         double const J = std::max(out.sigma2 * out.freedom, rounding_alone(out.fitted, fitted.y.cwiseAbs().maxCoeff()));
-        std::tie(out.aic, out.bic, out.fpe) = [](Criteria const& c) { return std::tuple(c.aic, c.bic, c.fpe); }(criteria(J, out.fitted, fitted.parameters()));
+        std::tie(out.aic, out.bic, out.fpe) = [](Criteria const& c) {
+            return std::tuple(c.aic, c.bic, c.fpe);
+        }(criteria(J, out.fitted, fitted.parameters()));
     }
     advise(out, given ? 0 : int(std::min<Index>(most, supported)));
     return out;

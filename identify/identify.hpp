@@ -16,32 +16,32 @@ namespace rlslab {
 
 /// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors.
 struct IdentifyOptions {
-    std::vector<std::string> inputs = {};      ///< with a list of regressors: none
+    std::vector<std::string> inputs = {};  ///< with a list of regressors: none
     std::string output = {};
-    int order = 0, max_order = 0;              ///< order 0: chosen among 1 ... max_order; max_order 0: 10
+    int order = 0, max_order = 0;  ///< order 0: chosen among 1 ... max_order; max_order 0: 10
     std::optional<int> na = {};
     std::vector<int> nb = {};                  ///< with na; one for all inputs, or one for each
     std::vector<int> delay = {};               ///< none: 0; one for all inputs, or one for each
     std::vector<std::string> regressors = {};  ///< as lagged_of takes them
     bool intercept = false;
-    bool detrend = true;                       ///< means of the fitted part are taken off first; what is left of a constant is estimated
+    bool detrend = true;  ///< means of the fitted part are taken off first; what is left of a constant is estimated
     std::string variant = "ud";
     double forgetting = 1;
-    std::optional<double> p0 = {};             ///< c^2 of P0 = c^2 I; none: scaled to the data
-    double validate = 1.0 / 3;                 ///< the last part of the record, not fitted
+    std::optional<double> p0 = {};  ///< c^2 of P0 = c^2 I; none: scaled to the data
+    double validate = 1.0 / 3;      ///< the last part of the record, not fitted
     double confidence = 0.95;
 };
 
 /// A term of the equation: theta times -y[k-lag], u[k-lag] of an input, or 1.
 struct Term {
-    std::string name;                          ///< of its parameter: a1, b0, b0[u2], c
-    std::string of;                            ///< what it stands with: y[k-1], u[k-3], 1
-    int input, lag;                            ///< input: -1 the output, -2 the constant
+    std::string name;  ///< of its parameter: a1, b0, b0[u2], c
+    std::string of;    ///< what it stands with: y[k-1], u[k-3], 1
+    int input, lag;    ///< input: -1 the output, -2 the constant
 };
 
 struct Parameter {
     std::string name, of;
-    double value, sd, low, high;               ///< NaN where the variant gave no number
+    double value, sd, low, high;  ///< NaN where the variant gave no number
 };
 
 /// theta(k) on its way, with its band.
@@ -53,44 +53,44 @@ struct TrajectoryPoint {
 /// When the variant's stored P was no longer positive definite, or something was no longer finite: after which row.
 struct Failure {
     Index row;
-    std::string kind;                          ///< indefinite, nonfinite
+    std::string kind;  ///< indefinite, nonfinite
 };
 
 /// A pole and a zero (of every input) that the record cannot tell apart.
 struct Cancellation {
-    std::complex<double> pole, zero;           ///< the zero of the first input
-    double distance, sd;                       ///< |pole - zero|, and its standard deviation
+    std::complex<double> pole, zero;  ///< the zero of the first input
+    double distance, sd;              ///< |pole - zero|, and its standard deviation
 };
 
 struct Identified {
     std::string file;
     IdentifyOptions options;
-    Index samples, fitted, held_out;           ///< rows of the model's equation besides samples
-    std::vector<double> means;                 ///< taken off: of each input, then the output
-    OrderChoice choice;                        ///< of all orders, also where one was given; empty for another structure
-    int order;                                 ///< the longest lag of the output, or of an input past its delay
+    Index samples, fitted, held_out;  ///< rows of the model's equation besides samples
+    std::vector<double> means;        ///< taken off: of each input, then the output
+    OrderChoice choice;               ///< of all orders, also where one was given; empty for another structure
+    int order;                        ///< the longest lag of the output, or of an input past its delay
     std::vector<Term> terms;
-    std::string structure, why;                ///< "order 4", "na = 2, nb = 3" ...
-    double c;                                  ///< of the prior, P0_ii = (c / s_i)^2
-    std::vector<double> scales;                ///< s_i
-    double prior_move;                         ///< by the prior, of any parameter, in its standard deviations; NaN: not known
+    std::string structure, why;  ///< "order 4", "na = 2, nb = 3" ...
+    double c;                    ///< of the prior, P0_ii = (c / s_i)^2
+    std::vector<double> scales;  ///< s_i
+    double prior_move;           ///< by the prior, of any parameter, in its standard deviations; NaN: not known
     std::vector<Parameter> parameters;
     std::optional<Failure> failure;
-    DifferenceEquation model;                  ///< empty where theta is not finite
+    DifferenceEquation model;  ///< empty where theta is not finite
     std::vector<std::complex<double>> poles;
     std::vector<std::vector<std::complex<double>>> zeros;
     std::vector<Cancellation> cancellations;
-    std::vector<double> gain, gain_sd;         ///< steady state, of each input; NaN: a pole at 1
-    double sigma2, freedom, quantile;          ///< quantile: Student's, of the interval
-    double aic, bic, fpe;                      ///< of the model as fitted, lambda = 1; else NaN
-    double fit_one_step, held_out_one_step, held_out_simulated;    ///< percent; NaN: not known
-    LjungBox ljung_box;                       ///< of the residuals over the fitted rows
-    Signal auto_correlation;                   ///< r_0 = 1, r_1 ... of the residuals
-    std::vector<Signal> cross_correlation;     ///< of residuals and each input, lags 0 ...
-    double bound;                              ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
-    std::vector<Excitation> excitation;        ///< of each input over the fitted part
-    double digits, digits_worst;               ///< the variant kept of the certified minimiser for its problem; NaN: none
-    double condition;                          ///< of the fitted rows
+    std::vector<double> gain, gain_sd;                           ///< steady state, of each input; NaN: a pole at 1
+    double sigma2, freedom, quantile;                            ///< quantile: Student's, of the interval
+    double aic, bic, fpe;                                        ///< of the model as fitted, lambda = 1; else NaN
+    double fit_one_step, held_out_one_step, held_out_simulated;  ///< percent; NaN: not known
+    LjungBox ljung_box;                                          ///< of the residuals over the fitted rows
+    Signal auto_correlation;                                     ///< r_0 = 1, r_1 ... of the residuals
+    std::vector<Signal> cross_correlation;                       ///< of residuals and each input, lags 0 ...
+    double bound;                        ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
+    std::vector<Excitation> excitation;  ///< of each input over the fitted part
+    double digits, digits_worst;         ///< the variant kept of the certified minimiser for its problem; NaN: none
+    double condition;                    ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory;
     Signal measured, one_step, simulated;      ///< from the first row of the equation on, means put back
     std::vector<std::string> warnings, hints;  ///< what is wrong, and what to do; what may make it better

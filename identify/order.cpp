@@ -40,7 +40,7 @@ LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
     LjungBox out{0, 1, lags, std::max<Index>(1, lags - fitted)};
     double const variance = sum(0);
     if (!std::isfinite(variance)) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
-    if (!(variance > 0)) return out;    // nothing is left: nothing is correlated
+    if (!(variance > 0)) return out;  // nothing is left: nothing is correlated
     for (Index lag = 1; lag <= lags; ++lag) {
         double const r = sum(lag) / variance;
         out.Q += double(N) * double(N + 2) * r * r / double(N - lag);
@@ -55,7 +55,8 @@ double rounding_alone(Index rows, double y) { return double(rows) * (0x1p-44 * y
 
 Criteria criteria(double J, Index N, Index d) {
     double const n = double(N), parameters = double(d), mean = J / n;
-    return {n * correctly::log(mean) + 2 * parameters, n * correctly::log(mean) + parameters * correctly::log(n), mean * (n + parameters) / (n - parameters)};
+    return {n * correctly::log(mean) + 2 * parameters, n * correctly::log(mean) + parameters * correctly::log(n),
+            mean * (n + parameters) / (n - parameters)};
 }
 
 OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
@@ -108,7 +109,8 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
     for (OrderFit const& fit : out.fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
     // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
-    int const white = least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.ljung_box >= white_level; });
+    int const white =
+        least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.ljung_box >= white_level; });
     out.order = white > 0 ? white : out.bic;
     out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
               : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)

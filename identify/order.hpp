@@ -20,12 +20,12 @@ Criteria criteria(double J, Index N, Index d);
 /// One order's fit, on the N rows that all orders share.
 struct OrderFit {
     int order;
-    Index parameters;                      ///< d
-    double J;                              ///< sum of squared residuals
-    double aic, bic, fpe;                  ///< Criteria
-    double p;                              ///< F-test against the order before: the tail probability of its improvement
-    double ljung_box;                      ///< the tail probability of Ljung and Box's Q of the residuals
-    double held_out;                       ///< percent of one-step fit on the rows held out; NaN where none are
+    Index parameters;      ///< d
+    double J;              ///< sum of squared residuals
+    double aic, bic, fpe;  ///< Criteria
+    double p;              ///< F-test against the order before: the tail probability of its improvement
+    double ljung_box;      ///< the tail probability of Ljung and Box's Q of the residuals
+    double held_out;       ///< percent of one-step fit on the rows held out; NaN where none are
 };
 
 /// What each criterion suggests, and the choice: from the order of the least BIC on, the least BIC of those whose residuals pass for
@@ -34,7 +34,7 @@ struct OrderFit {
 struct OrderChoice {
     Index rows = 0;
     std::vector<OrderFit> fits = {};
-    int aic = 0, bic = 0, fpe = 0, f_test = 0;    ///< f_test: the last order that improves on the one before
+    int aic = 0, bic = 0, fpe = 0, f_test = 0;  ///< f_test: the last order that improves on the one before
     int order = 0;
     std::string why = {};
 };

@@ -22,7 +22,7 @@ Curve line(std::string name, size_t place, Signal x, Signal y) {
 }
 Curve dashed(std::string name, size_t place, Signal x, Signal y) {
     Curve out = line(std::move(name), place, std::move(x), std::move(y));
-    out.look.dashed = true;    // over the measured line, which shows between the dashes
+    out.look.dashed = true;  // over the measured line, which shows between the dashes
     return out;
 }
 Signal counting(size_t n, double from = 0) {
@@ -39,16 +39,26 @@ Curve level(std::string name, double from, double to, double y) {
 /// Outputs, errors, correlations.
 void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     size_t const N = m.measured.size();
-    Index const presample = m.samples - Index(N), begins = m.samples - m.held_out - presample;    // of the held-out part
+    Index const presample = m.samples - Index(N), begins = m.samples - m.held_out - presample;  // of the held-out part
     // As many samples as can be told apart in a plot: the last of the fitted part, and the first that are held out.
     constexpr Index before = 100, shown = 400;
-    Index const last = std::min(Index(N), m.held_out > 0 ? std::max<Index>(0, begins - before) + shown : Index(N)), from = std::max<Index>(0, last - shown);
+    Index const last = std::min(Index(N), m.held_out > 0 ? std::max<Index>(0, begins - before) + shown : Index(N)),
+                from = std::max<Index>(0, last - shown);
     auto const window = [&](Signal const& x) { return Signal(x.begin() + from, x.begin() + last); };
     Signal const time = counting(size_t(last - from), double(presample + from));
-    Figure output{"output", fmt::format("Measured and modelled output, samples {} to {}", presample + from, presample + last - 1), "sample", m.options.output, false, false,
-                  false, {{"one step ahead", {line("measured", 6, time, window(m.measured)), dashed("predicted", 1, time, window(m.one_step))}, {}},
-                          {"simulated from the first outputs", {line("measured", 6, time, window(m.measured)), dashed("simulated", 5, time, window(m.simulated))}, {}}}};
-    output.own_y = true;    // a simulation may run away
+    Figure output{
+        "output",
+        fmt::format("Measured and modelled output, samples {} to {}", presample + from, presample + last - 1),
+        "sample",
+        m.options.output,
+        false,
+        false,
+        false,
+        {{"one step ahead", {line("measured", 6, time, window(m.measured)), dashed("predicted", 1, time, window(m.one_step))}, {}},
+         {"simulated from the first outputs",
+          {line("measured", 6, time, window(m.measured)), dashed("simulated", 5, time, window(m.simulated))},
+          {}}}};
+    output.own_y = true;  // a simulation may run away
     if (m.held_out > 0) {
         output.title += fmt::format("; held out from {} on", presample + begins);
         for (Panel& panel : output.panels) panel.events.push_back({.x = double(presample + begins), .text = "held out from here"});
@@ -57,9 +67,10 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
 
     // Bins of a long record: their mean, and the band from the least to the largest.
     size_t const bin = (N + 999) / 1000;
-    Curve errors = line(bin > 1 ? fmt::format("mean of {} samples, band from the least to the largest", bin) : "measured less predicted", 1, {}, {});
+    Curve errors =
+        line(bin > 1 ? fmt::format("mean of {} samples, band from the least to the largest", bin) : "measured less predicted", 1, {}, {});
     for (size_t k = 0, next = 0; k < N; k = next) {
-        size_t const end = k < size_t(begins) ? size_t(begins) : N, count = std::min(bin, end - k);    // no bin on both sides
+        size_t const end = k < size_t(begins) ? size_t(begins) : N, count = std::min(bin, end - k);  // no bin on both sides
         next = k + count;
         double sum = 0, low = INFINITY, high = -INFINITY;
         for (size_t i = k; i < k + count; ++i) {
@@ -73,14 +84,19 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     if (m.held_out > 0) record.panels[0].events.push_back({.x = double(presample + begins), .text = "held out from here"});
     out.push_back(std::move(record));
 
-    Figure correlations{"residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound), "lag", "correlation",
-                        false, false, false, {}};
+    Figure correlations{
+        "residuals", fmt::format("Correlation of the residuals (dashed: what 99 % of a white one keep, +- {:.3f})", m.bound),
+        "lag",       "correlation",
+        false,       false,
+        false,       {}};
     correlations.own_y = true;
     correlations.y_holds = {-m.bound, m.bound};
     auto const panel = [&](std::string const& name, Signal const& r, size_t skip) {
         Signal const x = counting(r.size() - skip, double(skip));
         Signal const y(r.begin() + long(skip), r.end());
-        Panel p{name, {curve("correlation", 0, x, y)}, {level("bound", x.front(), x.back(), m.bound), level("bound", x.front(), x.back(), -m.bound)}};
+        Panel p{name,
+                {curve("correlation", 0, x, y)},
+                {level("bound", x.front(), x.back(), m.bound), level("bound", x.front(), x.back(), -m.bound)}};
         p.curves[0].line = false, p.curves[0].stems = true;
         correlations.panels.push_back(std::move(p));
     };
@@ -93,25 +109,28 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
     // From where the record, not the prior, decides: before, a band can be a million times as wide as at the end.
     size_t settled = 0;
     for (size_t i = 0; i < m.trajectory.size(); ++i)
-        if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any()) settled = i + 1;
+        if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any())
+            settled = i + 1;
     if (settled >= m.trajectory.size()) settled = 0;
-    Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant), "row", "value", false, false,
-                      false, {}};
+    Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant),
+                      "row",        "value",
+                      false,        false,
+                      false,        {}};
     on_the_way.own_y = true;
     on_the_way.names = true;
     for (size_t j = 0; j < m.parameters.size(); ++j) {
         Parameter const& p = m.parameters[j];
-        int const input = j < m.terms.size() ? m.terms[j].input : -2;    // parameters of one signal have like sizes: a panel for each
+        int const input = j < m.terms.size() ? m.terms[j].input : -2;  // parameters of one signal have like sizes: a panel for each
         std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
         auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
         if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
-        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};    // one look a parameter
+        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};  // one look a parameter
         for (size_t i = settled; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
             c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
         }
-        c.marks = j >= 16;    // from there on colour and dash come again
+        c.marks = j >= 16;  // from there on colour and dash come again
         panel->curves.push_back(std::move(c));
     }
     out.push_back(std::move(on_the_way));
@@ -121,7 +140,8 @@ void draw_poles(std::vector<Figure>& out, Identified const& m) {
     Figure plane{"poles", "Poles and zeros", "real part", "imaginary part", false, false, false, {{"", {}, {}}}};
     plane.square = true;
     Signal cosine, sine;
-    for (int i = 0; i <= 180; ++i) cosine.push_back(correctly::cos(i * 0.03490658503988659)), sine.push_back(correctly::sin(i * 0.03490658503988659));
+    for (int i = 0; i <= 180; ++i)
+        cosine.push_back(correctly::cos(i * 0.03490658503988659)), sine.push_back(correctly::sin(i * 0.03490658503988659));
     Curve circle = line("unit circle", 6, cosine, sine);
     circle.look = {"#999999", true, ""};
     plane.panels[0].guides.push_back(circle);
@@ -143,7 +163,8 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
     orders.own_y = true;
     for (OrderFit const& f : m.choice.fits)
         if (f.order > 0) orders.x_ticks.push_back(f.order);
-    bool const is_one = std::ranges::find(m.choice.fits, m.order, &OrderFit::order) != m.choice.fits.end() && m.structure == fmt::format("order {}", m.order);
+    bool const is_one = std::ranges::find(m.choice.fits, m.order, &OrderFit::order) != m.choice.fits.end() &&
+                        m.structure == fmt::format("order {}", m.order);
     size_t place = 0;
     auto const criterion = [&](std::string name, std::vector<std::pair<std::string, double OrderFit::*>> const& which) -> Panel& {
         Panel p{std::move(name), {}, {}};
@@ -160,7 +181,8 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
     criterion("criteria: smaller is better", {{"AIC", &OrderFit::aic}, {"BIC", &OrderFit::bic}});
     Panel& white = criterion("whiteness of the residuals: tail probability", {{"whiteness", &OrderFit::ljung_box}});
     white.log_y = true, white.y_least = least_probability, white.y_holds = {white_level, 1};
-    white.guides.push_back(level(fmt::format("level {}", white_level), 1, std::max(1.0, orders.x_ticks.empty() ? 1 : orders.x_ticks.back()), white_level));
+    white.guides.push_back(
+        level(fmt::format("level {}", white_level), 1, std::max(1.0, orders.x_ticks.empty() ? 1 : orders.x_ticks.back()), white_level));
     if (std::ranges::any_of(m.choice.fits, [](OrderFit const& f) { return f.order > 0 && f.ljung_box < least_probability; }))
         orders.note = fmt::format("A triangle at the lower edge stands for a probability below {}.", least_probability);
     if (m.held_out > 0) criterion("one-step fit on held-out rows, %", {{"held out", &OrderFit::held_out}});
@@ -202,13 +224,15 @@ std::vector<std::string> order_lines_below(Identified const& m) {
 
 std::string as_page(Identified const& m) {
     std::vector<Figure> const figures = drawn(m);
-    std::string body = fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>", escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure),
-                                   escaped(m.why));
+    std::string body =
+        fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>",
+                    escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure), escaped(m.why));
     body += boxes("warning", "fails", m.warnings) + "</header>";
     for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
-        rows.push_back({printable(p.name), p.of, number_text(p.value, 6), number_text(p.sd, 2), fmt::format("{} ... {}", number_text(p.low, 5), number_text(p.high, 5))});
+        rows.push_back({printable(p.name), p.of, number_text(p.value, 6), number_text(p.sd, 2),
+                        fmt::format("{} ... {}", number_text(p.low, 5), number_text(p.high, 5))});
     body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     for (std::string const& words : result_lines(m))
         if (!words.starts_with("next: ")) body += fmt::format("<p>{}</p>", escaped(words));

@@ -10,13 +10,14 @@
 namespace rlslab {
 namespace {
 
-constexpr int longest = 200;    // poles and zeros are found at a cost of its third power
+constexpr int longest = 200;  // poles and zeros are found at a cost of its third power
 
 /// One for each input, where one or as many were given.
 std::vector<int> for_each_input(char const* option, std::vector<int> const& given, size_t inputs, int otherwise) {
     if (given.empty()) return std::vector<int>(inputs, otherwise);
     if (given.size() == 1) return std::vector<int>(inputs, given[0]);
-    if (given.size() != inputs) throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option, inputs, given.size()));
+    if (given.size() != inputs)
+        throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option, inputs, given.size()));
     return given;
 }
 
@@ -41,12 +42,14 @@ IdentifyOptions completed(IdentifyOptions o) {
         std::vector<int> nearest(o.inputs.size(), largest_lag), furthest(o.inputs.size(), 0);
         for (Lagged const& r : listed(o))
             if (r.column == o.output) {
-                if (r.lag > longest) throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output", text_of(r), longest));
+                if (r.lag > longest)
+                    throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output", text_of(r), longest));
             } else {
                 size_t const j = size_t(std::ranges::find(o.inputs, r.column) - o.inputs.begin());
                 nearest[j] = std::min(nearest[j], r.lag), furthest[j] = std::max(furthest[j], r.lag);
                 if (furthest[j] - nearest[j] > longest)
-                    throw InputError(fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
+                    throw InputError(
+                        fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
             }
         if (o.inputs.empty()) throw InputError("--regressors: expected an input among them, found past outputs alone");
     }
@@ -67,7 +70,8 @@ std::vector<Term> terms_of(IdentifyOptions const& o, int order) {
     std::vector<Term> out;
     auto const output = [&](int lag) { out.push_back({fmt::format("a{}", lag), text_of({o.output, lag}), -1, lag}); };
     auto const input = [&](size_t j, int lag, int number) {
-        out.push_back({fmt::format("b{}{}", number, o.inputs.size() > 1 ? "[" + printable(o.inputs[j]) + "]" : ""), text_of({o.inputs[j], lag}), int(j), lag});
+        out.push_back({fmt::format("b{}{}", number, o.inputs.size() > 1 ? "[" + printable(o.inputs[j]) + "]" : ""),
+                       text_of({o.inputs[j], lag}), int(j), lag});
     };
     if (order == 0 && !o.regressors.empty()) {
         std::vector<Lagged> const list = listed(o);
@@ -127,7 +131,7 @@ Records records_of(std::vector<Term> const& terms, std::vector<Signal> const& in
 std::string equation_text(std::vector<Term> const& terms, std::string const& output) {
     std::string left = fmt::format("{}[k]", printable(output)), right;
     for (size_t i = 0; i < terms.size();) {
-        size_t end = i + 1;    // of a run of neighbouring lags of one signal
+        size_t end = i + 1;  // of a run of neighbouring lags of one signal
         while (end < terms.size() && terms[end].input == terms[i].input && terms[end].lag == terms[end - 1].lag + 1) ++end;
         auto const term = [&](size_t at) { return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].of; };
         std::string part = term(i);

@@ -18,10 +18,8 @@ using Json = nlohmann::ordered_json;
 std::string list_of(std::vector<std::complex<double>> const& values) {
     std::vector<std::string> parts;
     for (auto const& z : values)
-        if (z.imag() > 0)
-            parts.push_back(fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f})", z.real(), z.imag(), std::abs(z)));
-        else if (z.imag() == 0)
-            parts.push_back(fmt::format("{:.4f}", z.real()));
+        if (z.imag() > 0) parts.push_back(fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f})", z.real(), z.imag(), std::abs(z)));
+        else if (z.imag() == 0) parts.push_back(fmt::format("{:.4f}", z.real()));
     return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f} %", x) : "-"; }
@@ -41,10 +39,13 @@ Json complexes(std::vector<std::complex<double>> const& values) {
 
 std::string residual_line(Identified const& m) {
     LjungBox const& w = m.ljung_box;
-    if (std::isnan(w.p)) return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers", number_text(m.sigma2, 4));
+    if (std::isnan(w.p))
+        return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers",
+                           number_text(m.sigma2, 4));
     std::string const verdict = w.Q == 0                    ? "nothing is left beyond rounding"
                                 : m.options.forgetting != 1 ? "no verdict on those of the last theta over all rows"
-                                                            : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white", tail(w.p), w.white() ? ">=" : "<", white_level);
+                                                            : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
+                                                                          tail(w.p), w.white() ? ">=" : "<", white_level);
     return fmt::format("residuals: sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)", number_text(m.sigma2, 4), verdict,
                        number_text(w.Q, 4), w.lags, w.freedom);
 }
@@ -60,8 +61,9 @@ std::string arithmetic_line(Identified const& m) {
     if (m.failure)
         return fmt::format("arithmetic: {} broke down after row {} ({}); {}", m.options.variant, m.failure->row,
                            m.failure->kind == "indefinite" ? "P not positive definite" : "not finite", kappa);
-    return fmt::format("arithmetic: {} kept {} of the certified minimiser's 15.9 digits ({} of its worst component's); {}", m.options.variant,
-                       number_text(std::round(10 * m.digits) / 10, 3), number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
+    return fmt::format("arithmetic: {} kept {} of the certified minimiser's 15.9 digits ({} of its worst component's); {}",
+                       m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
+                       number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
 }
 
 /// A line, or several of which all but the first are indented.
@@ -75,11 +77,13 @@ std::string number_text(double x, int digits) { return std::isfinite(x) ? fmt::f
 
 std::vector<std::string> data_lines(Identified const& m) {
     IdentifyOptions const& o = m.options;
-    std::string prior = o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0) : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", correctly::log2(m.c));
+    std::string prior = o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0)
+                             : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", correctly::log2(m.c));
     if (m.prior_move <= 0.1) prior += fmt::format(": it moves no parameter by more than {:.1g} sd", m.prior_move);
     std::string means;
     for (size_t j = 0; o.detrend && j < m.means.size(); ++j)
-        means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ", printable(j < o.inputs.size() ? o.inputs[j] : o.output), m.means[j]);
+        means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ", printable(j < o.inputs.size() ? o.inputs[j] : o.output),
+                             m.means[j]);
     return {fmt::format("{} samples: {} rows fitted, {} held out{}", m.samples, m.fitted, m.held_out, means),
             fmt::format("{} in double, lambda = {}, prior {}", o.variant, o.forgetting, prior)};
 }
@@ -88,14 +92,17 @@ std::vector<std::string> input_lines(Identified const& m) {
     std::vector<std::string> out;
     for (size_t i = 0; i < m.excitation.size(); ++i)
         out.push_back(m.excitation[i].order == Index(m.excitation[i].orders.size())
-                          ? fmt::format("input {}: excites enough for every order tried (exciting of order {} at least)", printable(m.options.inputs[i]), m.excitation[i].order)
+                          ? fmt::format("input {}: excites enough for every order tried (exciting of order {} at least)",
+                                        printable(m.options.inputs[i]), m.excitation[i].order)
                           : fmt::format("input {}: exciting of order {}", printable(m.options.inputs[i]), m.excitation[i].order));
     return out;
 }
 
 std::vector<std::string> order_lines(Identified const& m) {
-    std::string const said = m.choice.fits.empty() || structure_given(m.options) ? "" : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", criterion_text(m.choice.aic), criterion_text(m.choice.bic),
-                                                                      criterion_text(m.choice.fpe), criterion_text(m.choice.f_test));
+    std::string const said = m.choice.fits.empty() || structure_given(m.options)
+                                 ? ""
+                                 : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", criterion_text(m.choice.aic),
+                                               criterion_text(m.choice.bic), criterion_text(m.choice.fpe), criterion_text(m.choice.f_test));
     std::string const how = structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
     return {fmt::format("{} ({}{}){}", m.structure, m.why, how, said), equation_text(m.terms, m.options.output)};
 }
@@ -105,22 +112,29 @@ std::vector<std::string> result_lines(Identified const& m) {
     bool const model = !m.model.b.empty();
     if (model) {
         double const size = m.poles.empty() ? 0 : std::abs(m.poles[0]);
-        out.push_back("poles: " + list_of(m.poles) + (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size)) : ""));
-        for (size_t j = 0; j < m.zeros.size(); ++j) out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
+        out.push_back("poles: " + list_of(m.poles) +
+                      (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size)) : ""));
+        for (size_t j = 0; j < m.zeros.size(); ++j)
+            out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
         for (size_t j = 0; j < m.gain.size(); ++j)
-            out.push_back(std::isfinite(m.gain[j]) ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]), m.gain[j], number_text(m.gain_sd[j], 2))
-                                                   : fmt::format("steady-state gain of {}: not determined, a pole may lie at 1", printable(m.options.inputs[j])));
-        out.push_back(fmt::format("fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)", percent(m.fit_one_step),
-                                  percent(m.held_out_one_step), percent(m.held_out_simulated)));
+            out.push_back(std::isfinite(m.gain[j]) ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]),
+                                                                 m.gain[j], number_text(m.gain_sd[j], 2))
+                                                   : fmt::format("steady-state gain of {}: not determined, a pole may lie at 1",
+                                                                 printable(m.options.inputs[j])));
+        out.push_back(fmt::format("fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)",
+                                  percent(m.fit_one_step), percent(m.held_out_one_step), percent(m.held_out_simulated)));
     }
     out.push_back(residual_line(m));
     if (model && m.auto_correlation.size() > 1) {
         std::string line = largest_of(m.auto_correlation, 1, "their largest correlation: with themselves");
-        for (size_t j = 0; j < m.cross_correlation.size(); ++j) line += largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
+        for (size_t j = 0; j < m.cross_correlation.size(); ++j)
+            line += largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
         out.push_back(line + fmt::format(" (99 % bound {:.2g})", m.bound));
     }
     if (m.options.forgetting != 1) out.push_back("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here");
-    else if (std::isfinite(m.aic)) out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe, m.terms.size(), m.fitted));
+    else if (std::isfinite(m.aic))
+        out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe,
+                                  m.terms.size(), m.fitted));
     out.push_back(arithmetic_line(m));
     for (std::string const& hint : m.hints) out.push_back("next: " + hint);
     return out;
@@ -137,14 +151,16 @@ std::string as_table(Identified const& m) {
     if (!structure_given(m.options) && !m.choice.fits.empty()) {
         out += "\n\n  order  parameters        AIC        BIC        FPE  residuals white: p  held out, one step\n";
         for (OrderFit const& fit : m.choice.fits)
-            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order, fit.parameters, number_text(fit.aic, 5),
-                               number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), percent(fit.held_out));
+            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order,
+                               fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3),
+                               number_text(fit.ljung_box, 2), percent(fit.held_out));
         out.pop_back();
     }
-    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>14} {:>12}   {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd", 100 * m.options.confidence);
+    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>14} {:>12}   {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd",
+                       100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
-        out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6), number_text(p.sd, 2), number_text(p.low, 5),
-                           number_text(p.high, 5));
+        out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6),
+                           number_text(p.sd, 2), number_text(p.low, 5), number_text(p.high, 5));
     out += '\n';
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;
@@ -153,38 +169,89 @@ std::string as_table(Identified const& m) {
 std::string as_json(Identified const& m) {
     Json parameters = Json::array(), orders = Json::array(), inputs = Json::array(), cancelling = Json::array();
     for (Parameter const& p : m.parameters)
-        parameters.push_back({{"name", p.name}, {"of", p.of}, {"value", number(p.value)}, {"sd", number(p.sd)}, {"low", number(p.low)}, {"high", number(p.high)}});
+        parameters.push_back({{"name", p.name},
+                              {"of", p.of},
+                              {"value", number(p.value)},
+                              {"sd", number(p.sd)},
+                              {"low", number(p.low)},
+                              {"high", number(p.high)}});
     for (OrderFit const& f : m.choice.fits)
-        orders.push_back({{"order", f.order}, {"parameters", f.parameters}, {"J", number(f.J)}, {"aic", number(f.aic)}, {"bic", number(f.bic)}, {"fpe", number(f.fpe)},
-                          {"p", number(f.p)}, {"whiteness", number(f.ljung_box)}, {"held_out", number(f.held_out)}});
+        orders.push_back({{"order", f.order},
+                          {"parameters", f.parameters},
+                          {"J", number(f.J)},
+                          {"aic", number(f.aic)},
+                          {"bic", number(f.bic)},
+                          {"fpe", number(f.fpe)},
+                          {"p", number(f.p)},
+                          {"whiteness", number(f.ljung_box)},
+                          {"held_out", number(f.held_out)}});
     bool const model = !m.model.b.empty();
     for (size_t j = 0; j < m.excitation.size(); ++j)
-        inputs.push_back({{"name", m.options.inputs[j]}, {"mean", number(m.means[j])}, {"exciting_of_order", m.excitation[j].order}, {"still", m.excitation[j].constant_at_start},
-                          {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)}, {"gain", model ? number(m.gain[j]) : Json(nullptr)},
-                          {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)}, {"residual_correlation", model ? numbers(m.cross_correlation[j]) : Json(nullptr)}});
+        inputs.push_back({{"name", m.options.inputs[j]},
+                          {"mean", number(m.means[j])},
+                          {"exciting_of_order", m.excitation[j].order},
+                          {"still", m.excitation[j].constant_at_start},
+                          {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)},
+                          {"gain", model ? number(m.gain[j]) : Json(nullptr)},
+                          {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)},
+                          {"residual_correlation", model ? numbers(m.cross_correlation[j]) : Json(nullptr)}});
     for (Cancellation const& c : m.cancellations)
-        cancelling.push_back({{"pole", {number(c.pole.real()), number(c.pole.imag())}}, {"zero", {number(c.zero.real()), number(c.zero.imag())}},
-                              {"distance", number(c.distance)}, {"sd", number(c.sd)}});
+        cancelling.push_back({{"pole", {number(c.pole.real()), number(c.pole.imag())}},
+                              {"zero", {number(c.zero.real()), number(c.zero.imag())}},
+                              {"distance", number(c.distance)},
+                              {"sd", number(c.sd)}});
     IdentifyOptions const& o = m.options;
     Json const out = {
         {"version", RLSLAB_VERSION},
         {"file", m.file},
-        {"options", {{"output", o.output}, {"variant", o.variant}, {"forgetting", o.forgetting}, {"p0", o.p0 ? number(*o.p0) : Json(nullptr)}, {"delay", o.delay},
-                     {"intercept", o.intercept}, {"detrend", o.detrend}, {"validate", o.validate}, {"confidence", o.confidence}}},
-        {"samples", m.samples}, {"fitted", m.fitted}, {"held_out", m.held_out}, {"warnings", m.warnings}, {"hints", m.hints},
-        {"order", m.order}, {"structure", m.structure}, {"why", m.why}, {"equation", equation_text(m.terms, o.output)},
-        {"suggested", m.choice.fits.empty() ? Json(nullptr) : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
-        {"orders", orders}, {"parameters", parameters},
+        {"options",
+         {{"output", o.output},
+          {"variant", o.variant},
+          {"forgetting", o.forgetting},
+          {"p0", o.p0 ? number(*o.p0) : Json(nullptr)},
+          {"delay", o.delay},
+          {"intercept", o.intercept},
+          {"detrend", o.detrend},
+          {"validate", o.validate},
+          {"confidence", o.confidence}}},
+        {"samples", m.samples},
+        {"fitted", m.fitted},
+        {"held_out", m.held_out},
+        {"warnings", m.warnings},
+        {"hints", m.hints},
+        {"order", m.order},
+        {"structure", m.structure},
+        {"why", m.why},
+        {"equation", equation_text(m.terms, o.output)},
+        {"suggested", m.choice.fits.empty()
+                          ? Json(nullptr)
+                          : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
+        {"orders", orders},
+        {"parameters", parameters},
         {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", m.failure->kind}} : Json(nullptr)},
-        {"poles", model ? complexes(m.poles) : Json(nullptr)}, {"cancelling", cancelling}, {"inputs", inputs}, {"output_mean", number(m.means.back())},
+        {"poles", model ? complexes(m.poles) : Json(nullptr)},
+        {"cancelling", cancelling},
+        {"inputs", inputs},
+        {"output_mean", number(m.means.back())},
         {"prior", {{"c", number(m.c)}, {"scales", numbers(m.scales)}, {"moves_by_sd", number(m.prior_move)}}},
-        {"sigma2", number(m.sigma2)}, {"degrees_of_freedom", number(m.freedom)},
+        {"sigma2", number(m.sigma2)},
+        {"degrees_of_freedom", number(m.freedom)},
         {"criteria", {{"aic", number(m.aic)}, {"bic", number(m.bic)}, {"fpe", number(m.fpe)}}},
-        {"fit", {{"one_step", number(m.fit_one_step)}, {"held_out_one_step", number(m.held_out_one_step)}, {"held_out_simulated", number(m.held_out_simulated)}}},
-        {"whiteness", {{"p", number(m.ljung_box.p)}, {"Q", number(m.ljung_box.Q)}, {"lags", m.ljung_box.lags}, {"degrees_of_freedom", m.ljung_box.freedom},
-                       {"level", white_level}, {"white", m.ljung_box.white()}}},
-        {"residual_correlation", numbers(m.auto_correlation)}, {"bound", number(m.bound)},
-        {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}}, {"condition", number(m.condition)}};
+        {"fit",
+         {{"one_step", number(m.fit_one_step)},
+          {"held_out_one_step", number(m.held_out_one_step)},
+          {"held_out_simulated", number(m.held_out_simulated)}}},
+        {"whiteness",
+         {{"p", number(m.ljung_box.p)},
+          {"Q", number(m.ljung_box.Q)},
+          {"lags", m.ljung_box.lags},
+          {"degrees_of_freedom", m.ljung_box.freedom},
+          {"level", white_level},
+          {"white", m.ljung_box.white()}}},
+        {"residual_correlation", numbers(m.auto_correlation)},
+        {"bound", number(m.bound)},
+        {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}},
+        {"condition", number(m.condition)}};
     return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 

@@ -12,22 +12,23 @@ namespace {
 
 struct CommandLine {
     CLI::App app{"Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?", "rlslab"};
-    std::vector<Command> const commands{compare_command(app), study_command(app), identify_command(app), simulate_command(app), excitation_command(app),
-                                        list_command(app),    help_command(app),  man_command(app),      completion_command(app)};
+    std::vector<Command> const commands{compare_command(app),  study_command(app),      identify_command(app),
+                                        simulate_command(app), excitation_command(app), list_command(app),
+                                        help_command(app),     man_command(app),        completion_command(app)};
 
     Manners manners;
 
     CommandLine() {
         app.set_version_flag("--version", "rlslab " RLSLAB_VERSION, "the version of rlslab");
         app.footer("rlslab help COMMAND tells more about one of them, man rlslab all of it.");
-        app.require_subcommand(0, 1);    // a file may be called "list"
+        app.require_subcommand(0, 1);  // a file may be called "list"
         app.formatter_fn([](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
         take_manners(app);
         for (Command const& command : commands) {
             command.app->formatter(app.get_formatter());
             take_manners(*command.app);
             for (CLI::Option* option : command.app->get_options())
-                if (takes_nothing(*option)) option->disable_flag_override();    // --json=false would be no JSON: too clever
+                if (takes_nothing(*option)) option->disable_flag_override();  // --json=false would be no JSON: too clever
         }
     }
     /// Anywhere on the line: before the command and behind it.
@@ -35,13 +36,22 @@ struct CommandLine {
         std::string const everywhere = "With every command";
         taker.set_help_flag("-h,--help", "this help")->group(everywhere);
         taker.add_flag("--quiet", manners.quiet, "no progress on standard error: answers and errors alone")->group(everywhere);
-        taker.add_option_function<std::string>("--color", [this](std::string const& when) {
-            using enum Manners::Colour;
-            manners.colour = when == "always" ? always : when == "never" ? never : automatic;
-        }, "colours in the answer; default auto: on a terminal, unless NO_COLOR is set")
+        taker
+            .add_option_function<std::string>(
+                "--color",
+                [this](std::string const& when) {
+                    using enum Manners::Colour;
+                    manners.colour = when == "always" ? always : when == "never" ? never : automatic;
+                },
+                "colours in the answer; default auto: on a terminal, unless NO_COLOR is set")
             ->check([](std::string const& when) {
-                return when == "auto" || when == "always" || when == "never" ? "" : fmt::format("expected auto, always or never, found \"{}\"", printable(when));
-            })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("auto|always|never")->group(everywhere);
+                return when == "auto" || when == "always" || when == "never"
+                           ? ""
+                           : fmt::format("expected auto, always or never, found \"{}\"", printable(when));
+            })
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+            ->type_name("auto|always|never")
+            ->group(everywhere);
     }
 
     std::vector<std::string> names() const {
@@ -67,19 +77,23 @@ struct CommandLine {
     std::string complaint(CLI::ParseError const& error) const {
         std::string const text = error.what(), missing = " missing", required = " is required";
         if (size_t const at = text.find(": 1 required "); at != text.npos && text.ends_with(missing))
-            return fmt::format("{}: expected {}, found nothing", text.substr(0, at), text.substr(at + 13, text.size() - at - 13 - missing.size()));
-        if (size_t const at = text.find(": At Most 1 required"); at != text.npos) return text.substr(0, at) + ": expected once, found again";
-        if (size_t const at = text.find(" was given a disallowed flag override"); at != text.npos) return "--" + text.substr(0, at) + ": expected no value behind it";
+            return fmt::format("{}: expected {}, found nothing", text.substr(0, at),
+                               text.substr(at + 13, text.size() - at - 13 - missing.size()));
+        if (size_t const at = text.find(": At Most 1 required"); at != text.npos)
+            return text.substr(0, at) + ": expected once, found again";
+        if (size_t const at = text.find(" was given a disallowed flag override"); at != text.npos)
+            return "--" + text.substr(0, at) + ": expected no value behind it";
         if (!text.ends_with(required)) return text;
         std::string const name = text.substr(0, text.size() - required.size());
-        auto const asked = app.get_subcommands().front();    // the program itself requires nothing
+        auto const asked = app.get_subcommands().front();  // the program itself requires nothing
         for (Described const& one : described(*asked))
-            if (one.name == name || one.value == name) return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
+            if (one.name == name || one.value == name)
+                return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
         return text;
     }
     /// A word that nobody takes comes before all else: an option that is missing is often one that is misspelt.
     void refuse_extra_word() const {
-        std::vector<std::string> const own = app.remaining(false), all = app.remaining(true);    // of the program; of its command besides
+        std::vector<std::string> const own = app.remaining(false), all = app.remaining(true);  // of the program; of its command besides
         if (all.empty()) return;
         auto const asked = std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
         CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
@@ -91,10 +105,13 @@ struct CommandLine {
     /// Names without their dashes are compared: these would make short ones alike.
     [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
         std::vector<std::string> known;
-        for (CLI::Option const* option : misled.get_options()) known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
-        std::string_view const meant = nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
+        for (CLI::Option const* option : misled.get_options())
+            known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+        std::string_view const meant =
+            nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
         std::string const help = misled.get_parent() ? fmt::format("rlslab {} --help", misled.get_name()) : "rlslab --help";
-        throw InputError(fmt::format("no option \"{}\" ({})", printable(word), meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+        throw InputError(
+            fmt::format("no option \"{}\" ({})", printable(word), meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
     }
     static std::vector<std::string_view> views(std::vector<std::string> const& names) { return {names.begin(), names.end()}; }
 };
@@ -105,7 +122,7 @@ std::function<int()> parse(std::vector<std::string> words) {
     auto const line = std::make_shared<CommandLine>();
     CLI::App& app = line->app;
     if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; })) line->expect_values(words);
-    std::ranges::reverse(words);    // CLI11 takes them from the back
+    std::ranges::reverse(words);  // CLI11 takes them from the back
     try {
         app.parse(std::move(words));
     } catch (CLI::Success const& success) {
@@ -114,15 +131,16 @@ std::function<int()> parse(std::vector<std::string> words) {
         return [text = text.str()] { return print(text), 0; };
     } catch (CLI::ParseError const& error) {
         for (CLI::App const* asked : app.get_subcommands())
-            if (asked->get_help_ptr()->count() > 0) return [line, asked] { return print(help_text(*asked)), 0; };    // whatever else is wrong
+            if (asked->get_help_ptr()->count() > 0) return [line, asked] { return print(help_text(*asked)), 0; };  // whatever else is wrong
         line->refuse_extra_word();
         throw InputError(printable(line->complaint(error), 200));
     }
     for (Command const& command : line->commands)
-        if (command.app->parsed()) return [line, run = command.run] {
-            behave(line->manners);
-            return run();
-        };
+        if (command.app->parsed())
+            return [line, run = command.run] {
+                behave(line->manners);
+                return run();
+            };
     throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));
 }
 

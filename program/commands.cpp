@@ -38,7 +38,7 @@ CLI::Validator named(char const* expected) {
 
 std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
     std::vector<std::string> out;
-    std::string whole;    // of a quoted name, from its quote mark on
+    std::string whole;  // of a quoted name, from its quote mark on
     for (std::string const& part : parts) {
         if (whole.empty() && !part.starts_with('"')) {
             out.push_back(part);
@@ -60,12 +60,25 @@ void take_format(CLI::App& command, CsvFormat& format) {
             auto const found = std::ranges::find(known, text, &Words::value_type::first);
             return found == known.end() ? '\0' : found->second;
         };
-        command.add_option_function<std::string>(name, [meant, &into](std::string const& text) { into = meant(text); }, help)
-            ->check([=](std::string const& text) { return meant(text) ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text)); })
+        command
+            .add_option_function<std::string>(
+                name, [meant, &into](std::string const& text) { into = meant(text); }, help)
+            ->check([=](std::string const& text) {
+                return meant(text) ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
+            })
             ->type_name(choices);
     };
     take("--separator", format.separator,
-         {{",", ','}, {"comma", ','}, {";", ';'}, {"semicolon", ';'}, {"tab", '\t'}, {"\t", '\t'}, {"|", '|'}, {"bar", '|'}, {" ", ' '}, {"blank", ' '}},
+         {{",", ','},
+          {"comma", ','},
+          {";", ';'},
+          {"semicolon", ';'},
+          {"tab", '\t'},
+          {"\t", '\t'},
+          {"|", '|'},
+          {"bar", '|'},
+          {" ", ' '},
+          {"blank", ' '}},
          "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: found out",
          "comma, semicolon, tab, bar or blank");
     take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",

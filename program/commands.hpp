@@ -57,8 +57,8 @@ Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
 Command list_command(CLI::App& app);
 Command help_command(CLI::App& app);
-Command man_command(CLI::App& app);           ///< not shown: for the build
-Command completion_command(CLI::App& app);    ///< not shown: for the build
+Command man_command(CLI::App& app);         ///< not shown: for the build
+Command completion_command(CLI::App& app);  ///< not shown: for the build
 
 /// What the words of a command line (the program's name left out) ask for: parsed and checked, not yet run. Called, it answers
 /// and gives the exit code. Throws InputError for words that ask for nothing.

@@ -65,7 +65,8 @@ Question question_of(CompareArguments const& a) {
         if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
         if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
         for (std::string const& input : a.inputs) {
-            if (std::ranges::count(a.inputs, input) > 1) throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
+            if (std::ranges::count(a.inputs, input) > 1)
+                throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
             if (input == a.output) throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
             add(input);
         }
@@ -80,7 +81,8 @@ Question question_of(CompareArguments const& a) {
     if (!lagged.empty()) {
         out.records = lagged_records(data, lagged, a.output, a.intercept);
         if (a.intercept) out.model.regressors.push_back("1");
-        for (Lagged const& r : lagged) out.model.regressors.push_back((r.column == a.output ? "-" : "") + text_of({named(r.column), r.lag}));
+        for (Lagged const& r : lagged)
+            out.model.regressors.push_back((r.column == a.output ? "-" : "") + text_of({named(r.column), r.lag}));
         return out;
     }
     Arx model = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb};
@@ -114,7 +116,9 @@ int run_compare(CompareArguments const& a) {
         if (std::string const paste = code(comparison); !paste.empty()) replace_file(out / "filter.cpp", paste);
         replace_file(out / "compare.html", as_page(comparison));
     }
-    print(a.json ? as_json(comparison) : a.csv ? as_csv(comparison) : as_table(comparison, colour()) + (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
+    print(a.json  ? as_json(comparison)
+          : a.csv ? as_csv(comparison)
+                  : as_table(comparison, colour()) + (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
     return std::ranges::all_of(comparison.recommendations, [](Recommendation const& r) { return r.variant.empty(); });
 }
 
@@ -123,12 +127,19 @@ int run_compare(CompareArguments const& a) {
 Command compare_command(CLI::App& app) {
     auto const a = std::make_shared<CompareArguments>();
     CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
-    comparing->footer("An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
-                      "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
-    comparing->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing values")->required()->type_name("");
+    comparing->footer(
+        "An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
+        "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
+    comparing
+        ->add_option("FILE", a->file,
+                     "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing values")
+        ->required()
+        ->type_name("");
     take_format(*comparing, a->format);
     comparing->add_option("--input", a->inputs, "column of the input u of an ARX model, or several")
-        ->delimiter(',')->allow_extra_args(false)->type_name("U[,V]");
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("U[,V]");
     comparing->add_option("--output", a->output, "column of the output y")->required()->type_name("COLUMN");
     auto const count = [&](char const* name, int& into, long least, long most, char const* help) {
         CLI::Option* const option = comparing->add_option(name, into, help)->check(whole(least, most));
@@ -142,24 +153,30 @@ Command compare_command(CLI::App& app) {
         // One word each: a list must not swallow FILE behind it.
         comparing->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
     };
-    names("--regressors", a->regressors, "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order");
+    names("--regressors", a->regressors,
+          "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order");
     comparing->add_flag("--intercept", a->intercept, "a constant regressor besides");
     comparing->add_flag("--detrend", a->detrend, "take the mean off each column first");
     comparing->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
-        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->type_name("LAMBDA");
+        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))
+        ->type_name("LAMBDA");
     comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
-        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->type_name("C2");
+        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
+        ->type_name("C2");
     names("--variants", a->options.variants, "only these (rlslab list)");
     names("--arithmetic", a->options.arithmetics, "only these (rlslab list); default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
     comparing->add_option("--seed", a->options.seed, "of stochastic rounding and of the orders of rows; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+        ->check(whole(0, std::numeric_limits<long>::max()))
+        ->type_name("N");
     count("--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");
-    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")->check(named("the name of a folder"))->type_name("DIR");
+    comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")
+        ->check(named("the name of a folder"))
+        ->type_name("DIR");
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
-    comparing->add_flag_callback("--no-timings", [a] { a->options.timings = false; },
-                                 "leave out nanoseconds, the only column that differs from run to run");
+    comparing->add_flag_callback(
+        "--no-timings", [a] { a->options.timings = false; }, "leave out nanoseconds, the only column that differs from run to run");
     return {comparing, [a] {
                 a->inputs = unquoted(a->inputs), a->regressors = unquoted(a->regressors);
                 return run_compare(*a);

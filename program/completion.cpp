@@ -14,7 +14,7 @@ namespace {
 struct Values {
     enum class Kind { none, words, files, folders, columns } kind = Kind::none;
     std::vector<std::string> words = {};
-    bool list = false;    ///< several, with commas between
+    bool list = false;  ///< several, with commas between
 };
 
 std::vector<std::string> split(std::string const& text, char at) {
@@ -50,7 +50,8 @@ Values values_of(CLI::App const& command, Described const& one) {
     }
     if (one.value == "DIR") return {folders};
     if (one.value == "FILE") return {files};
-    if (one.name == "--output" || one.name == "--regressors" || (one.name == "--input" && one.value != "SIGNAL")) return {columns, {}, list};
+    if (one.name == "--output" || one.name == "--regressors" || (one.name == "--input" && one.value != "SIGNAL"))
+        return {columns, {}, list};
     return {};
 }
 
@@ -121,7 +122,7 @@ std::string bash_case(Values const& values) {
         case folders: return "compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -d -- \"$current\")";
         case none: break;
     }
-    return "";    // a number: no names
+    return "";  // a number: no names
 }
 
 }  // namespace
@@ -153,8 +154,9 @@ std::string bash_completion(CLI::App const& app) {
         options.push_back(fmt::format("        {}-*) _rlslab_words {} ;;\n", in_quotes(name + ' '), join(known, " ")));
         if (!alone.empty()) bare.push_back(fmt::format("        {}*) {} ;;\n", in_quotes(name + ' '), alone));
     }
-    return out + "    case \"$command $option\" in\n" + join(behind, "") + "        " + join(numbers, " | ") + ") return ;;    # no names\n    esac\n" +
-           "    case \"$command $current\" in\n" + join(options, "") + join(bare, "") + "    esac\n" + bash_end;
+    return out + "    case \"$command $option\" in\n" + join(behind, "") + "        " + join(numbers, " | ") +
+           ") return ;;    # no names\n    esac\n" + "    case \"$command $current\" in\n" + join(options, "") + join(bare, "") +
+           "    esac\n" + bash_end;
 }
 
 namespace {
@@ -184,12 +186,9 @@ std::string zsh_arguments(CLI::App const& command, std::string const& indent) {
     for (Described const& one : described(command)) {
         std::string const action = zsh_action(values_of(command, one));
         std::string spec;
-        if (one.name.empty())
-            spec = fmt::format("{}:{}:{}", one.many ? "*" : one.required ? "1" : "1:", plain(one.value), action);
-        else if (one.value.empty())
-            spec = fmt::format("{}[{}]", one.name, plain(one.text));
-        else
-            spec = fmt::format("{}=[{}]:{}:{}", one.name, plain(one.text), plain(one.value), action);
+        if (one.name.empty()) spec = fmt::format("{}:{}:{}", one.many ? "*" : one.required ? "1" : "1:", plain(one.value), action);
+        else if (one.value.empty()) spec = fmt::format("{}[{}]", one.name, plain(one.text));
+        else spec = fmt::format("{}=[{}]:{}:{}", one.name, plain(one.text), plain(one.value), action);
         out += " \\\n" + indent + in_quotes(spec);
     }
     return out + '\n';
@@ -219,9 +218,12 @@ _rlslab() {
   typeset -A opt_args
 )zsh";
     out += "  commands=(\n";
-    for (CLI::App const* command : shown_commands(app)) out += "    " + in_quotes(command->get_name() + ':' + plain(command->get_description())) + '\n';
+    for (CLI::App const* command : shown_commands(app))
+        out += "    " + in_quotes(command->get_name() + ':' + plain(command->get_description())) + '\n';
     out += "  )\n  _arguments -C '1:command:->command' '*::argument:->argument'" + zsh_arguments(app, "    ");
-    out += "  case $state in\n    command) _describe command commands ;;\n    argument)\n      curcontext=${curcontext%:*:*}:rlslab-$words[1]:\n      case $words[1] in\n";
+    out +=
+        "  case $state in\n    command) _describe command commands ;;\n    argument)\n      "
+        "curcontext=${curcontext%:*:*}:rlslab-$words[1]:\n      case $words[1] in\n";
     for (CLI::App const* command : shown_commands(app))
         out += fmt::format("        {}) _arguments{}          ;;\n", command->get_name(), zsh_arguments(*command, "          "));
     return out + "      esac ;;\n  esac\n}\n\n_rlslab \"$@\"\n";

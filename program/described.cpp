@@ -20,7 +20,9 @@ std::vector<Described> described(CLI::App const& command) {
         bool const bare = option->get_positional();
         Described one{.name = bare || option->get_lnames().empty() ? "" : "--" + option->get_lnames().front(),
                       .shorter = bare || option->get_snames().empty() ? "" : "-" + option->get_snames().front(),
-                      .value = bare ? option->get_name(true) : takes_nothing(*option) ? "" : option->get_type_name(),
+                      .value = bare                     ? option->get_name(true)
+                               : takes_nothing(*option) ? ""
+                                                        : option->get_type_name(),
                       .text = option->get_description(),
                       .group = option->get_group(),
                       .required = option->get_required(),
@@ -45,10 +47,12 @@ std::string usage(CLI::App const& command) {
 std::vector<Meaning> const& exit_codes() {
     static std::vector<Meaning> const list{
         {"0", "Answered."},
-        {"1", "Answered, and the answer is no: a claim failed (study), no variant is recommended (compare), the variant broke down "
-              "(identify), the input identifies no model (excitation)."},
-        {"2", "Not answered: words or data that make no sense, a file that cannot be read or written. One line on standard error says "
-              "what was expected."},
+        {"1",
+         "Answered, and the answer is no: a claim failed (study), no variant is recommended (compare), the variant broke down "
+         "(identify), the input identifies no model (excitation)."},
+        {"2",
+         "Not answered: words or data that make no sense, a file that cannot be read or written. One line on standard error says "
+         "what was expected."},
         {"130", "Stopped by Ctrl-C. A study goes on from there when the same command is run again."},
         {"141", "Whoever read the answer has closed the pipe (rlslab list | head -1). Nothing is said."},
     };

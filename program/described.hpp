@@ -10,11 +10,11 @@ namespace rlslab {
 
 /// An option, or with an empty `name` what stands on the line without one.
 struct Described {
-    std::string name;        ///< "--variants"
-    std::string shorter;     ///< "-h", or empty
-    std::string value;       ///< "A,B", "auto|always|never", "FILE"; empty for a flag
+    std::string name;     ///< "--variants"
+    std::string shorter;  ///< "-h", or empty
+    std::string value;    ///< "A,B", "auto|always|never", "FILE"; empty for a flag
     std::string text, group;
-    bool required, many;     ///< many: may stand on the line several times
+    bool required, many;  ///< many: may stand on the line several times
     /// "--variants A,B", "-h, --help", "FILE", "[NAME...]".
     std::string spelling() const;
 };

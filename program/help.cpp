@@ -11,7 +11,7 @@ namespace rlslab {
 
 namespace {
 
-constexpr size_t column = 24;    // where the text beside an option begins
+constexpr size_t column = 24;  // where the text beside an option begins
 
 /// "  --order N           ARX order", or the text a line below where the name is too long.
 std::string entry(std::string const& name, std::string const& text, size_t beside = column) {
@@ -37,7 +37,8 @@ std::string notes(std::string const& text, size_t width) {
 
 std::string help_text(CLI::App const& command) {
     bool const whole = command.get_parent() == nullptr;
-    std::string out = wrapped(command.get_description(), 0, 0, help_width) + "\n\n" + wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
+    std::string out =
+        wrapped(command.get_description(), 0, 0, help_width) + "\n\n" + wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
     std::vector<Described> const all = described(command);
     std::vector<std::string> groups;
     for (Described const& one : all) {

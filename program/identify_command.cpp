@@ -45,10 +45,12 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
     if (name == "white" && p.empty()) return white_noise(samples, seed);
     if (name == "prbs" && p.size() <= 2) return prbs(int(whole_number(0, 2, 20)), samples, p.size() > 1 ? whole_number(1, 1, longest) : 1);
     if (name == "coloured" && !p.empty()) return coloured_noise(samples, p, seed);
-    if (name == "multisine" && p.size() == 1) return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
+    if (name == "multisine" && p.size() == 1)
+        return multisine(samples, int(whole_number(0, 1, std::max(1.0, std::floor((longest - 1) / 2)))));
     if (name == "steps" && p.size() == 2) return random_steps(samples, whole_number(0, 1, longest), whole_number(1, p[0], longest), seed);
-    throw InputError(fmt::format("--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST, found \"{}\"",
-                                 printable(text)));
+    throw InputError(fmt::format(
+        "--input: expected white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST, found \"{}\"",
+        printable(text)));
 }
 
 struct IdentifyArguments {
@@ -81,7 +83,9 @@ struct SimulateArguments {
 
 int run_simulate(SimulateArguments const& s) {
     if (s.delay >= s.samples)
-        throw InputError(fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows nothing, found {}", s.samples, s.delay));
+        throw InputError(
+            fmt::format("--delay: expected less than the {} --samples: of an input that comes later the record shows nothing, found {}",
+                        s.samples, s.delay));
     DifferenceEquation model;
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};
@@ -89,7 +93,8 @@ int run_simulate(SimulateArguments const& s) {
     Seed seed{std::uint64_t(s.seed)};
     Signal const u = input_of(s.input, s.samples, Seed{seed.next()});
     Seed const of_noise{seed.next()};
-    Signal xi = s.noise_colour.empty() ? white_noise(s.samples, of_noise) : coloured_noise(s.samples, numbers_of("--noise-colour", s.noise_colour), of_noise);
+    Signal xi = s.noise_colour.empty() ? white_noise(s.samples, of_noise)
+                                       : coloured_noise(s.samples, numbers_of("--noise-colour", s.noise_colour), of_noise);
     for (double& x : xi) x *= s.noise;
     auto const check = [](char const* option, Signal const& x, char const* what) {
         if (!std::ranges::all_of(x, [](double v) { return std::abs(v) <= largest_value; }))
@@ -100,7 +105,9 @@ int run_simulate(SimulateArguments const& s) {
     Signal const y = simulate(model, {u}, xi);
     check("--a, --b", y, "output");
     if (y.size() > 1 && std::ranges::all_of(y, [&](double v) { return v == y[0]; }))
-        throw InputError(fmt::format("--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that pass the input on, or --noise", y[0]));
+        throw InputError(fmt::format(
+            "--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that pass the input on, or --noise",
+            y[0]));
     if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
         throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
     std::string text = "u,y\n";
@@ -120,25 +127,38 @@ int run_excitation(ExcitationArguments const& a) {
     Columns const columns = read_data({a.file, a.format}, {a.input});
     Signal const& u = columns[a.input];
     if (std::ranges::any_of(u, [](double x) { return x != x; }))
-        throw InputError(fmt::format("{}: column \"{}\": expected a number in every row, found a missing value", a.file, printable(a.input)));
+        throw InputError(
+            fmt::format("{}: column \"{}\": expected a number in every row, found a missing value", a.file, printable(a.input)));
     Excitation const e = excitation(u, a.most, progress_after_a_second("looking at the excitation"));
-    std::string text = fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",
-                                   printable(a.file, 200), printable(a.input), u.size(), e.resolution);
+    std::string text = fmt::format(
+        "{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",
+        printable(a.file, 200), printable(a.input), u.size(), e.resolution);
     nlohmann::ordered_json orders = nlohmann::ordered_json::array();
     for (ExcitationOrder const& n : e.orders) {
-        text += fmt::format("  {:>5}  {:>24.4g}  {:>9}   {:<8}  {}\n", n.order, n.least, std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-",
-                            n.definite ? "yes" : "no", n.resolved ? "yes" : "no");
-        orders.push_back({{"order", n.order}, {"least_eigenvalue", n.least}, {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
-                          {"definite", n.definite}, {"resolved", n.resolved}});
+        text += fmt::format("  {:>5}  {:>24.4g}  {:>9}   {:<8}  {}\n", n.order, n.least,
+                            std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-", n.definite ? "yes" : "no",
+                            n.resolved ? "yes" : "no");
+        orders.push_back({{"order", n.order},
+                          {"least_eigenvalue", n.least},
+                          {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
+                          {"definite", n.definite},
+                          {"resolved", n.resolved}});
     }
     if (e.constant_at_start > 0) text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
-    text += e.order == Index(a.most) ? fmt::format("\nexciting of order {} at least: a model of order {} can be identified\n", e.order, e.order - 1)
-            : e.order >= 2           ? fmt::format("\nexciting of order {}: models up to order {} can be identified\n", e.order, e.order - 1)
-                                     : fmt::format("\nexciting of order {}: no dynamic model can be identified\n", e.order);
+    text += e.order == Index(a.most)
+                ? fmt::format("\nexciting of order {} at least: a model of order {} can be identified\n", e.order, e.order - 1)
+            : e.order >= 2 ? fmt::format("\nexciting of order {}: models up to order {} can be identified\n", e.order, e.order - 1)
+                           : fmt::format("\nexciting of order {}: no dynamic model can be identified\n", e.order);
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n", e.exact_order, e.order);
-    nlohmann::ordered_json const out = {{"file", a.file}, {"input", a.input}, {"samples", u.size()}, {"exciting_of_order", e.order},
-                                        {"exact_order", e.exact_order}, {"resolution", e.resolution}, {"still", e.constant_at_start}, {"orders", orders}};
+    nlohmann::ordered_json const out = {{"file", a.file},
+                                        {"input", a.input},
+                                        {"samples", u.size()},
+                                        {"exciting_of_order", e.order},
+                                        {"exact_order", e.exact_order},
+                                        {"resolution", e.resolution},
+                                        {"still", e.constant_at_start},
+                                        {"orders", orders}};
     print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;
 }
@@ -148,13 +168,16 @@ int run_excitation(ExcitationArguments const& a) {
 Command identify_command(CLI::App& app) {
     auto const a = std::make_shared<IdentifyArguments>();
     CLI::App* const c = app.add_subcommand("identify", "An ARX model of a record: order, parameters, and whether to believe them.");
-    c->footer("The model:  y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + e[k]\n"
-              "(nb counts from b0: MATLAB's arx calls this [na nb+1 delay].)\n\n"
-              "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
-              "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
-              "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n\n"
-              "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
-    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")->required()->type_name("");
+    c->footer(
+        "The model:  y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + e[k]\n"
+        "(nb counts from b0: MATLAB's arx calls this [na nb+1 delay].)\n\n"
+        "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
+        "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
+        "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n\n"
+        "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
+    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")
+        ->required()
+        ->type_name("");
     take_format(*c, a->format);
     auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
         return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
@@ -162,20 +185,28 @@ Command identify_command(CLI::App& app) {
     list("--input", a->options.inputs, "U[,V]", "column of the input, or several");
     c->add_option("--output", a->options.output, "column of the output")->required()->type_name("COLUMN");
     c->add_option("--order", a->options.order, "na = nb = N instead of a choice")->check(whole(1, 200))->type_name("N");
-    c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")->check(whole(1, 200))->type_name("N");
+    c->add_option("--max-order", a->options.max_order, "the largest order to choose from; default 10")
+        ->check(whole(1, 200))
+        ->type_name("N");
     c->add_option("--na", a->na, "past outputs, y[k-1] ... y[k-N]; with --nb, instead of a choice")->check(whole(0, 200))->type_name("N");
     list("--nb", a->options.nb, "N[,N]", "inputs u[k-delay] ... u[k-delay-N], for all inputs or for each")->check(whole(0, 200));
-    list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")->check(whole(0, 100000));
-    list("--regressors", a->options.regressors, "A,B", "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
+    list("--delay", a->options.delay, "N[,N]", "samples from input to output, for all inputs or for each; default 0")
+        ->check(whole(0, 100000));
+    list("--regressors", a->options.regressors, "A,B",
+         "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")->type_name("NAME");
     c->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
-        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))->type_name("LAMBDA");
+        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))
+        ->type_name("LAMBDA");
     c->add_option("--p0", a->options.p0, "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
-        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))->type_name("C2");
+        ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
+        ->type_name("C2");
     c->add_option("--validate", a->options.validate, "part at the end that is held out, in [0, 0.9]; default 1/3")
-        ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))->type_name("PART");
+        ->check(real("a number from 0 to 0.9", [](double x) { return 0 <= x && x <= 0.9; }))
+        ->type_name("PART");
     c->add_option("--confidence", a->options.confidence, "of the intervals; default 0.95")
-        ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))->type_name("P");
+        ->check(real("a number from 0.001 to 0.999999", [](double x) { return 0.001 <= x && x <= 0.999999; }))
+        ->type_name("P");
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
@@ -189,26 +220,33 @@ Command identify_command(CLI::App& app) {
 Command simulate_command(CLI::App& app) {
     auto const s = std::make_shared<SimulateArguments>();
     CLI::App* const c = app.add_subcommand("simulate", "A record of a known system: columns u and y as CSV.");
-    c->footer("The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
-              "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
-              "Exit code: 0 a record; 2 one that grows beyond 2^500, or options that make no sense.");
+    c->footer(
+        "The system:  y[k] + a1 y[k-1] + ... = b0 u[k-delay] + b1 u[k-delay-1] + ... + e[k]\n"
+        "Example:     rlslab simulate --a -1.5,0.7 --b 1,0.5 --noise 0.1 > data.csv\n\n"
+        "Exit code: 0 a record; 2 one that grows beyond 2^500, or options that make no sense.");
     c->add_option("--a", s->a, "coefficients a1,a2,...; default none")->type_name("A1,...");
     c->add_option("--b", s->b, "coefficients b0,b1,...; default 1")->type_name("B0,...");
     c->add_option("--delay", s->delay, "samples from input to output; default 0")->check(whole(0, 100000))->type_name("N");
-    c->add_option("--input", s->input, "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST; default prbs:10")->type_name("SIGNAL");
+    c->add_option("--input", s->input,
+                  "the signal u: white, prbs:CELLS[:HOLD], coloured:A1,..., multisine:HARMONICS or steps:SHORTEST:LONGEST; default prbs:10")
+        ->type_name("SIGNAL");
     c->add_option("--samples", s->samples, "rows of the record; default 1000")->check(whole(1, 10000000))->type_name("N");
     c->add_option("--noise", s->noise, "standard deviation of the noise e; default 0")
-        ->check(real("a number of at least 0", [](double x) { return x >= 0; }))->type_name("SD");
+        ->check(real("a number of at least 0", [](double x) { return x >= 0; }))
+        ->type_name("SD");
     c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")->type_name("A1,...");
-    c->add_option("--seed", s->seed, "of the random input and noise; default 1")->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+    c->add_option("--seed", s->seed, "of the random input and noise; default 1")
+        ->check(whole(0, std::numeric_limits<long>::max()))
+        ->type_name("N");
     return {c, [s] { return run_simulate(*s); }};
 }
 
 Command excitation_command(CLI::App& app) {
     auto const a = std::make_shared<ExcitationArguments>();
     CLI::App* const c = app.add_subcommand("excitation", "Up to which order an input can identify a system.");
-    c->footer("Example:  rlslab excitation data.csv --input u\n\n"
-              "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no sense.");
+    c->footer(
+        "Example:  rlslab excitation data.csv --input u\n\n"
+        "Exit code: 0 some order; 1 none: no dynamic model can be identified; 2 options or a record that make no sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's")->required()->type_name("");
     take_format(*c, a->format);
     c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");

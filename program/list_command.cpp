@@ -20,15 +20,13 @@ void run_list(bool json) {
     std::string text = "variants                  propagates   a prior   rows at once  in\n";
     std::vector<Entry const*> variants;
     for (Entry const& e : catalogue())
-        if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; }))
-            variants.push_back(&e);
+        if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; })) variants.push_back(&e);
     for (Entry const* v : variants) {
         std::vector<std::string_view> in;
         for (Entry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
-        text += fmt::format("  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates,
-                            v->starts_without_prior ? "optional" : "needed", v->block,
-                            in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
+        text += fmt::format("  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates, v->starts_without_prior ? "optional" : "needed",
+                            v->block, in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
         out["variants"].push_back({{"name", v->variant},
                                    {"propagates", v->propagates},
                                    {"starts_without_prior", v->starts_without_prior},
@@ -40,16 +38,13 @@ void run_list(bool json) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
         text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<27}  {}\n", s.name, s.digits, s.decimal_digits(),
                             fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
-        out["arithmetics"].push_back({{"name", s.name},
-                                      {"digits", s.digits},
-                                      {"min_exp", s.min_exp},
-                                      {"max_exp", s.max_exp},
-                                      {"rounding", rounding}});
+        out["arithmetics"].push_back(
+            {{"name", s.name}, {"digits", s.digits}, {"min_exp", s.min_exp}, {"max_exp", s.max_exp}, {"rounding", rounding}});
     }
     auto const faults = rounding_faults();
     out["rounding_faults"] = faults;
-    text += "\nrounding of this program\n  " +
-            (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n" : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
+    text += "\nrounding of this program\n  " + (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n"
+                                                               : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
     text += "\nstudies\n";
     for (Study const* study : studies()) {
         text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));

@@ -19,7 +19,7 @@ void die_of_closed_pipes() {
 
 int main(int argc, char** argv) {
     die_of_closed_pipes();
-    std::signal(SIGXFSZ, SIG_IGN);    // a file beyond the limit is then an error like any other
+    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is then an error like any other
     rlslab::when_stopped("");
     try {
         return rlslab::parse({argv + (argc > 0), argv + argc})();

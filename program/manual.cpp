@@ -27,7 +27,8 @@ std::string roff(std::string_view text) {
 
 /// "\fB\-\-order\fR \fIN\fR"
 std::string bold(Described const& one) {
-    std::string const text = one.name.empty() ? "" : "\\fB" + (one.shorter.empty() ? "" : roff(one.shorter) + "\\fR, \\fB") + roff(one.name) + "\\fR";
+    std::string const text =
+        one.name.empty() ? "" : "\\fB" + (one.shorter.empty() ? "" : roff(one.shorter) + "\\fR, \\fB") + roff(one.name) + "\\fR";
     std::string const value = one.value.empty() ? "" : "\\fI" + roff(one.value) + "\\fR";
     return text + (text.empty() || value.empty() ? "" : " ") + value;
 }
@@ -51,8 +52,10 @@ std::string options(CLI::App const& command, bool everywhere) {
 }  // namespace
 
 std::string manual_page(CLI::App const& app) {
-    std::string out = fmt::format(".\\\" Written by `rlslab man' from the definitions of the command line.\n"
-                                  ".TH RLSLAB 1 \"\" \"rlslab {}\" \"User Commands\"\n", RLSLAB_VERSION);
+    std::string out = fmt::format(
+        ".\\\" Written by `rlslab man' from the definitions of the command line.\n"
+        ".TH RLSLAB 1 \"\" \"rlslab {}\" \"User Commands\"\n",
+        RLSLAB_VERSION);
     out += ".SH NAME\nrlslab \\- which variant of recursive least squares to trust\n.SH SYNOPSIS\n";
     auto const commands = shown_commands(app);
     for (size_t i = 0; i < commands.size(); ++i) {
@@ -60,18 +63,23 @@ std::string manual_page(CLI::App const& app) {
         out += (i > 0 ? ".br\n" : "") + ("\\fB" + roff(name) + "\\fR" + roff(text.substr(name.size()))) + '\n';
     }
     out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.PP\n" +
-           roff("rlslab holds the textbook variants of recursive least squares, runs them in arithmetics from bfloat16 to 257 bits, and "
-                "measures each against a certified reference: the exact minimiser for the very bits the variant was given, with a proven "
-                "error bound.") + '\n';
+           roff(
+               "rlslab holds the textbook variants of recursive least squares, runs them in arithmetics from bfloat16 to 257 bits, and "
+               "measures each against a certified reference: the exact minimiser for the very bits the variant was given, with a proven "
+               "error bound.") +
+           '\n';
     out += ".SH OPTIONS\nThese may stand anywhere on the line.\n" + options(app, false) + options(app, true);
     out += ".SH COMMANDS\n";
     for (CLI::App const* command : commands)
-        out += ".SS " + roff(usage(*command)) + '\n' + roff(command->get_description()) + '\n' + options(*command, false) + as_written(command->get_footer());
+        out += ".SS " + roff(usage(*command)) + '\n' + roff(command->get_description()) + '\n' + options(*command, false) +
+               as_written(command->get_footer());
     out += ".SH EXIT STATUS\n";
     for (Meaning const& code : exit_codes()) out += listed("\\fB" + code.name + "\\fR", code.text);
     out += ".SH ENVIRONMENT\n";
     for (Meaning const& variable : environment()) out += listed("\\fB" + variable.name + "\\fR", variable.text);
-    out += ".SH FILES\n" + listed("\\fI" + roff("DIR/.trials/") + "\\fR", "What a study has finished, one line for each trial. The next run goes on from there.") +
+    out += ".SH FILES\n" +
+           listed("\\fI" + roff("DIR/.trials/") + "\\fR",
+                  "What a study has finished, one line for each trial. The next run goes on from there.") +
            listed("\\fI" + roff("DIR/NAME.csv, DIR/verdicts.json, DIR/report.html") + "\\fR",
                   "What a study found. Each is written beside and then renamed: it is there whole or as it was before.");
     return out;

@@ -18,9 +18,9 @@ std::atomic<bool> terminal = false;
 /// Only what a handler may call: unlink, write, raise.
 void clean_up(int signal) {
     remove_unfinished_file();
-    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);    // progress and ^C stand on this line
+    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // progress and ^C stand on this line
     if (length > 0) (void)!::write(STDERR_FILENO, advice, length);
-    ::raise(signal);    // the handler is gone (SA_RESETHAND): its default comes when this one returns
+    ::raise(signal);  // the handler is gone (SA_RESETHAND): its default comes when this one returns
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void when_stopped(std::string const& text) {
     for (int const signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before {};
         ::sigaction(signal, nullptr, &before);
-        if (before.sa_handler != SIG_IGN) ::sigaction(signal, &act, nullptr);    // whoever started it with nohup meant it
+        if (before.sa_handler != SIG_IGN) ::sigaction(signal, &act, nullptr);  // whoever started it with nohup meant it
     }
 }
 

@@ -32,7 +32,8 @@ int run_study(StudyArguments a) {
     create_folder(a.options.out / "figures");
     FolderLock const lock(a.options.out);
     for (char const* part : {"", ".trials", "figures"}) remove_leftovers(a.options.out / part);
-    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
+    when_stopped(
+        fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
     std::error_code error;
     if (a.fresh)
         for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
@@ -59,22 +60,28 @@ int run_study(StudyArguments a) {
 Command study_command(CLI::App& app) {
     auto const st = std::make_shared<StudyArguments>();
     CLI::App* const studying = app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
-    studying->footer("One study:    rlslab study gain_error\n"
-                     "All of them:  rlslab study --all --budget full --out out\n"
-                     "Stopped, and started again by the same command, it goes on where it was.\n\n"
-                     "Exit code: 0 every claim holds; 1 a claim fails; 2 the study could not be run.");
+    studying->footer(
+        "One study:    rlslab study gain_error\n"
+        "All of them:  rlslab study --all --budget full --out out\n"
+        "Stopped, and started again by the same command, it goes on where it was.\n\n"
+        "Exit code: 0 every claim holds; 1 a claim fails; 2 the study could not be run.");
     studying->add_option("NAME", st->names, "names of studies, as rlslab list shows them")->type_name("");
     studying->add_flag("--all", st->all, "every study");
     studying->add_option("--budget", st->budget, "quick: seconds a study; full: minutes, for numbers to quote; default quick")
         ->check([](std::string const& text) {
             return text == "quick" || text == "full" ? "" : fmt::format("expected quick or full, found \"{}\"", printable(text));
-        })->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("quick|full");
+        })
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("quick|full");
     studying->add_option("--seed", st->options.seed, "of all random data; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+        ->check(whole(0, std::numeric_limits<long>::max()))
+        ->type_name("N");
     studying->add_option("--threads", st->options.threads, "how many run at once; default: all cores. No byte of a table depends on it")
-        ->check(whole(1, 4096))->type_name("N");
+        ->check(whole(1, 4096))
+        ->type_name("N");
     studying->add_option("--out", st->out, "folder for tables, figures and the report; default: out")
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)->type_name("DIR");
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("DIR");
     studying->add_flag("--fresh", st->fresh, "forget what an earlier run of these studies has finished");
     return {studying, [st] { return run_study(*st); }};
 }

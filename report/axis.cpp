@@ -34,7 +34,7 @@ Step step_from(double x) {
 /// 10^x, by the series of exp: like decades(), the same bits everywhere.
 double power_of_ten(double x) {
     int const whole = int(std::floor(x));
-    double const z = (x - whole) * 2.30258509299404568402;    // in [0, ln 10): after 30 terms less than 1e-21 is left
+    double const z = (x - whole) * 2.30258509299404568402;  // in [0, ln 10): after 30 terms less than 1e-21 is left
     double sum = 1;
     for (int k = 30; k >= 1; --k) sum = 1 + sum * z / k;
     return sum * scaled(1, whole);
@@ -82,14 +82,14 @@ Ticks Axis::ticks(int about) const { return logarithmic_ ? logarithmic(std::max(
 Ticks Axis::linear(int about) const {
     Ticks out;
     double const wished = std::ldexp((high_ - low_) / about, exponent_);
-    if (!(wished > 1e-300)) return out;    // among the least numbers a step has no digits of its own
+    if (!(wished > 1e-300)) return out;  // among the least numbers a step has no digits of its own
     Step const step = step_from(wished);
     double const unit = std::ldexp(step.value(), -exponent_);
-    constexpr double slack = 1e-9;         // of a step: an end that is a tick but for rounding shows it
+    constexpr double slack = 1e-9;  // of a step: an end that is a tick but for rounding shows it
     auto const first = static_cast<long long>(std::ceil(low_ / unit - slack)),
                last = static_cast<long long>(std::floor(high_ / unit + slack));
     long long const most = std::max(std::abs(first), std::abs(last));
-    int const order = most == 0 ? 0 : step.power + int(std::to_string(most * step.digit).size()) - 1;    // of the largest label
+    int const order = most == 0 ? 0 : step.power + int(std::to_string(most * step.digit).size()) - 1;  // of the largest label
     if (order > 5 || order < -3) out.left_out = order;
     int const decimals = std::max(0, out.left_out - step.power);
     for (long long i = first; i <= last; ++i) {
@@ -109,10 +109,8 @@ Ticks Axis::within_a_decade(int about) const {
             double const value = scaled(digit, power), at = std::isfinite(value) && value > 0 ? decades(value) : -400;
             if (at < low_ - 1e-9 || at > high_ + 1e-9 || (!out.all.empty() && value <= out.all.back().value)) continue;
             digits.push_back(digit);
-            if (power >= -3 && power <= 4)
-                out.all.push_back({value, tick_text(fmt::format("{:.{}f}", value, std::max(0, -power)))});
-            else
-                out.all.push_back({value, digit == 1 ? "10" : fmt::format("{}·10", digit), tick_text(fmt::format("{}", power))});
+            if (power >= -3 && power <= 4) out.all.push_back({value, tick_text(fmt::format("{:.{}f}", value, std::max(0, -power)))});
+            else out.all.push_back({value, digit == 1 ? "10" : fmt::format("{}·10", digit), tick_text(fmt::format("{}", power))});
         }
     if (out.all.size() >= 3) {
         // The largest of these sets of digits that gives no more labels than wished for.
@@ -163,7 +161,7 @@ Ticks Axis::logarithmic(int about) const {
 std::string tick_text(std::string plain) {
     bool const negative = plain.starts_with('-');
     if (negative) plain.erase(0, 1);
-    if (plain.find_first_not_of("0.") == std::string::npos) return plain;    // no minus before a zero
+    if (plain.find_first_not_of("0.") == std::string::npos) return plain;  // no minus before a zero
     size_t const whole = std::min(plain.find('.'), plain.size());
     if (whole > 4)
         for (size_t at = whole; at > 3; at -= 3) plain.insert(at - 3, "\u2009");
@@ -173,7 +171,7 @@ std::string tick_text(std::string plain) {
 double text_width(std::string_view text) {
     double out = 0;
     for (char const c : text) {
-        if ((static_cast<unsigned char>(c) & 0xc0) == 0x80) continue;    // goes on with a character of UTF-8
+        if ((static_cast<unsigned char>(c) & 0xc0) == 0x80) continue;  // goes on with a character of UTF-8
         constexpr std::string_view slim = "iljtfrI.,:;'|!()[] /", wide = "mwMW%@";
         out += slim.find(c) != std::string_view::npos   ? 0.37
                : wide.find(c) != std::string_view::npos ? 0.95

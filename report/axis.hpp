@@ -20,18 +20,18 @@ struct Range {
 
 struct Tick {
     double value;
-    std::string text = {}, power = {};    ///< "0.5"; or "2·10" and its power "-7"; no text: a minor tick
+    std::string text = {}, power = {};  ///< "0.5"; or "2·10" and its power "-7"; no text: a minor tick
     bool strong = false;
 };
 struct Ticks {
-    std::vector<Tick> all;    ///< ascending, inside the range
-    int left_out = 0;         ///< the power of ten that all labels leave out
+    std::vector<Tick> all;  ///< ascending, inside the range
+    int left_out = 0;       ///< the power of ten that all labels leave out
 };
 
 class Axis {
     bool logarithmic_;
-    int exponent_ = 0;             // numbers are taken as so many times 2^exponent, so that no difference overflows
-    double low_, high_;            // the ends as coordinates: log10, or so scaled
+    int exponent_ = 0;   // numbers are taken as so many times 2^exponent, so that no difference overflows
+    double low_, high_;  // the ends as coordinates: log10, or so scaled
     double begin_ = 0, end_ = 1;
 
     double coordinate(double value) const;

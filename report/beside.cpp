@@ -37,9 +37,22 @@ bool cross(Line const& line, Box const& box) {
 
 /// Around the mark in rings, the nearest first: sixteen directions, and over and under it shifted by parts of the name's width.
 std::vector<Candidate> candidates(NamedPoint const& point) {
-    constexpr std::array<std::pair<double, double>, 16> directions{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {0.7, -0.7}, {0.7, 0.7}, {-0.7, -0.7}, {-0.7, 0.7},
-                                                                    {0.92, -0.38}, {0.92, 0.38}, {-0.92, -0.38}, {-0.92, 0.38}, {0.38, -0.92}, {0.38, 0.92},
-                                                                    {-0.38, -0.92}, {-0.38, 0.92}}};
+    constexpr std::array<std::pair<double, double>, 16> directions{{{1, 0},
+                                                                    {-1, 0},
+                                                                    {0, -1},
+                                                                    {0, 1},
+                                                                    {0.7, -0.7},
+                                                                    {0.7, 0.7},
+                                                                    {-0.7, -0.7},
+                                                                    {-0.7, 0.7},
+                                                                    {0.92, -0.38},
+                                                                    {0.92, 0.38},
+                                                                    {-0.92, -0.38},
+                                                                    {-0.92, 0.38},
+                                                                    {0.38, -0.92},
+                                                                    {0.38, 0.92},
+                                                                    {-0.38, -0.92},
+                                                                    {-0.38, 0.92}}};
     double const half = name_height / 2;
     std::vector<Candidate> out;
     auto const add = [&](double left, double middle) {
@@ -50,8 +63,15 @@ std::vector<Candidate> candidates(NamedPoint const& point) {
     };
     for (double const ring : {8.0, 16.0, 24.0, 34.0, 44.0, 56.0, 70.0, 86.0}) {
         double const r = ring + mark_half(point) - 6;
-        for (auto const& [dx, dy] : directions)    // the side of the box that faces the mark stands on the ring
-            add(point.x + r * dx - (dx > 0.5 ? 0 : dx < -0.5 ? point.width : point.width / 2), point.y + r * dy + (dy > 0.3 ? half : dy < -0.3 ? -half : 0));
+        for (auto const& [dx, dy] : directions)  // the side of the box that faces the mark stands on the ring
+            add(point.x + r * dx -
+                    (dx > 0.5    ? 0
+                     : dx < -0.5 ? point.width
+                                 : point.width / 2),
+                point.y + r * dy +
+                    (dy > 0.3    ? half
+                     : dy < -0.3 ? -half
+                                 : 0));
         for (double const part : {0.3, 0.7, 0.1, 0.9})
             for (double const middle : {point.y - r - half, point.y + r + half}) add(point.x - part * point.width, middle);
     }
@@ -60,7 +80,8 @@ std::vector<Candidate> candidates(NamedPoint const& point) {
 
 /// Rules (1) to (4) as far as they concern the marks.
 bool fits(Candidate const& c, size_t own, std::vector<NamedPoint> const& points, Box const& within) {
-    if (c.box.left < within.left + 1 || c.box.right > within.right - 1 || c.box.top < within.top + 1 || c.box.bottom > within.bottom - 1) return false;
+    if (c.box.left < within.left + 1 || c.box.right > within.right - 1 || c.box.top < within.top + 1 || c.box.bottom > within.bottom - 1)
+        return false;
     double const distance = distance2(c.box, points[own].x, points[own].y);
     for (size_t k = 0; k < points.size(); ++k) {
         NamedPoint const& p = points[k];
@@ -72,7 +93,8 @@ bool fits(Candidate const& c, size_t own, std::vector<NamedPoint> const& points,
 }
 
 bool together(Candidate const& a, Candidate const& b) {
-    return apart(a.box, b.box) && !(a.leads && cross(a.leader, b.box)) && !(b.leads && cross(b.leader, a.box)) && !(a.leads && b.leads && cross(a.leader, b.leader));
+    return apart(a.box, b.box) && !(a.leads && cross(a.leader, b.box)) && !(b.leads && cross(b.leader, a.box)) &&
+           !(a.leads && b.leads && cross(a.leader, b.leader));
 }
 
 }  // namespace
@@ -83,7 +105,7 @@ double distance2(Box const& box, double x, double y) {
 }
 
 std::vector<std::optional<Box>> places_beside(std::vector<NamedPoint> const& points, Box const& within) {
-    constexpr size_t most = 60;    // of more, most would find no place
+    constexpr size_t most = 60;  // of more, most would find no place
     size_t const n = points.size();
     std::vector<std::vector<Candidate>> free(n);
     std::vector<size_t> order;
@@ -101,7 +123,9 @@ std::vector<std::optional<Box>> places_beside(std::vector<NamedPoint> const& poi
         std::vector<Candidate> taken;
         std::vector<size_t> placed, failed;
         for (size_t const i : order) {
-            auto const c = std::ranges::find_if(free[i], [&](Candidate const& x) { return std::ranges::all_of(taken, [&](Candidate const& t) { return together(x, t); }); });
+            auto const c = std::ranges::find_if(free[i], [&](Candidate const& x) {
+                return std::ranges::all_of(taken, [&](Candidate const& t) { return together(x, t); });
+            });
             if (c == free[i].end()) failed.push_back(i);
             else taken.push_back(*c), places[i] = c->box, placed.push_back(i);
         }

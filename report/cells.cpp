@@ -48,7 +48,7 @@ std::string cells_group(Figure const& figure, Panel const& panel, Cells const& c
     double const height = (box.bottom - box.top) / double(cells.rows.size());
     Axis const scale(shades, figure.log_y, 0);
     Curve const& curve = panel.curves.front();
-    auto const edge = [&](size_t i) {    // between places i - 1 and i
+    auto const edge = [&](size_t i) {  // between places i - 1 and i
         if (i == 0) return box.left;
         if (i == cells.places.size()) return box.right;
         return (x(cells.places[i - 1]) + x(cells.places[i])) / 2;

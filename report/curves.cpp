@@ -12,7 +12,7 @@ namespace rlslab::plot {
 namespace {
 
 using Run = std::vector<Point>;
-constexpr double far = 1e9;    // so far outside, a place and its difference from another are still finite
+constexpr double far = 1e9;  // so far outside, a place and its difference from another are still finite
 
 /// The curve's points in the drawing, apart where one cannot be shown.
 template <class Y>
@@ -22,8 +22,7 @@ std::vector<Run> runs(Curve const& curve, Axes const& axes, Y const& y_of) {
         double const y = y_of(i);
         if (axes.x.shows(curve.x[i]) && axes.y.shows(y))
             out.back().push_back({std::clamp(axes.x(curve.x[i]), -far, far), std::clamp(axes.y(y), -far, far)});
-        else if (!out.back().empty())
-            out.emplace_back();
+        else if (!out.back().empty()) out.emplace_back();
     }
     if (out.back().empty()) out.pop_back();
     return out;
@@ -93,7 +92,8 @@ std::string band(Curve const& curve, Axes const& axes) {
         size_t to = from;
         bool wide = false;
         for (; to < curve.x.size() && to < curve.low.size() && to < curve.high.size() && axes.x.shows(curve.x[to]) &&
-               !std::isnan(curve.low[to]) && !std::isnan(curve.high[to]); ++to)
+               !std::isnan(curve.low[to]) && !std::isnan(curve.high[to]);
+             ++to)
             wide |= has_interval(curve, to);
         if (wide && to - from > 1) {
             Run upper, lower;
@@ -130,13 +130,15 @@ std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
     std::string path, edges;
     for (size_t i = 0; i < curve.x.size(); ++i) {
         if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i) || curve.high[i] < panel.y_least) continue;
-        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes), bottom = curve.low[i] < panel.y_least ? axes.box.bottom : inside(curve.low[i], axes);
+        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes),
+                     bottom = curve.low[i] < panel.y_least ? axes.box.bottom : inside(curve.low[i], axes);
         path += fmt::format("M{0} {1}h6M{2} {1}V{3}", fixed(x - 3), fixed(top), fixed(x), fixed(bottom));
         if (curve.low[i] < panel.y_least) edges += edge_mark(x, axes);
         else path += fmt::format("M{} {}h6", fixed(x - 3), fixed(bottom));
     }
     if (path.empty()) return "";
-    std::string out = fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>", path, curve.look.colour, curve.strong ? 2.4 : 1.2);
+    std::string out =
+        fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>", path, curve.look.colour, curve.strong ? 2.4 : 1.2);
     if (!edges.empty()) out += fmt::format("<path d=\"{}\" fill=\"#fff\" stroke=\"{}\"/>", edges, curve.look.colour);
     return out;
 }
@@ -149,7 +151,8 @@ std::string below(Figure const& figure, Panel const& panel, Curve const& curve, 
         auto const at = curve.y[i] < panel.y_least ? mark_place(panel, curve, i, axes) : std::nullopt;
         if (!at || (curve.line && std::abs(at->x - last) < 14)) continue;
         last = at->x;
-        out += fmt::format("<path d=\"{}\"><title>{}, below the axis</title></path>", edge_mark(at->x, axes), escaped_xml(says(figure, curve, i)));
+        out += fmt::format("<path d=\"{}\"><title>{}, below the axis</title></path>", edge_mark(at->x, axes),
+                           escaped_xml(says(figure, curve, i)));
     }
     return out.empty() ? "" : fmt::format("<g class=\"below\" fill=\"{0}\" stroke=\"{0}\">{1}</g>", curve.look.colour, out);
 }
@@ -196,7 +199,9 @@ std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, 
         if (!path.empty()) out = fmt::format("<path d=\"{}\"><title>{}</title></path>", path, escaped_xml(curve.name));
     }
     if (curve.strong && !curve.line)
-        for (auto const& [i, p] : all) out += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"8.5\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"1.6\"/>", fixed(p.x), fixed(p.y));
+        for (auto const& [i, p] : all)
+            out += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"8.5\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"1.6\"/>", fixed(p.x),
+                               fixed(p.y));
     return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look, curve.strong ? 1.8 : 1.3), out);
 }
 
@@ -234,7 +239,8 @@ std::string mark_path(std::string const& mark, double x, double y) {
 }
 
 std::string mark_style(Look const& look, double width) {
-    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"", look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour, width);
+    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"", look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour,
+                       width);
 }
 std::string line_style(Look const& look, double width) {
     return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", look.colour, width,
@@ -251,11 +257,18 @@ std::string curve_group(Figure const& figure, Panel const& panel, Curve const& c
         for (Run const& run : runs(curve, axes, [&](size_t i) { return i < curve.y.size() ? curve.y[i] : NAN; }))
             path += path_of(thinned(run), axes.box);
     if (!path.empty())
-        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path, line_style(curve.look, curve.strong ? 3.4 : guide || faint ? 1.4 : 1.8),
+        out += fmt::format("<path d=\"{}\" {}><title>{}</title></path>", path,
+                           line_style(curve.look, curve.strong     ? 3.4
+                                                  : guide || faint ? 1.4
+                                                                   : 1.8),
                            escaped_xml(curve.name));
     if (curve.marks && !guide && !curve.look.mark.empty()) out += marks(figure, panel, curve, axes);
     if (!guide) out += below(figure, panel, curve, axes);
-    return fmt::format("<g class=\"s\" data-s=\"{}\"{}>{}</g>\n", series, !faint ? "" : curve.line ? " opacity=\".5\"" : " opacity=\".75\"", out);
+    return fmt::format("<g class=\"s\" data-s=\"{}\"{}>{}</g>\n", series,
+                       !faint       ? ""
+                       : curve.line ? " opacity=\".5\""
+                                    : " opacity=\".75\"",
+                       out);
 }
 
 namespace {
@@ -296,10 +309,12 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
             return side.text == event.text && !covered(panel, axes, {begin, side.base - 11, begin + width, side.base + 4});
         });
         Side const& side = free == sides.end() ? sides.front() : *free;
-        out = fmt::format("<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" stroke=\"#fff\" stroke-width=\"4\" "
-                          "paint-order=\"stroke\">{}</text>",
-                          fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3), fixed(side.left ? x - 5 : x + 5), fixed(side.base),
-                          side.left ? "end" : "start", look.colour, escaped_xml(side.text));
+        out = fmt::format(
+            "<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" stroke=\"#fff\" "
+            "stroke-width=\"4\" "
+            "paint-order=\"stroke\">{}</text>",
+            fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3), fixed(side.left ? x - 5 : x + 5),
+            fixed(side.base), side.left ? "end" : "start", look.colour, escaped_xml(side.text));
     } else {
         double const y = std::clamp(axes.y(event.y), box.top, box.bottom);
         out = fmt::format(

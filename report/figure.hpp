@@ -11,7 +11,7 @@ namespace rlslab {
 /// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for those
 /// who see none, or print, a mark and a dash.
 struct Look {
-    std::string colour;     ///< #rrggbb
+    std::string colour;  ///< #rrggbb
     bool dashed = false;
     std::string mark = {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
 };
@@ -24,36 +24,36 @@ struct Curve {
     std::string name;
     Look look;
     std::vector<double> x, y;
-    std::vector<double> low = {}, high = {};    ///< an interval about each y, drawn where it is not y itself; or empty
-    std::vector<std::string> row = {};          ///< cells: what each stands at along the other axis
+    std::vector<double> low = {}, high = {};  ///< an interval about each y, drawn where it is not y itself; or empty
+    std::vector<std::string> row = {};        ///< cells: what each stands at along the other axis
     bool marks = true, line = true;
-    bool stems = false;                         ///< an upright line from y = 0 to each point
-    bool bars = false;                          ///< low and high as an error bar at each point; otherwise as a band
-    std::vector<std::string> says = {};         ///< a tooltip for each point; if empty, they tell name and numbers
-    bool strong = false;                        ///< thicker and over the others, which are lighter in a panel that has such a curve
+    bool stems = false;                  ///< an upright line from y = 0 to each point
+    bool bars = false;                   ///< low and high as an error bar at each point; otherwise as a band
+    std::vector<std::string> says = {};  ///< a tooltip for each point; if empty, they tell name and numbers
+    bool strong = false;                 ///< thicker and over the others, which are lighter in a panel that has such a curve
 };
 
 /// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the top.
 struct Event {
     double x, y = std::numeric_limits<double>::quiet_NaN();
     std::string text;
-    std::string series = {};    ///< the curve it happens to: it has its colour, and is hidden with it
+    std::string series = {};  ///< the curve it happens to: it has its colour, and is hidden with it
 };
 
 struct Panel {
     std::string name;
-    std::vector<Curve> curves, guides;    ///< guides: to compare with; cut off where they leave the curves' range
+    std::vector<Curve> curves, guides;  ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
-    bool log_y = false;                   ///< besides the figure's; for a figure with own_y
-    double y_least = -std::numeric_limits<double>::infinity();    ///< the axis ends here: a triangle at its lower edge stands for less
-    std::vector<double> y_holds = {};     ///< besides the figure's
+    bool log_y = false;                                         ///< besides the figure's; for a figure with own_y
+    double y_least = -std::numeric_limits<double>::infinity();  ///< the axis ends here: a triangle at its lower edge stands for less
+    std::vector<double> y_holds = {};                           ///< besides the figure's
 };
 
 struct Figure {
-    std::string name;                       ///< gain_error-1: also of its file; letters, digits, '_', '-', '.'
+    std::string name;  ///< gain_error-1: also of its file; letters, digits, '_', '-', '.'
     std::string title, x, y;
     bool log_x = false, log_y = false;
-    bool cells = false;                     ///< y is the shade in [0, 1], `series` what stands along y; the panel's first curve
+    bool cells = false;  ///< y is the shade in [0, 1], `series` what stands along y; the panel's first curve
     std::vector<Panel> panels;
     std::string series = {};
     bool square = false;                    ///< a unit is as long along x as along y

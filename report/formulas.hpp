@@ -9,6 +9,6 @@ namespace rlslab {
 struct Formula {
     std::string_view tex, mathml;
 };
-std::span<Formula const> formulas();    ///< empty if there was no pandoc
+std::span<Formula const> formulas();  ///< empty if there was no pandoc
 
 }  // namespace rlslab

@@ -64,7 +64,8 @@ Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vect
     if (!figure.x_names.empty()) {
         double widest = 0;
         for (size_t i = 0; i < figure.x_names.size(); ++i)
-            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 180), "", std::ranges::find(figure.strong_x, i) != figure.strong_x.end()}),
+            out.ticks.push_back({double(i), shortened(figure.x_names[i], tick_size, 180), "",
+                                 std::ranges::find(figure.strong_x, i) != figure.strong_x.end()}),
                 widest = std::max(widest, width_of(out.ticks.back()));
         out.slanted = (widest + 8) * double(figure.x_names.size()) > width;
         out.height = out.slanted ? 0.6 * widest + 16 : 20;
@@ -74,7 +75,7 @@ Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vect
         out.height = 20;
     } else {
         int about = int(width / 62);
-        for (Ticks found = axis.ticks(about);; found = axis.ticks(--about)) {    // fewer until their labels do not touch
+        for (Ticks found = axis.ticks(about);; found = axis.ticks(--about)) {  // fewer until their labels do not touch
             out.ticks = found.all, out.left_out = found.left_out;
             double sum = 0;
             for (Tick const& tick : out.ticks) sum += tick.text.empty() ? 0 : width_of(tick) + 10;
@@ -93,15 +94,19 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     Range const along = figure.cells || figure.square ? x_range(figure, &panel) : x_range(figure, nullptr);
     Axis x(along, figure.log_x, figure.cells ? 0.5 / columns : figure.x_names.empty() ? 0.03 : 0);
     bool const logarithmic = logarithmic_y(figure, panel) && !figure.cells;
-    Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5} : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
-           logarithmic, figure.cells ? 0 : names_points(figure) ? 0.1 : 0.05);
+    Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5}
+                        : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
+           logarithmic,
+           figure.cells           ? 0
+           : names_points(figure) ? 0.1
+                                  : 0.05);
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
     // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the labels.
     Frame out{
         .axes = {x, y, {}}, .left = {}, .bottom = {}, .x_lines = wrapped(figure.x, label_size, width - 90, 3), .y_lines = {}, .widest = 0};
-    Box& box = out.axes.box = {0, 18, width - std::max(names, 20.0), 0};    // half a label of x stands beyond either side
+    Box& box = out.axes.box = {0, 18, width - std::max(names, 20.0), 0};  // half a label of x stands beyond either side
     for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
         out.left = figure.cells ? Ticks{} : y.ticks(about);
         for (size_t r = 0; r < cells.rows.size(); ++r)
@@ -130,8 +135,8 @@ std::string grid_group(Figure const& figure, Frame const& frame) {
     for (size_t const i : figure.strong_x) {
         double const left = std::max(box.left, x(double(i) - 0.5)), right = std::min(box.right, x(double(i) + 0.5));
         if (left < right)
-            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left), fixed(box.top), fixed(right - left),
-                               fixed(box.bottom - box.top));
+            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left), fixed(box.top),
+                               fixed(right - left), fixed(box.bottom - box.top));
     }
     if (!figure.cells) {
         for (Tick const& tick : frame.bottom.ticks)
@@ -162,11 +167,12 @@ std::string labels_group(Frame const& frame, double height) {
         if (tick.text.empty() || at < box.left - 0.05 || at > box.right + 0.05) continue;
         char const* const weight = tick.strong ? " font-weight=\"700\"" : "";
         if (frame.bottom.slanted) {
-            tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);    // cos 35 degrees
+            tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);  // cos 35 degrees
             out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\"{}>{}</text>", fixed(at + 4),
                                fixed(box.bottom + 14), weight, tspans(tick));
         } else
-            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at), fixed(box.bottom + 16), weight, tspans(tick));
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at), fixed(box.bottom + 16), weight,
+                               tspans(tick));
     }
     for (Tick const& tick : frame.left.all)
         if (!tick.text.empty())

@@ -9,7 +9,8 @@
 namespace rlslab::plot {
 
 bool names_points(Figure const& figure) {
-    return figure.names && std::ranges::all_of(figure.panels, [](Panel const& panel) { return std::ranges::none_of(panel.curves, &Curve::line); });
+    return figure.names &&
+           std::ranges::all_of(figure.panels, [](Panel const& panel) { return std::ranges::none_of(panel.curves, &Curve::line); });
 }
 
 Names names_of(Figure const& figure, Panel const& panel, bool named, double most) {
@@ -31,7 +32,7 @@ std::string shortened(std::string const& text, double size, double width) {
     if (size * text_width(text) <= width) return text;
     std::string out;
     for (char const c : text) {
-        bool const begins = (static_cast<unsigned char>(c) & 0xc0) != 0x80;    // a character of UTF-8
+        bool const begins = (static_cast<unsigned char>(c) & 0xc0) != 0x80;  // a character of UTF-8
         if (begins && size * text_width(out + "m…") > width) break;
         out += c;
     }
@@ -43,10 +44,8 @@ std::vector<std::string> wrapped(std::string const& text, double size, double wi
     for (size_t from = 0; from < text.size();) {
         size_t const to = std::min(text.find(' ', from), text.size());
         std::string const word = text.substr(from, to - from);
-        if (!out.empty() && (size * text_width(out.back() + ' ' + word) <= width || out.size() == most))
-            out.back() += ' ' + word;
-        else
-            out.push_back(word);
+        if (!out.empty() && (size * text_width(out.back() + ' ' + word) <= width || out.size() == most)) out.back() += ' ' + word;
+        else out.push_back(word);
         from = to + 1;
     }
     for (std::string& line : out) line = shortened(line, size, width);
@@ -72,7 +71,7 @@ std::vector<double> spread(std::vector<double> wished, double gap, double top, d
     double least = -1e300, most = 1e300;
     for (size_t k = 0; k < n; ++k) least = (down[order[k]] = std::max(down[order[k]], least)) + gap;
     for (size_t k = n; k-- > 0;) most = (up[order[k]] = std::min(up[order[k]], most)) - gap;
-    for (size_t k = 0; k < n; ++k) {    // k names above it and n - 1 - k below it need their room
+    for (size_t k = 0; k < n; ++k) {  // k names above it and n - 1 - k below it need their room
         double& height = wished[order[k]];
         height = std::max(top + double(k) * gap, std::min((down[order[k]] + up[order[k]]) / 2, bottom - double(n - 1 - k) * gap));
     }
@@ -119,9 +118,12 @@ NamesGroup names_beside(Panel const& panel, std::vector<Curve const*> const& leg
             auto const at = mark_place(panel, curve, i, axes);
             if (!at) continue;
             Box bar{at->x, at->y, at->x, at->y};
-            auto const height = [&](double y) { return axes.y.shows(y) ? std::clamp(axes.y(y), axes.box.top, axes.box.bottom) : axes.box.bottom; };
-            if (curve.bars && i < curve.low.size() && i < curve.high.size()) bar = {at->x - 3, height(curve.high[i]), at->x + 3, height(curve.low[i])};
-            bool const last = curves.empty() || curves.back() != &curve;    // the others of a curve are in the way, and have no name
+            auto const height = [&](double y) {
+                return axes.y.shows(y) ? std::clamp(axes.y(y), axes.box.top, axes.box.bottom) : axes.box.bottom;
+            };
+            if (curve.bars && i < curve.low.size() && i < curve.high.size())
+                bar = {at->x - 3, height(curve.high[i]), at->x + 3, height(curve.low[i])};
+            bool const last = curves.empty() || curves.back() != &curve;  // the others of a curve are in the way, and have no name
             double const width = last ? tick_size * text_width(curve.name) * (curve.strong ? 1.1 : 1) : 0;
             points.push_back({at->x, at->y, bar, width, curve.strong}), curves.push_back(&curve);
         }
@@ -136,11 +138,14 @@ NamesGroup names_beside(Panel const& panel, std::vector<Curve const*> const& leg
         }
         Box const& place = *places[i];
         double const x = points[i].x, y = points[i].y;
-        std::string const line = distance2(place, x, y) < leader_from * leader_from ? ""
-                                 : fmt::format("<path d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1\"/>", fixed(x), fixed(y), fixed(std::clamp(x, place.left, place.right)),
-                                               fixed(std::clamp(y, place.top, place.bottom)), curve.look.colour);
+        std::string const line = distance2(place, x, y) < leader_from * leader_from
+                                     ? ""
+                                     : fmt::format("<path d=\"M{} {}L{} {}\" stroke=\"{}\" stroke-width=\"1\"/>", fixed(x), fixed(y),
+                                                   fixed(std::clamp(x, place.left, place.right)),
+                                                   fixed(std::clamp(y, place.top, place.bottom)), curve.look.colour);
         out.svg += fmt::format("<g class=\"s name\" data-s=\"{}\">{}{}</g>\n", series_number(legend, curve.name), line,
-                               text_at(place.left, place.bottom - 2.6, curve.name, fmt::format("font-size=\"{}\"{}", tick_size, curve.strong ? " font-weight=\"700\"" : "")));
+                               text_at(place.left, place.bottom - 2.6, curve.name,
+                                       fmt::format("font-size=\"{}\"{}", tick_size, curve.strong ? " font-weight=\"700\"" : "")));
     }
     return out;
 }

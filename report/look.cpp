@@ -11,16 +11,24 @@ struct Named {
     Look look;
 };
 std::vector<Named> const& variants() {
-    static std::vector<Named> const looks{
-        {"conventional", {"#000000", false, "circle"}},     {"conventional_two_sided", {"#000000", true, "circle-open"}},
-        {"symmetric", {"#0072b2", false, "square"}},        {"kalman", {"#0072b2", true, "square-open"}},
-        {"joseph", {"#d55e00", false, "diamond"}},          {"joseph_rank_two", {"#d55e00", true, "diamond-open"}},
-        {"potter", {"#b8860b", false, "triangle-up"}},      {"carlson", {"#b8860b", true, "triangle-up-open"}},
-        {"ud", {"#009e73", false, "star"}},                 {"inverse_qr", {"#009e73", true, "star-open"}},
-        {"information", {"#cc79a7", false, "x"}},           {"cholesky_sparse", {"#cc79a7", true, "x-open"}},
-        {"qr", {"#56b4e9", false, "triangle-down"}},        {"gentleman", {"#56b4e9", true, "triangle-down-open"}},
-        {"extended_qr", {"#6a3d9a", true, "cross-open"}},   {"qr_block", {"#6a3d9a", false, "cross"}},
-        {"qr_sparse", {"#7f7f7f", true, "square-open"}},    {"order_recursive", {"#7f7f7f", false, "square"}}};
+    static std::vector<Named> const looks{{"conventional", {"#000000", false, "circle"}},
+                                          {"conventional_two_sided", {"#000000", true, "circle-open"}},
+                                          {"symmetric", {"#0072b2", false, "square"}},
+                                          {"kalman", {"#0072b2", true, "square-open"}},
+                                          {"joseph", {"#d55e00", false, "diamond"}},
+                                          {"joseph_rank_two", {"#d55e00", true, "diamond-open"}},
+                                          {"potter", {"#b8860b", false, "triangle-up"}},
+                                          {"carlson", {"#b8860b", true, "triangle-up-open"}},
+                                          {"ud", {"#009e73", false, "star"}},
+                                          {"inverse_qr", {"#009e73", true, "star-open"}},
+                                          {"information", {"#cc79a7", false, "x"}},
+                                          {"cholesky_sparse", {"#cc79a7", true, "x-open"}},
+                                          {"qr", {"#56b4e9", false, "triangle-down"}},
+                                          {"gentleman", {"#56b4e9", true, "triangle-down-open"}},
+                                          {"extended_qr", {"#6a3d9a", true, "cross-open"}},
+                                          {"qr_block", {"#6a3d9a", false, "cross"}},
+                                          {"qr_sparse", {"#7f7f7f", true, "square-open"}},
+                                          {"order_recursive", {"#7f7f7f", false, "square"}}};
     return looks;
 }
 

@@ -29,7 +29,9 @@ bool drawn(Figure const& figure, std::string const& name) {
         for (auto const* curves : {&panel.curves, &panel.guides})
             for (Curve const& curve : *curves)
                 for (size_t i = 0; curve.name == name && i < std::min(curve.x.size(), curve.y.size()); ++i)
-                    if (Axis::shows(curve.x[i], figure.log_x) && (curve.y[i] < panel.y_least || Axis::shows(curve.y[i], plot::logarithmic_y(figure, panel)))) return true;
+                    if (Axis::shows(curve.x[i], figure.log_x) &&
+                        (curve.y[i] < panel.y_least || Axis::shows(curve.y[i], plot::logarithmic_y(figure, panel))))
+                        return true;
     return false;
 }
 
@@ -58,17 +60,19 @@ std::string figure_html(Figure const& figure) {
     // Names beside points need room: such panels stand one below the other, as wide as the page.
     bool const alone = panels == 1 || plot::names_points(figure);
     bool const three = (figure.cells && panels > 4) || (figure.own_y && !figure.names && panels == 3);
-    bool at_ends = false;    // names at the curves' ends make a legend superfluous where they are shown
+    bool at_ends = false;  // names at the curves' ends make a legend superfluous where they are shown
     if (figure.names && panels == 1)
         for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;
     if (figure.cells) {
         Range const shades = plot::shades_of(figure);
         out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low),
                            plot::number_text(shades.high), escaped(figure.y));
-    } else if (auto const legend = legend_of(figure); figure.legend && (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty()))) {
+    } else if (auto const legend = legend_of(figure);
+               figure.legend && (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty()))) {
         out += fmt::format("<p class=\"legend{}{}\">", at_ends ? " ends" : "", panels > 2 ? " stays" : "");
         for (size_t i = 0; i < legend.size(); ++i)
-            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "", key_svg(*legend[i]), escaped(legend[i]->name),
+            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "",
+                               key_svg(*legend[i]), escaped(legend[i]->name),
                                drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
         out += "</p>\n";
     }
@@ -79,10 +83,13 @@ std::string figure_html(Figure const& figure) {
         if (!name.empty()) out += fmt::format("<h3>{}</h3>", escaped(name));
         if (alone)
             out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-                               panel_html(figure, i, 1040, figure.square ? 620 : panels > 1 ? 380 : 440, true),
+                               panel_html(figure, i, 1040,
+                                          figure.square ? 620
+                                          : panels > 1  ? 380
+                                                        : 440,
+                                          true),
                                panel_html(figure, i, 400, figure.square ? 400 : 330, !at_ends));
-        else
-            out += three ? panel_html(figure, i, 400, 300, true) : panel_html(figure, i, 520, 350, true);
+        else out += three ? panel_html(figure, i, 400, 300, true) : panel_html(figure, i, 520, 350, true);
         out += "</div>\n";
     }
     return out + "</div></figure>\n";

@@ -23,7 +23,8 @@ bool has_mathml();
 
 /// A table that scrolls inside its box, and says so where it has more columns than fit. Cells are text, not HTML. The first column is
 /// aligned left, numbers right. `strong`: rows that stand out.
-std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows, std::vector<size_t> const& strong = {});
+std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows,
+                       std::vector<size_t> const& strong = {});
 
 /// The whole page. The body is HTML. Classes: soft (small print), question, claims (ul; li.holds, li.fails with <b>).
 std::string page(std::string_view title, std::string_view body);

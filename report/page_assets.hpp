@@ -3,7 +3,7 @@
 
 namespace rlslab {
 
-extern char const* const page_style;     ///< page.css
-extern char const* const page_script;    ///< page.js
+extern char const* const page_style;   ///< page.css
+extern char const* const page_script;  ///< page.js
 
 }  // namespace rlslab

@@ -25,7 +25,7 @@ std::string fixed(double x);
 /// A number for a tooltip: four digits.
 std::string number_text(double x);
 
-constexpr double tick_size = 12;    ///< of the font of ticks and names
+constexpr double tick_size = 12;  ///< of the font of ticks and names
 
 /// Its beginning and "…", where it is too wide in a font of this size.
 std::string shortened(std::string const& text, double size, double width);
@@ -52,9 +52,9 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
 
 /// Cells of a heat map; they meet halfway between their places.
 struct Cells {
-    std::vector<std::string> rows;     ///< from the bottom
-    std::vector<double> places;        ///< along x, ascending
-    Range x;                           ///< with the outer edges
+    std::vector<std::string> rows;  ///< from the bottom
+    std::vector<double> places;     ///< along x, ascending
+    Range x;                        ///< with the outer edges
 };
 
 /// A panel's axes with their labels.
@@ -69,7 +69,7 @@ struct Frame {
     Ticks left;
     Bottom bottom;
     std::vector<std::string> x_lines, y_lines;
-    double widest;    ///< of the labels on the left
+    double widest;  ///< of the labels on the left
 };
 /// `names`: the width of the margin on the right.
 Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double names, double width, double height);
@@ -90,7 +90,7 @@ struct Names {
 Names names_of(Figure const& figure, Panel const& panel, bool named, double most);
 struct NamesGroup {
     std::string svg;
-    std::vector<Curve const*> left_out;    ///< found no place
+    std::vector<Curve const*> left_out;  ///< found no place
 };
 NamesGroup names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes);
 
@@ -99,9 +99,9 @@ struct NamedPoint {
     double x, y;
     Box bar;
     double width;
-    bool first = false;    ///< chooses before the others
+    bool first = false;  ///< chooses before the others
 };
-constexpr double name_height = 13, leader_from = 13;    ///< a leader leads to a name that is farther from its mark
+constexpr double name_height = 13, leader_from = 13;  ///< a leader leads to a name that is farther from its mark
 /// The square of the distance.
 double distance2(Box const& box, double x, double y);
 /// A place for each name, or none:

@@ -7,17 +7,77 @@ namespace rlslab {
 namespace {
 
 std::map<std::string_view, std::string_view> const& words() {
-    static std::map<std::string_view, std::string_view> const list{
-        {"alpha", "α"}, {"beta", "β"}, {"gamma", "γ"}, {"delta", "δ"}, {"epsilon", "ε"}, {"varepsilon", "ε"}, {"zeta", "ζ"},
-        {"eta", "η"}, {"theta", "θ"}, {"kappa", "κ"}, {"lambda", "λ"}, {"mu", "μ"}, {"nu", "ν"}, {"xi", "ξ"}, {"pi", "π"},
-        {"rho", "ρ"}, {"sigma", "σ"}, {"tau", "τ"}, {"phi", "φ"}, {"psi", "ψ"}, {"omega", "ω"}, {"Phi", "Φ"}, {"Psi", "Ψ"},
-        {"Sigma", "Σ"}, {"Delta", "Δ"}, {"Lambda", "Λ"}, {"Theta", "Θ"}, {"top", "ᵀ"}, {"infty", "∞"}, {"le", "≤"}, {"leq", "≤"},
-        {"ge", "≥"}, {"geq", "≥"}, {"ne", "≠"}, {"neq", "≠"}, {"ll", "≪"}, {"gg", "≫"}, {"approx", "≈"}, {"sim", "~"},
-        {"lesssim", "≲"}, {"gtrsim", "≳"}, {"propto", "∝"}, {"pm", "±"}, {"cdot", "·"}, {"times", "×"}, {"to", "→"},
-        {"rightarrow", "→"}, {"Rightarrow", "⇒"}, {"Longrightarrow", "⟹"}, {"in", "∈"}, {"sum", "Σ"}, {"prod", "Π"}, {"sqrt", "√"},
-        {"ldots", "…"}, {"dots", "…"}, {"cdots", "…"}, {"quad", "  "}, {"qquad", "    "}, {"|", "‖"}, {"\\", ";  "}, {",", " "},
-        {";", " "}, {":", " "}, {" ", " "}, {"!", ""}, {"{", "{"}, {"}", "}"}, {"lfloor", "⌊"}, {"rfloor", "⌋"}, {"ell", "ℓ"},
-        {"partial", "∂"}};
+    static std::map<std::string_view, std::string_view> const list{{"alpha", "α"},
+                                                                   {"beta", "β"},
+                                                                   {"gamma", "γ"},
+                                                                   {"delta", "δ"},
+                                                                   {"epsilon", "ε"},
+                                                                   {"varepsilon", "ε"},
+                                                                   {"zeta", "ζ"},
+                                                                   {"eta", "η"},
+                                                                   {"theta", "θ"},
+                                                                   {"kappa", "κ"},
+                                                                   {"lambda", "λ"},
+                                                                   {"mu", "μ"},
+                                                                   {"nu", "ν"},
+                                                                   {"xi", "ξ"},
+                                                                   {"pi", "π"},
+                                                                   {"rho", "ρ"},
+                                                                   {"sigma", "σ"},
+                                                                   {"tau", "τ"},
+                                                                   {"phi", "φ"},
+                                                                   {"psi", "ψ"},
+                                                                   {"omega", "ω"},
+                                                                   {"Phi", "Φ"},
+                                                                   {"Psi", "Ψ"},
+                                                                   {"Sigma", "Σ"},
+                                                                   {"Delta", "Δ"},
+                                                                   {"Lambda", "Λ"},
+                                                                   {"Theta", "Θ"},
+                                                                   {"top", "ᵀ"},
+                                                                   {"infty", "∞"},
+                                                                   {"le", "≤"},
+                                                                   {"leq", "≤"},
+                                                                   {"ge", "≥"},
+                                                                   {"geq", "≥"},
+                                                                   {"ne", "≠"},
+                                                                   {"neq", "≠"},
+                                                                   {"ll", "≪"},
+                                                                   {"gg", "≫"},
+                                                                   {"approx", "≈"},
+                                                                   {"sim", "~"},
+                                                                   {"lesssim", "≲"},
+                                                                   {"gtrsim", "≳"},
+                                                                   {"propto", "∝"},
+                                                                   {"pm", "±"},
+                                                                   {"cdot", "·"},
+                                                                   {"times", "×"},
+                                                                   {"to", "→"},
+                                                                   {"rightarrow", "→"},
+                                                                   {"Rightarrow", "⇒"},
+                                                                   {"Longrightarrow", "⟹"},
+                                                                   {"in", "∈"},
+                                                                   {"sum", "Σ"},
+                                                                   {"prod", "Π"},
+                                                                   {"sqrt", "√"},
+                                                                   {"ldots", "…"},
+                                                                   {"dots", "…"},
+                                                                   {"cdots", "…"},
+                                                                   {"quad", "  "},
+                                                                   {"qquad", "    "},
+                                                                   {"|", "‖"},
+                                                                   {"\\", ";  "},
+                                                                   {",", " "},
+                                                                   {";", " "},
+                                                                   {":", " "},
+                                                                   {" ", " "},
+                                                                   {"!", ""},
+                                                                   {"{", "{"},
+                                                                   {"}", "}"},
+                                                                   {"lfloor", "⌊"},
+                                                                   {"rfloor", "⌋"},
+                                                                   {"ell", "ℓ"},
+                                                                   {"partial", "∂"}};
     return list;
 }
 
@@ -26,7 +86,7 @@ class Reader {
     std::string_view tex_;
     size_t at_ = 0;
 
-    std::string command() {    // after the backslash
+    std::string command() {  // after the backslash
         size_t end = at_;
         while (end < tex_.size() && ((tex_[end] >= 'a' && tex_[end] <= 'z') || (tex_[end] >= 'A' && tex_[end] <= 'Z'))) ++end;
         if (end == at_ && end < tex_.size()) ++end;
@@ -43,7 +103,8 @@ class Reader {
         if (name == "bar") return argument() + "̄";
         for (std::string_view const known : {"text", "mathrm", "mathbf", "operatorname", "underbrace", "overbrace", "mathit"})
             if (name == known) return argument();
-        for (std::string_view const size : {"left", "right", "big", "Big", "bigl", "bigr", "Bigl", "Bigr", "Bigg", "rm", "bf", "limits", "displaystyle"})
+        for (std::string_view const size :
+             {"left", "right", "big", "Big", "bigl", "bigr", "Bigl", "Bigr", "Bigg", "rm", "bf", "limits", "displaystyle"})
             if (name == size) return "";
         if (name == "\n") return " ";
         auto const found = words().find(name);

@@ -18,18 +18,18 @@ constexpr char const* ink = "#1a1a1a";
 constexpr char const* font = "font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\"";
 
 /// Everything of a panel in width x height units. `left_out`: curves whose names find no place.
-std::string panel_body(Figure const& figure, Panel const& panel, double width, double height, bool named, std::vector<Curve const*>& left_out) {
+std::string panel_body(Figure const& figure, Panel const& panel, double width, double height, bool named,
+                       std::vector<Curve const*>& left_out) {
     std::vector<Curve const*> const legend = legend_of(figure);
     Cells const cells = figure.cells ? cells_of(figure, panel) : Cells{};
     Names const names = names_of(figure, panel, named, 0.35 * width);
     Frame const frame = frame_of(figure, panel, cells, names.width, width, height);
     Axes const& axes = frame.axes;
     std::string out = grid_group(figure, frame);
-    if (figure.cells)
-        out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
+    if (figure.cells) out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
     else {
         for (Curve const& guide : panel.guides) out += curve_group(figure, panel, guide, series_number(legend, guide.name), true, axes);
-        for (bool const strong : {false, true})    // over the others
+        for (bool const strong : {false, true})  // over the others
             for (Curve const& curve : panel.curves)
                 if (curve.strong == strong) out += curve_group(figure, panel, curve, series_number(legend, curve.name), false, axes);
         for (Event const& event : panel.events) {
@@ -83,7 +83,7 @@ std::string escaped_xml(std::string_view text) {
         else if (size_t const length = printable_character(text); length > 0) {
             out += text.substr(0, length);
             text.remove_prefix(length - 1);
-        } else {    // not UTF-8, as pages are
+        } else {  // not UTF-8, as pages are
             out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
         }
     }
@@ -145,7 +145,8 @@ std::string svg(Figure const& figure) {
                            panel_body(figure, panel, cell, panel_height, true, left_out));
         std::string names;
         for (Curve const* curve : left_out) names += (names.empty() ? "not labelled: " : ", ") + curve->name;
-        if (!names.empty()) out += text_at(x + 4, y + panel_height + 20, shortened(names, tick_size, cell - 8), fmt::format("font-size=\"{}\"", tick_size));
+        if (!names.empty())
+            out += text_at(x + 4, y + panel_height + 20, shortened(names, tick_size, cell - 8), fmt::format("font-size=\"{}\"", tick_size));
         if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22 + (figure.names ? 16 : 0);
     }
     if (figure.cells) {

@@ -68,7 +68,7 @@ TEST(Allocation, NoneForFixedSizesAndNoneInUpdates) {
     check<Qr>();
     check<Gentleman>();
     check<ExtendedQr>();
-    EXPECT_EQ(allocations_of<QrBlock<double>>().second, 0);    // its block lives on the heap whatever N is
+    EXPECT_EQ(allocations_of<QrBlock<double>>().second, 0);  // its block lives on the heap whatever N is
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 std::size_t binade(Format f) { return std::size_t{1} << (f.digits - 1); }
 std::size_t last_place(Format f) { return binade(f) * std::size_t(f.max_exp - f.min_exp + 2); }
 double number(Format f, std::size_t place) {
-    std::size_t const m = place % binade(f), row = place / binade(f);    // row 0 has the subnormals
+    std::size_t const m = place % binade(f), row = place / binade(f);  // row 0 has the subnormals
     return std::ldexp(double(row == 0 ? m : binade(f) + m), f.min_exp - f.digits + (row == 0 ? 1 : int(row)));
 }
 std::vector<double> numbers(Format f, std::size_t from, std::size_t to) {
@@ -39,9 +39,7 @@ std::vector<double> numbers_around(Format f, double x) {
 }
 
 /// The same number, with the same sign of zero; NaN is NaN.
-bool same(double a, double b) {
-    return (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
-}
+bool same(double a, double b) { return (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b)); }
 
 /// The three roundings of head + tail behind one signature; u is the stochastic one's draw.
 using Rounder = std::function<double(double head, double tail, double u)>;
@@ -66,8 +64,7 @@ bool rounds_to_nearest_even(Rounder const& round, std::vector<double> const& all
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         bool const last = i + 2 == all.size();
         double const here = all[i], next = last ? infinity : all[i + 1], middle = (here + all[i + 1]) / 2;
-        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0)})
-            good = good && symmetric(round, x, 0, 0, here);
+        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0)}) good = good && symmetric(round, x, 0, 0, here);
         good = good && symmetric(round, middle, 0, 0, i % 2 ? next : here);
         for (double const x : {std::nextafter(middle, infinity), std::nextafter(all[i + 1], 0)})
             good = good && symmetric(round, x, 0, 0, next);
@@ -81,8 +78,8 @@ bool rounds_toward_zero(Rounder const& round, std::vector<double> const& all) {
     for (double const x : {all.back(), 1e300}) good = good && symmetric(round, x, 0, 0, top);
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         double const here = all[i], next = all[i + 1], middle = (here + next) / 2, tiny = next * 0x1p-100;
-        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0), middle,
-                               std::nextafter(middle, infinity), std::nextafter(next, 0)})
+        for (double const x :
+             {std::nextafter(here, infinity), std::nextafter(middle, 0), middle, std::nextafter(middle, infinity), std::nextafter(next, 0)})
             good = good && symmetric(round, x, 0, 0, here);
         good = good && symmetric(round, next, -tiny, 0, here) && (here == 0 || symmetric(round, here, tiny, 0, here));
     }
@@ -97,16 +94,15 @@ bool rounds_up_iff_the_draw_is_below_the_fraction(Rounder const& round, std::vec
         double const here = all[i], gap = all[i + 1] - here, next = i + 2 == all.size() ? infinity : all[i + 1];
         double const just_above = here == 0 ? gap * 0x1p-200 : std::nextafter(here, infinity);
         double const middle = here + gap / 2;
-        for (double const x : {just_above, here + gap / 4, std::nextafter(middle, 0), middle,
-                               std::nextafter(middle, infinity), middle + gap / 8, std::nextafter(all[i + 1], 0)}) {
+        for (double const x : {just_above, here + gap / 4, std::nextafter(middle, 0), middle, std::nextafter(middle, infinity),
+                               middle + gap / 8, std::nextafter(all[i + 1], 0)}) {
             double const fraction = (x - here) / gap, tiny = std::min(x, gap) * 0x1p-80;
             double const highest_up = draw * (std::ceil(fraction / draw) - 1);
             good = good && symmetric(round, x, 0, 0, next) && symmetric(round, x, 0, highest_up, next) &&
                    symmetric(round, x, 0, highest_up + draw, here) && symmetric(round, x, 0, last_draw, here);
-            if (std::fmod(fraction, draw) == 0)    // the tail decides
-                good = good && symmetric(round, x, tiny, fraction, next) &&
-                       symmetric(round, x, tiny, fraction + draw, here) && symmetric(round, x, -tiny, fraction, here) &&
-                       symmetric(round, x, -tiny, highest_up, next);
+            if (std::fmod(fraction, draw) == 0)  // the tail decides
+                good = good && symmetric(round, x, tiny, fraction, next) && symmetric(round, x, tiny, fraction + draw, here) &&
+                       symmetric(round, x, -tiny, fraction, here) && symmetric(round, x, -tiny, highest_up, next);
         }
         double const tiny = gap * 0x1p-80;
         good = good && symmetric(round, all[i + 1], -tiny, last_draw, next) &&
@@ -119,8 +115,7 @@ template <Format F>
 void round_everything() {
     auto const all = numbers(F);
     EXPECT_TRUE(largest(F) == all[all.size() - 2] && smallest_subnormal(F) == all[1]);
-    for (Rounding r : {Rounding::nearest, Rounding::toward_zero, Rounding::stochastic})
-        EXPECT_TRUE(keeps_every_number(rounder<F>(r), all));
+    for (Rounding r : {Rounding::nearest, Rounding::toward_zero, Rounding::stochastic}) EXPECT_TRUE(keeps_every_number(rounder<F>(r), all));
     EXPECT_TRUE(rounds_to_nearest_even(rounder<F>(Rounding::nearest), all));
     EXPECT_TRUE(rounds_toward_zero(rounder<F>(Rounding::toward_zero), all));
     EXPECT_TRUE(rounds_up_iff_the_draw_is_below_the_fraction(rounder<F>(Rounding::stochastic), all));
@@ -133,7 +128,7 @@ TEST(Format, BoundsAreThoseOfDouble) {
         EXPECT_FALSE(fits_in_double(f));
 }
 TEST(Format, RoundsEveryNumberMidpointAndNeighbour) {
-    EXPECT_EQ(numbers(binary16).size(), 31745u);    // 0x7c00 and the power of two after them
+    EXPECT_EQ(numbers(binary16).size(), 31745u);  // 0x7c00 and the power of two after them
     round_everything<binary16>();
     round_everything<bfloat16>();
     round_everything<tf32>();
@@ -151,16 +146,16 @@ TEST(Format, ChecksOfRoundingCanFail) {
                   toss = rounder<binary16>(Rounding::stochastic);
     auto const refuted = [&](auto const& check, Rounder const& saboteur) { return !check(saboteur, all); };
     using D = double;
-    EXPECT_TRUE(refuted(keeps_every_number, [&](D x, D, D) { return nearest(x, 0, 0) + 0.0; }));    // drops -0
+    EXPECT_TRUE(refuted(keeps_every_number, [&](D x, D, D) { return nearest(x, 0, 0) + 0.0; }));  // drops -0
     EXPECT_TRUE(refuted(keeps_every_number, [&](D x, D, D) { return std::abs(x) < 0x1p-14 ? 0 * x : x; }));
     EXPECT_TRUE(refuted(rounds_to_nearest_even, cut));
     EXPECT_TRUE(refuted(rounds_to_nearest_even, [&](D x, D, D) { return nearest(x * (1 + 0x1p-52), 0, 0); }));
-    EXPECT_TRUE(refuted(rounds_to_nearest_even,    // never to infinity
+    EXPECT_TRUE(refuted(rounds_to_nearest_even,  // never to infinity
                         [&](D x, D, D) { return std::clamp(nearest(x, 0, 0), -65504., 65504.); }));
     EXPECT_TRUE(refuted(rounds_toward_zero, nearest));
-    EXPECT_TRUE(refuted(rounds_toward_zero, [&](D x, D, D) { return cut(x, 0, 0); }));    // rounds twice
+    EXPECT_TRUE(refuted(rounds_toward_zero, [&](D x, D, D) { return cut(x, 0, 0); }));  // rounds twice
     EXPECT_TRUE(refuted(rounds_up_iff_the_draw_is_below_the_fraction, [&](D x, D, D u) { return toss(x, 0, u); }));
-    EXPECT_TRUE(refuted(rounds_up_iff_the_draw_is_below_the_fraction,    // <= for <
+    EXPECT_TRUE(refuted(rounds_up_iff_the_draw_is_below_the_fraction,  // <= for <
                         [&](D x, D t, D u) { return toss(x, t, u - 0x1p-53); }));
 }
 
@@ -212,8 +207,7 @@ double operate(char op, double x, double y) {
 
 /// One operation under a stream of its own: the value, and that a draw is taken if and only if the result is inexact.
 /// (What overflows may draw or not: no draw can change it.)
-bool rounds_once(Operation const& f, std::vector<double> const& all, Rounding rounding, char op, double a, double b,
-                 Seed seed) {
+bool rounds_once(Operation const& f, std::vector<double> const& all, Rounding rounding, char op, double a, double b, Seed seed) {
     Seed copy = seed, used = seed;
     double const u = copy.uniform();
     StochasticStream const stream(used);
@@ -233,11 +227,9 @@ Seed seed_drawing(std::uint64_t k) {
 }
 /// Up at the last draw below the exact fraction, down at the next: it takes the right tail to the last bit of a draw.
 bool turns_at_the_fraction(Operation const& f, std::vector<double> const& all, char op, double a, double b) {
-    auto const expected = [&](std::uint64_t k) {
-        return oracle(all, Rounding::stochastic, op, a, b, double(k) * 0x1p-53);
-    };
+    auto const expected = [&](std::uint64_t k) { return oracle(all, Rounding::stochastic, op, a, b, double(k) * 0x1p-53); };
     std::uint64_t up = 0, down = std::uint64_t{1} << 53;
-    if (same(expected(up), expected(down))) return true;    // exact
+    if (same(expected(up), expected(down))) return true;  // exact
     while (down - up > 1) {
         std::uint64_t const k = (up + down) / 2;
         (same(expected(k), expected(0)) ? up : down) = k;
@@ -292,9 +284,8 @@ template <Format F, Rounding R>
 void operate_on_specials_and_samples() {
     std::size_t const all = last_place(F), normal = binade(F), one = normal * std::size_t(1 - F.min_exp);
     std::vector<double> some;
-    for (std::size_t const place :
-         {std::size_t{0}, std::size_t{1}, normal - 1, normal, normal + 1, one / 2, one - 1, one, one + 1,
-          one + normal / 2, one + normal, one + 3 * normal / 2, all - 2, all - 1})
+    for (std::size_t const place : {std::size_t{0}, std::size_t{1}, normal - 1, normal, normal + 1, one / 2, one - 1, one, one + 1,
+                                    one + normal / 2, one + normal, one + 3 * normal / 2, all - 2, all - 1})
         some.push_back(number(F, place));
     EXPECT_TRUE(all_pairs(&operate<Chopped<F, R>>, numbers(F), R, with_signs_and_specials(some)));
     operate_on_samples<F, R>();

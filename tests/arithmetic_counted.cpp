@@ -84,7 +84,11 @@ TEST(Counted, NestsAndSurvivesExceptions) {
     Tally const outer = counted([&] {
         (void)(x + x);
         inner = counted([&] { (void)(x * x); });
-        EXPECT_THROW(counted([&] { (void)sqrt(x); throw 1; }), int);
+        EXPECT_THROW(counted([&] {
+                         (void)sqrt(x);
+                         throw 1;
+                     }),
+                     int);
     });
     EXPECT_EQ(inner, (Tally{0, 1, 0, 0}));
     EXPECT_EQ(outer, (Tally{1, 1, 0, 1}));
@@ -101,18 +105,17 @@ using Product = std::function<void(Counted<double> const* x, Counted<double> con
 bool costs_what_a_dot_product_costs(Product const& product) {
     std::vector<Counted<double>> const x(40), y(40);
     bool good = true;
-    for (Index n = 1; n <= 40; ++n)
-        good = good && counted([&] { product(x.data(), y.data(), n); }) == Tally{n - 1, n, 0, 0};
+    for (Index n = 1; n <= 40; ++n) good = good && counted([&] { product(x.data(), y.data(), n); }) == Tally{n - 1, n, 0, 0};
     return good;
 }
 TEST(Counted, DotProducts) {
     using C = Counted<double>;
     EXPECT_TRUE(costs_what_a_dot_product_costs([](C const* x, C const* y, Index n) { (void)dot(x, y, n); }));
-    EXPECT_FALSE(costs_what_a_dot_product_costs([](C const* x, C const* y, Index n) {    // from zero: one addition more
+    EXPECT_FALSE(costs_what_a_dot_product_costs([](C const* x, C const* y, Index n) {  // from zero: one addition more
         C sum(0);
         for (Index i = 0; i < n; ++i) sum += x[i] * y[i];
     }));
-    EXPECT_FALSE(costs_what_a_dot_product_costs([](C const* x, C const* y, Index n) {    // T's, uncounted
+    EXPECT_FALSE(costs_what_a_dot_product_costs([](C const* x, C const* y, Index n) {  // T's, uncounted
         (void)(x->value() * y->value() * double(n));
     }));
 }

@@ -27,9 +27,7 @@ TEST(Stochastic, MeansAreExact) {
         return double(HalfStochastic(1) + HalfStochastic(x));
     }));
     auto const drawing = [](auto draw) {
-        return [draw](double x, Seed& seed) {
-            return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); });
-        };
+        return [draw](double x, Seed& seed) { return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); }); };
     };
     EXPECT_TRUE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return seed.uniform(); })));
     EXPECT_FALSE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return 0.9 * seed.uniform(); })));
@@ -116,8 +114,7 @@ TEST(Stochastic, AStreamIsRestoredWhenAnExceptionPasses) {
     try {
         StochasticStream const nested(inner);
         throw 0;
-    } catch (int) {
-    }
+    } catch (int) {}
     StochasticStream::uniform();
     EXPECT_NE(outer, Seed{1});
     EXPECT_EQ(inner, Seed{2});
@@ -146,7 +143,7 @@ TEST(Chopped, SameBitsInEveryBuild) {
 }
 
 TEST(Seed, IsSplitMix64AndItsBellIsNormalised) {
-    Seed seed{1234567};    // the published sequence
+    Seed seed{1234567};  // the published sequence
     for (auto expected : {6457827717110365317u, 3203168211198807973u, 9817491932198370423u, 4593380528125082431u})
         EXPECT_EQ(seed.next(), expected);
     constexpr int n = 100000;

@@ -21,7 +21,7 @@ Quad random_integer(Seed& seed) {
     for (int word = 0; word < 4; ++word) {
         std::uint64_t const pick = seed.next();
         std::uint64_t const bits = pick % 3 == 0 ? 0 : pick % 3 == 1 ? 0xfffffff : (pick >> 8) & 0xfffffff;
-        m = ldexp(m, 28) + Quad(bits);    // 4 x 28 = 112 bits, and one more below
+        m = ldexp(m, 28) + Quad(bits);  // 4 x 28 = 112 bits, and one more below
     }
     return m * 2 + Quad(seed.next() % 2);
 }
@@ -48,20 +48,20 @@ bool loses_nothing(Widening const& f) {
     bool good = true;
     for (int k = 0; k < 3000; ++k) {
         Quad const m = random_integer(seed);
-        int const any = int(seed.next() % 30000) - 15000;    // and from the smallest normals to just below 2^16384
+        int const any = int(seed.next() % 30000) - 15000;  // and from the smallest normals to just below 2^16384
         for (int const e : {any, -16382, -16000, -5000, -1130, -1074, -600, 0, 5, 900, 1000, 16271}) {
             Quad const x = ldexp(m, e);
             good = good && f(x) == by_digits(m, e) && f(-x) == -by_digits(m, e);
         }
     }
-    for (int const e : {-16382, -16381, -1075, -1, 0, 1024, 16383})    // single bits
+    for (int const e : {-16382, -16381, -1075, -1, 0, 1024, 16383})  // single bits
         good = good && f(ldexp(Quad(1), e)) == ldexp(Reference(1), e);
     return good && f(Quad(0)) == 0;
 }
 TEST(Widen, QuadLosesNothing) {
     EXPECT_TRUE(loses_nothing([](Quad const& x) { return widen(x); }));
     EXPECT_FALSE(loses_nothing([](Quad const& x) { return Reference(static_cast<double>(x)); }));
-    EXPECT_FALSE(loses_nothing([](Quad const& x) {    // two pieces of 53 bits leave seven behind
+    EXPECT_FALSE(loses_nothing([](Quad const& x) {  // two pieces of 53 bits leave seven behind
         double const head = static_cast<double>(x);
         return Reference(head) + Reference(static_cast<double>(x - Quad(head)));
     }));
@@ -88,7 +88,7 @@ TEST(Widen, HardwareLosesNothing) {
     Seed seed{4};
     for (int k = 0; k < 10000; ++k) {
         std::uint64_t const bits = seed.next();
-        int const e = int(seed.next() % 32000) - 16400;    // subnormal extended numbers among them
+        int const e = int(seed.next() % 32000) - 16400;  // subnormal extended numbers among them
         long double const x = std::ldexp(static_cast<long double>(bits | 1), e - 63);
         if (std::isfinite(x) && e > -16382) {
             Reference const high(double(bits >> 32)), low(double((bits | 1) & 0xffffffff));
@@ -149,8 +149,7 @@ TEST(Rational, IsExactAndAlwaysFinite) {
 template <class T, class Storage>
 bool bounds_are_right() {
     return Storage::lowest() < T(0) && Storage::lowest() == -Storage::highest() && is_finite(Storage::highest()) &&
-           !is_finite(T(Storage::highest() * 2)) &&
-           Storage::epsilon() == ldexp(T(1), 1 - ArithmeticTraits<T>::digits);
+           !is_finite(T(Storage::highest() * 2)) && Storage::epsilon() == ldexp(T(1), 1 - ArithmeticTraits<T>::digits);
 }
 struct TheSmallestPositive : Eigen::NumTraits<Quad> {
     static Quad lowest() { return (std::numeric_limits<Quad>::min)(); }
@@ -184,10 +183,8 @@ bool is_epsilon(double eps) {
 }
 template <class T>
 T power_of_two(int e) {
-    if constexpr (requires { ldexp(T(1), e); })
-        return ldexp(T(1), e);
-    else
-        return T(std::ldexp(1.0, e));
+    if constexpr (requires { ldexp(T(1), e); }) return ldexp(T(1), e);
+    else return T(std::ldexp(1.0, e));
 }
 /// 2^max_exp is finite and twice it is not; 2^min_exp has a neighbour at one epsilon and half of it has not.
 template <class T>
@@ -198,8 +195,8 @@ bool are_exponents_of_normal_numbers(int min_exp, int max_exp) {
 }
 template <class T>
 struct Traits : testing::Test {};
-using Nearest = testing::Types<Half, BFloat16, Tf32, Chopped<Format{25, -400, 400}>, float, double,
-                               long double, Quad, Reference, Counted<double>, Counted<Half>>;
+using Nearest = testing::Types<Half, BFloat16, Tf32, Chopped<Format{25, -400, 400}>, float, double, long double, Quad, Reference,
+                               Counted<double>, Counted<Half>>;
 TYPED_TEST_SUITE(Traits, Nearest);
 
 TYPED_TEST(Traits, EpsilonIsTheDistanceToTheNextNumber) {
@@ -248,8 +245,7 @@ bool all_names_differ(std::tuple<T...>*) {
     return std::set<std::string_view>{ArithmeticTraits<T>::name...}.size() == sizeof...(T);
 }
 TEST(Names, AreUnique) {
-    using Others = std::tuple<HalfZero, BFloat16Zero, Tf32, Tf32Zero, Tf32Stochastic, Counted<double>,
-                              Chopped<Format{4, -3, 4}>>;
+    using Others = std::tuple<HalfZero, BFloat16Zero, Tf32, Tf32Zero, Tf32Stochastic, Counted<double>, Chopped<Format{4, -3, 4}>>;
     EXPECT_TRUE(all_names_differ(static_cast<Arithmetics*>(nullptr)));
     EXPECT_TRUE(all_names_differ(static_cast<decltype(std::tuple_cat(Arithmetics(), Others()))*>(nullptr)));
     EXPECT_FALSE(all_names_differ(static_cast<std::tuple<Half, BFloat16, Half>*>(nullptr)));

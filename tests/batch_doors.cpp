@@ -23,14 +23,12 @@ TEST(Feed, RefusesOtherSizes) {
             Matrix<double> const psi = records.psi.topLeftCorner(std::min<Index>(parameters, 3), regressors).eval();
             Matrix<double> wide = Matrix<double>::Ones(parameters, regressors);
             wide.topRows(psi.rows()) = psi;
-            if (throws)
-                EXPECT_THROW(process(f, wide, records.y.head(outputs)), std::invalid_argument) << F::name;
-            else
-                process(f, wide, records.y.head(outputs));
+            if (throws) EXPECT_THROW(process(f, wide, records.y.head(outputs)), std::invalid_argument) << F::name;
+            else process(f, wide, records.y.head(outputs));
             return Vector<double>(f.theta());
         };
         F const untouched(problem);
-        EXPECT_EQ(theta_after(3, 50, 80, true), Vector<double>(untouched.theta())) << F::name;    // was read beyond the end
+        EXPECT_EQ(theta_after(3, 50, 80, true), Vector<double>(untouched.theta())) << F::name;  // was read beyond the end
         EXPECT_EQ(theta_after(3, 80, 30, true), Vector<double>(untouched.theta())) << F::name;
         EXPECT_EQ(theta_after(2, 80, 80, true), Vector<double>(untouched.theta())) << F::name;
         EXPECT_EQ(theta_after(4, 80, 80, true), Vector<double>(untouched.theta())) << F::name;
@@ -50,7 +48,9 @@ TEST(FoldAll, RefusesRecordsWithMoreOrFewerOutputs) {
 TEST(FoldAll, OnePartMayBeAsLargeAsAnyNumber) {
     Records const records = laws::noise_records(2, 50, Seed{4});
     using F = QrBlock<double>;
-    auto const theta = [&](Index part) { return Vector<double>(fold_all<F>(Problem<double>{.size = 2}, RowsInMemory(records), 2, part).theta()); };
+    auto const theta = [&](Index part) {
+        return Vector<double>(fold_all<F>(Problem<double>{.size = 2}, RowsInMemory(records), 2, part).theta());
+    };
     EXPECT_EQ(theta(std::numeric_limits<Index>::max()), theta(50));
     EXPECT_EQ(theta(51), theta(50));
     EXPECT_GT(theta(50).norm(), 1);
@@ -76,7 +76,8 @@ TEST(FoldAll, EveryThreadHasTheCallersPrecision) {
         Matrix<double> const one = folded<VariablePrecision>(records, 1);
         for (double const x : one.reshaped()) EXPECT_EQ(x, round_to_bits(x, 0, bits));
         for (unsigned const threads : {2u, 3u, 8u})
-            for (int again = 0; again < 5; ++again) EXPECT_EQ(folded<VariablePrecision>(records, threads), one) << bits << " bits, " << threads;
+            for (int again = 0; again < 5; ++again)
+                EXPECT_EQ(folded<VariablePrecision>(records, threads), one) << bits << " bits, " << threads;
     }
 }
 TEST(FoldAll, StochasticRoundingIsThatOfTheSeedOnAnyThreads) {
@@ -85,7 +86,7 @@ TEST(FoldAll, StochasticRoundingIsThatOfTheSeedOnAnyThreads) {
         Seed own{seed};
         StochasticStream const stream(own);
         Matrix<double> const first = folded<BFloat16Stochastic>(records, threads);
-        return std::pair(first, folded<BFloat16Stochastic>(records, threads));    // the seed goes on, whatever the threads
+        return std::pair(first, folded<BFloat16Stochastic>(records, threads));  // the seed goes on, whatever the threads
     };
     auto const one = with_seed(9, 1);
     for (unsigned const threads : {2u, 3u, 8u})

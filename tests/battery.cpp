@@ -21,9 +21,7 @@ using namespace laws;
 class Battery : public testing::TestWithParam<Entry> {};
 
 TEST_P(Battery, AZeroRegressorTeachesNothing) { EXPECT_TRUE(a_zero_regressor_teaches_nothing(GetParam())); }
-TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) {
-    EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam()));
-}
+TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) { EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam())); }
 TEST_P(Battery, RowsWithoutReportLeaveTheSameBits) { EXPECT_TRUE(rows_without_report_leave_the_same_bits(GetParam())); }
 TEST_P(Battery, ACloneContinuesBitForBit) { EXPECT_TRUE(a_clone_continues_bit_for_bit(GetParam())); }
 TEST_P(Battery, SameSeedSameBitsWhoeverLooks) { EXPECT_TRUE(same_seed_same_bits_whoever_looks(GetParam())); }
@@ -38,15 +36,15 @@ double residual_budget(Entry const& entry) {
 TEST_P(Battery, ResidualIsGammaTimesInnovation) { EXPECT_LE(residual_error(GetParam()), residual_budget(GetParam())); }
 
 double gain_budget(Entry const& entry) {
-    if (entry.variant == "conventional" || entry.variant == "kalman") return 400;    // the antisymmetric part of P grows as lambda^-k
-    if (entry.variant == "extended_qr") return 100;         // K comes from the rotations, P from W: they drift apart
+    if (entry.variant == "conventional" || entry.variant == "kalman") return 400;  // the antisymmetric part of P grows as lambda^-k
+    if (entry.variant == "extended_qr") return 100;                                // K comes from the rotations, P from W: they drift apart
     return 60;
 }
 TEST_P(Battery, TheGainIsPTimesPsi) { EXPECT_LE(gain_error(GetParam()), gain_budget(GetParam())); }
 
 double solution_budget(Entry const& entry) {
-    if (entry.variant == "conventional" || entry.variant == "kalman") return 600;    // as above
-    if (entry.variant.starts_with("joseph") || entry.variant.starts_with("conv")) return 300;    // c^2 = 256 enters squared
+    if (entry.variant == "conventional" || entry.variant == "kalman") return 600;              // as above
+    if (entry.variant.starts_with("joseph") || entry.variant.starts_with("conv")) return 300;  // c^2 = 256 enters squared
     if (entry.variant == "information" || entry.variant == "symmetric") return 300;
     return 60;
 }
@@ -106,7 +104,16 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()), tit
 
 /// What can go wrong in a filter, one thing at a time; otherwise it is the scalar-sized textbook form on P = p I.
 enum class Fault {
-    learns_from_nothing, offset, takes_otherwise, shared_state, hidden_noise, cries_wolf, deaf, wrong_residual, wrong_gain, biased
+    learns_from_nothing,
+    offset,
+    takes_otherwise,
+    shared_state,
+    hidden_noise,
+    cries_wolf,
+    deaf,
+    wrong_residual,
+    wrong_gain,
+    biased
 };
 
 template <Fault fault>
@@ -122,8 +129,8 @@ public:
     using scalar = double;
     static constexpr std::string_view name = "saboteur";
     explicit Saboteur(Problem<double> const& p)
-        : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size),
-          K_(p.size), P_(start_covariance<double, Dynamic>(p)) {}
+        : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size), K_(p.size),
+          P_(start_covariance<double, Dynamic>(p)) {}
     Step<double> update(Regressor<double> psi, double y) {
         double e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);

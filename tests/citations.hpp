@@ -49,9 +49,9 @@ inline std::string without_fences(std::string const& text) {
 
 /// A Markdown page: what can be cited in it.
 struct Page {
-    std::set<std::string> anchors;                           ///< <a id="..."> and GitHub's names of the headings
-    std::map<std::string, std::set<std::string>> labels;     ///< by section: first cells of its tables (F1, law i)
-    std::vector<std::string> sources;                        ///< the entries of docs/literature.md 6
+    std::set<std::string> anchors;                        ///< <a id="..."> and GitHub's names of the headings
+    std::map<std::string, std::set<std::string>> labels;  ///< by section: first cells of its tables (F1, law i)
+    std::vector<std::string> sources;                     ///< the entries of docs/literature.md 6
 };
 inline std::string slug(std::string const& heading) {
     std::string out;
@@ -81,9 +81,9 @@ inline Page page(std::string const& text) {
 struct Tree {
     std::set<std::string> paths;
     std::map<std::string, std::string> texts;
-    std::map<std::string, Page> pages;                    ///< of texts that are Markdown
-    std::set<std::string> tests, studies, variants;       ///< GoogleTest's names; studies by name; variants by name
-    size_t named(std::string const& ending) const {       ///< how many paths are this one, or end with it
+    std::map<std::string, Page> pages;               ///< of texts that are Markdown
+    std::set<std::string> tests, studies, variants;  ///< GoogleTest's names; studies by name; variants by name
+    size_t named(std::string const& ending) const {  ///< how many paths are this one, or end with it
         return size_t(std::ranges::count_if(paths, [&](auto const& path) { return path == ending || path.ends_with("/" + ending); }));
     }
 };
@@ -176,7 +176,10 @@ inline Faults old_forms(Tree const&, std::string const&, std::string const& text
              if (!in_a_journals_name) out.push_back("without its page: " + m[0].str());
          });
     each(flat, "\\b(science|style|DESIGN)\\.md\\b", [&](auto const& m) { out.push_back("not in the tree: " + m[0].str()); });
-    each(flat, "\\brecal" "led\\b", [&](auto const& m) { out.push_back("no word of docs/literature.md's beginning: " + m[0].str()); });
+    each(flat,
+         "\\brecal"
+         "led\\b",
+         [&](auto const& m) { out.push_back("no word of docs/literature.md's beginning: " + m[0].str()); });
     return out;
 }
 
@@ -190,7 +193,7 @@ inline Faults papers(Tree const& tree, std::string const& path, std::string cons
                                         "July",    "August",   "September", "October", "November", "December"};
     char const* const cited = "([A-Z\\x80-\\xff][a-zA-Z\\x80-\\xff]{2,})(?: et al\\.)? ((?:19|20)[0-9][0-9])(?!\\w|[.-]\\w)";
     each(flat, cited, [&](std::smatch const& m) {
-        bool const in_capitals = std::ranges::none_of(m[1].str(), [](char c) { return c >= 'a' && c <= 'z'; });    // RFC 1952
+        bool const in_capitals = std::ranges::none_of(m[1].str(), [](char c) { return c >= 'a' && c <= 'z'; });  // RFC 1952
         if (in_capitals || no_name.contains(m[1])) return;
         if (std::ranges::none_of(sources, [&](auto const& s) { return s.find(m[1]) != s.npos && s.find(m[2]) != s.npos; }))
             out.push_back("not in docs/literature.md 6: " + m[0].str());
@@ -227,7 +230,7 @@ inline Faults links(Tree const& tree, std::string const& path, std::string const
 /// `paths/in/backticks.cpp` of the pages that speak of the tree are in it; `name.hpp` is there once; `Suite.Test` is a test; studies exist.
 inline Faults names(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
-    if (!path.ends_with(".md") || path == "CHANGELOG.md") return out;    // which tells of what was
+    if (!path.ends_with(".md") || path == "CHANGELOG.md") return out;  // which tells of what was
     std::string const flat = flattened(without_fences(text));
     each(flat, "(One file, )?`<?([^`\\s<>]+)>?`", [&](std::smatch const& m) {
         std::string const name = m[2];
@@ -269,7 +272,12 @@ inline Faults names_in_code(Tree const& tree, std::string const& path, std::stri
 /// source line ends only where the formula has a new row or wide space of its own.
 inline Faults formulas(Tree const&, std::string const&, std::string const& text) {
     Faults out;
-    std::string const begin = "R\"tex" "(", end = ")tex" "\"";
+    std::string const begin =
+                          "R\"tex"
+                          "(",
+                      end =
+                          ")tex"
+                          "\"";
     for (size_t at = text.find(begin); at != text.npos; at = text.find(begin, at + 1)) {
         size_t const last = text.find(end, at);
         if (last == text.npos) return out.push_back("a formula without an end"), out;

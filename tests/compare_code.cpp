@@ -32,7 +32,9 @@ std::string learnt_by(std::string const& text, Records const& records) {
                "int main() {\n"
                "    using T = std::remove_cvref_t<decltype(filter.theta()[0])>;\n"
                "    std::FILE* const rows = std::fopen(\"rows.txt\", \"r\");\n"
-               "    std::vector<T> psi(" << records.parameters() << ");\n"
+               "    std::vector<T> psi("
+            << records.parameters()
+            << ");\n"
                "    for (double x;;) {\n"
                "        for (T& p : psi) { if (std::fscanf(rows, \"%la\", &x) != 1) return 0; p = T(x); }\n"
                "        if (std::fscanf(rows, \"%la\", &x) != 1) return 1;\n"
@@ -51,7 +53,8 @@ std::string learnt_by(std::string const& text, Records const& records) {
     }
     rows.close();
     std::string const in = "cd '" + folder.path.string() + "' && ";
-    if (std::system((in + RLSLAB_COMPILE + " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp -o main").c_str()) != 0) return "does not compile:\n" + text;
+    if (std::system((in + RLSLAB_COMPILE + " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp -o main").c_str()) != 0)
+        return "does not compile:\n" + text;
     if (std::system((in + "./main > out.txt").c_str()) != 0) return "does not run:\n" + text;
     std::ifstream out(folder.path / "out.txt");
     return {std::istreambuf_iterator<char>(out), {}};
@@ -100,18 +103,23 @@ TEST_P(Code, OfARealRecordCompilesAndLearnsTheSameBits) {
     expect_the_code_to_learn_the_same(arx(file, input, output, order), {.forgetting = 0.98, .arithmetics = {"float", "double"}});
 }
 INSTANTIATE_TEST_SUITE_P(Records, Code,
-                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2}, Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
-                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4}, Source{"../shared/data/heat_exchanger.csv", "u", "y", 4}),
+                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
+                                         Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
+                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
+                                         Source{"../shared/data/heat_exchanger.csv", "u", "y", 4}),
                          [](auto const& source) { return fs::path(source.param.file).stem().string(); });
 
 TEST(Code, OfManyParametersAGivenPriorAndAFactorOfTheInformation) {
-    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 9, true), {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});    // 20: of dynamic size
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 9, true),
+                                      {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});  // 20: of dynamic size
 }
 TEST(Code, OfAWholeNumberThatFloatDoesNotHold) {
-    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 1), {.p0 = 16777217, .variants = {"carlson"}, .arithmetics = {"float"}});
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 1),
+                                      {.p0 = 16777217, .variants = {"carlson"}, .arithmetics = {"float"}});
 }
 TEST(Code, OfExtendedPrecision) {
-    if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; })) GTEST_SKIP() << "left out: no extended arithmetic here";
+    if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; }))
+        GTEST_SKIP() << "left out: no extended arithmetic here";
     Records const records = arx("data/sales.csv", "lead", "sales", 2);
     Comparison const c = compare(records, {.arithmetics = {"extended"}, .timings = false});
     EXPECT_THAT(code(c), testing::HasSubstr("rlslab::Ud<long double, 5> filter"));
@@ -123,7 +131,9 @@ TEST(Code, SurvivesAnyNameOfAColumn) {
     Records const records = arx("data/sales.csv", "lead", "sales", 1);
     Comparison c = compare(records, {.arithmetics = {"float"}, .timings = false});
     c.model.output = printable("x\\\n*/ \n #error");
-    c.model.regressors = {printable("a\\"), printable("b\n#error \\"), printable("?" "?/")};
+    c.model.regressors = {printable("a\\"), printable("b\n#error \\"),
+                          printable("?"
+                                    "?/")};
     c.names = c.model.regressors;
     c.model.means = {{"m\\", 0.1}, {"n\\", -2}};
     EXPECT_EQ(learnt_by(code(c), records), learnt_by_the_catalogues(c, records));
@@ -152,13 +162,15 @@ TEST(Code, TheModelStandsAboveTheFilter) {
     r.operations = 10;
     c.results = {r};
     c.recommendations = {{"float", "inverse_qr", ""}};
-    EXPECT_EQ(code(c), "#include <rlslab/variants/inverse_qr.hpp>\n\n"
-                       "// y[k] = psi'theta,  psi = (-y[k-1], u[k], 1)\n"
-                       "// theta = (a1, b0, 1)\n"
-                       "// the columns as the filter takes them: (u less 0.5, y less -2.25)\n"
-                       "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = rlslab::Prior<float>{.variance = 4.0}});\n"
-                       "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n");
-    EXPECT_EQ(verdict(c), "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; 10 operations\n");
+    EXPECT_EQ(code(c),
+              "#include <rlslab/variants/inverse_qr.hpp>\n\n"
+              "// y[k] = psi'theta,  psi = (-y[k-1], u[k], 1)\n"
+              "// theta = (a1, b0, 1)\n"
+              "// the columns as the filter takes them: (u less 0.5, y less -2.25)\n"
+              "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = rlslab::Prior<float>{.variance = 4.0}});\n"
+              "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n");
+    EXPECT_EQ(verdict(c),
+              "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; 10 operations\n");
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     EXPECT_EQ(arithmetics(compared(sales + " --arithmetic quad")), std::set<std::string>{"quad"});
     refused("compare " + sales + " --all --arithmetic float", "--all: does not go with --arithmetic");
     std::string const out = text(sales);
-    size_t const verdict = out.find("\nin float   use ud  keeps "), code = out.find("\n    #include <rlslab/variants/ud.hpp>\n"), table = out.find("\nfloat (24 bits");
+    size_t const verdict = out.find("\nin float   use ud  keeps "), code = out.find("\n    #include <rlslab/variants/ud.hpp>\n"),
+                 table = out.find("\nfloat (24 bits");
     ASSERT_NE(verdict, out.npos) << out;
     EXPECT_NE(out.find("\nin double  use ud  keeps ", verdict), out.npos);
     EXPECT_LT(verdict, code);
@@ -97,10 +98,12 @@ TEST_F(CompareCommand, UnitsChangeNoDigit) {
     json const a = compared(sales), b = compared("scaled.csv --input lead --output sales --order 2");
     EXPECT_EQ(a["prior"]["c"], b["prior"]["c"]);
     for (size_t i = 0; i < a["results"].size(); ++i)
-        for (char const* key : {"breakdown", "broken"}) EXPECT_EQ(a["results"][i][key], b["results"][i][key]) << a["results"][i]["variant"] << key;
+        for (char const* key : {"breakdown", "broken"})
+            EXPECT_EQ(a["results"][i][key], b["results"][i][key]) << a["results"][i]["variant"] << key;
     EXPECT_EQ(a["recommendation"][0]["variant"], b["recommendation"][0]["variant"]);
     // The norm of theta is one of mixed units; the worst component is not.
-    for (size_t i = 0; i < a["results"].size(); ++i) EXPECT_EQ(a["results"][i]["path"]["worst"], b["results"][i]["path"]["worst"]) << a["results"][i]["variant"];
+    for (size_t i = 0; i < a["results"].size(); ++i)
+        EXPECT_EQ(a["results"][i]["path"]["worst"], b["results"][i]["path"]["worst"]) << a["results"][i]["variant"];
 }
 
 /// A prior of 16384 I weighs more than data in small units: such records got no answer.
@@ -124,10 +127,12 @@ TEST_F(CompareCommand, AnswersInAnyUnits) {
 
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
-    std::string const longley = "'" + root + "/tests/data/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+    std::string const longley =
+        "'" + root + "/tests/data/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
     json const out = compared(longley);
     // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
-    constexpr double certified[] = {-3482258.63459582, 15.0618722713733, -0.358191792925910e-01, -2.02022980381683, -1.03322686717359, -0.511041056535807e-01, 1829.15146461355};
+    constexpr double certified[] = {-3482258.63459582, 15.0618722713733,       -0.358191792925910e-01, -2.02022980381683,
+                                    -1.03322686717359, -0.511041056535807e-01, 1829.15146461355};
     for (size_t i = 0; i < 7; ++i) {
         EXPECT_NEAR(std::stod(out["reference"]["least_squares"][i].get<std::string>()) / certified[i], 1, 1e-14);
         double const with = std::stod(out["reference"]["theta"][i].get<std::string>());
@@ -169,7 +174,8 @@ TEST_F(CompareCommand, TakesMeansOff) {
     ASSERT_EQ(std::sscanf(code.c_str() + code.find("(u less"), "(u less %lf, v less %lf", &said[0], &said[1]), 2);
     EXPECT_EQ(said[0], u / 60);
     EXPECT_EQ(said[1], v / 60);
-    EXPECT_NE(off["reference"]["least_squares"], compared("two.csv --input u,v --output y --na 1 --nb 0 --delay 1")["reference"]["least_squares"]);
+    EXPECT_NE(off["reference"]["least_squares"],
+              compared("two.csv --input u,v --output y --na 1 --nb 0 --delay 1")["reference"]["least_squares"]);
     // What the file has missing is not part of the mean.
     write("gap.csv", "u,y\n1,2\n3,\n,4\n5,6\n2,1\n7,3\n");
     json const gap = compared("gap.csv --regressors u --output y --detrend");
@@ -190,8 +196,9 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     std::string const page = read(folder / "made/here/compare.html");
     for (char const* figure : {"along", "spread-float", "spread-double", "cost"})
         EXPECT_THAT(page, HasSubstr("<figure id=\"" + std::string(figure) + "\">"));
-    for (char const* said : {"as stored: lambda 1, rank 5 of 5", "<th>asymmetry</th>", "<tr class=\"strong\"><td>★ ud</td>", "class=\"strong\"><svg class=\"key\"",
-                             "Not drawn: qr_sparse, cholesky_sparse", "digits of theta, float (24 bits): ★ ud, in the code"})
+    for (char const* said : {"as stored: lambda 1, rank 5 of 5", "<th>asymmetry</th>", "<tr class=\"strong\"><td>★ ud</td>",
+                             "class=\"strong\"><svg class=\"key\"", "Not drawn: qr_sparse, cholesky_sparse",
+                             "digits of theta, float (24 bits): ★ ud, in the code"})
         EXPECT_THAT(page, HasSubstr(said));
     for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));
     EXPECT_THAT(page, HasSubstr("<pre>#include &lt;rlslab/variants/ud.hpp&gt;\n\n// sales[k] = psi&#39;theta"));
@@ -200,7 +207,8 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     EXPECT_EQ(read(folder / "again/compare.html"), page);
 }
 TEST_F(CompareCommand, WritesAPageOfFormsThatBrokeDown) {
-    Outcome const run = shell("rlslab compare " + sales + " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
+    Outcome const run =
+        shell("rlslab compare " + sales + " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
     ASSERT_EQ(run.code, 0) << run.err;
     std::string const page = read(folder / "out/compare.html");
     EXPECT_THAT(page, HasSubstr("conventional: indefinite at row "));
@@ -218,9 +226,11 @@ TEST_F(CompareCommand, TheTableSaysWhatTheJsonSays) {
         char expected[200];
         int n = std::snprintf(expected, sizeof expected, "%-22s", r["variant"].get<std::string>().c_str());
         for (char const* of : {"theta", "worst", "covariance"})
-            n += std::snprintf(expected + n, sizeof expected - size_t(n), " %5.1f%5.1f%5.1f ", r["spread"][of]["low"].get<double>(), r["spread"][of]["median"].get<double>(),
-                               r["spread"][of]["high"].get<double>());
-        EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) { return line.size() > 2 && line.substr(2).starts_with(expected); })) << expected;
+            n += std::snprintf(expected + n, sizeof expected - size_t(n), " %5.1f%5.1f%5.1f ", r["spread"][of]["low"].get<double>(),
+                               r["spread"][of]["median"].get<double>(), r["spread"][of]["high"].get<double>());
+        EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) {
+            return line.size() > 2 && line.substr(2).starts_with(expected);
+        })) << expected;
     }
 }
 

@@ -32,13 +32,16 @@ struct Solved {
 };
 Solved solved(Records const& r, Index rows, double lambda, double p00, double p11) {
     Rational const l(lambda);
-    Rational m00 = p00 > 0 ? Rational(1) / Rational(p00) : Rational(0), m01 = 0, m11 = p11 > 0 ? Rational(1) / Rational(p11) : Rational(0), b0 = 0, b1 = 0;
+    Rational m00 = p00 > 0 ? Rational(1) / Rational(p00) : Rational(0), m01 = 0, m11 = p11 > 0 ? Rational(1) / Rational(p11) : Rational(0),
+             b0 = 0, b1 = 0;
     for (Index k = 0; k < rows; ++k) {
         Rational const x = r.psi(0, k), z = r.psi(1, k), y = r.y[k];
         m00 = l * m00 + x * x, m01 = l * m01 + x * z, m11 = l * m11 + z * z, b0 = l * b0 + x * y, b1 = l * b1 + z * y;
     }
     Rational const det = m00 * m11 - m01 * m01;
-    return {{(b0 * m11 - b1 * m01) / det, (b1 * m00 - b0 * m01) / det}, {{m11 / det, -m01 / det}, {-m01 / det, m00 / det}}, {{m00, m01}, {m01, m11}}};
+    return {{(b0 * m11 - b1 * m01) / det, (b1 * m00 - b0 * m01) / det},
+            {{m11 / det, -m01 / det}, {-m01 / det, m00 / det}},
+            {{m00, m01}, {m01, m11}}};
 }
 
 Reference wide(Rational const& x) { return Reference(numerator(x).str()) / Reference(denominator(x).str()); }
@@ -201,7 +204,8 @@ TEST(ComparisonNumbers, OfTheProblem) {
         }
         EXPECT_NEAR(c.prior_bias / static_cast<double>(sqrt(Reference(change / size))), 1, 1e-12);
         // kappa^2 = (t + sqrt(t^2 - 4 D)) / (t - sqrt(t^2 - 4 D)) with trace t and determinant D of the Gram matrix
-        Reference const t = wide(without.M[0][0] + without.M[1][1]), D = wide(without.M[0][0] * without.M[1][1] - without.M[0][1] * without.M[1][0]);
+        Reference const t = wide(without.M[0][0] + without.M[1][1]),
+                        D = wide(without.M[0][0] * without.M[1][1] - without.M[0][1] * without.M[1][0]);
         Reference const root = sqrt(Reference(t * t - 4 * D));
         EXPECT_NEAR(c.condition / static_cast<double>(sqrt(Reference((t + root) / (t - root)))), 1, 1e-11);
         EXPECT_FALSE(c.scaled_prior);
@@ -216,7 +220,7 @@ TEST(ComparisonNumbers, OfStorage) {
     Records const given = few_rows();
     double const lambda = 0.99, p0 = 2;
     Comparison const c = compared(given, lambda, p0);
-    ASSERT_EQ(c.storage.size(), 3u);    // double stores what is given
+    ASSERT_EQ(c.storage.size(), 3u);  // double stores what is given
     Solved const as_given = solved(given, given.rows(), lambda, p0, p0);
     Vector<double> const s = regressor_scales(given);
     for (Storage const& storage : c.storage) {
@@ -240,14 +244,14 @@ TEST(ComparisonNumbers, OfStorage) {
         ASSERT_TRUE(storage.theta_digits);
         EXPECT_NEAR(*storage.theta_digits, digits_of(sqrt(Reference(moved / whole))), 1e-9);
     }
-    Records parallel = given;    // apart by less than bfloat16 can tell
+    Records parallel = given;  // apart by less than bfloat16 can tell
     for (Index k = 0; k < given.rows(); ++k) parallel.psi(1, k) = parallel.psi(0, k) * (1 + std::ldexp(double(k % 3), -14));
     Comparison const p = compared(parallel, 1);
     EXPECT_EQ(p.storage[0].rank, 1);
     EXPECT_EQ(p.storage[2].rank, 2);
     EXPECT_EQ(p.recommendations[0].why, "as stored there the regressors have rank 1 of 2");
     EXPECT_NE(p.recommendations[3].variant, "");
-    Comparison const wide_prior = compared(given, 1, 1e30);    // beyond binary16, within the others
+    Comparison const wide_prior = compared(given, 1, 1e30);  // beyond binary16, within the others
     EXPECT_FALSE(wide_prior.storage[1].in_range);
     EXPECT_TRUE(wide_prior.storage[0].in_range);
     EXPECT_EQ(wide_prior.recommendations[1].why, "P0 leaves its range");
@@ -294,8 +298,9 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
         auto const counted = cost(r.entry->variant, 2);
         EXPECT_EQ(r.operations.has_value(), counted.has_value());
         if (!counted) continue;
-        EXPECT_EQ(*r.operations, counted->update.additions + counted->update.multiplications + counted->update.divisions + counted->update.square_roots +
-                                                  counted->theta.additions + counted->theta.multiplications + counted->theta.divisions + counted->theta.square_roots);
+        EXPECT_EQ(*r.operations, counted->update.additions + counted->update.multiplications + counted->update.divisions +
+                                     counted->update.square_roots + counted->theta.additions + counted->theta.multiplications +
+                                     counted->theta.divisions + counted->theta.square_roots);
     }
 }
 
@@ -303,7 +308,9 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
 TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
     Records const given = few_rows();
     auto const of = [&](double lambda) {
-        return compare(given, {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false}).results;
+        return compare(given,
+                       {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false})
+            .results;
     };
     for (double const lambda : {1.0, 0.875})
         for (Result const& r : of(lambda)) EXPECT_EQ(r.runs, lambda == 1 || r.entry->arithmetic->stochastic ? 4 : 1);

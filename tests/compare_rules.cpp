@@ -21,7 +21,8 @@ struct Made {
     std::deque<Entry> entries{};
     std::deque<Result> results{};
 
-    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance", long operations = 100) {
+    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",
+                long operations = 100) {
         entries.push_back({name, &arithmetic, false, 1, propagates, false, nullptr, nullptr});
         Result r{.entry = &entries.back()};
         r.spread = {theta, worst, P};
@@ -69,7 +70,7 @@ TEST(Recommendation, TheBestHasTheGreatestLeastMedian) {
     m.add("uneven", {14, 14, 14}, {9, 9, 9}, {14, 14, 14}, true, "covariance", 10);
     m.add("even", {10, 10, 10}, {10, 10, 10}, {10, 10, 10});
     EXPECT_EQ(m.chosen(), "even");
-    m.results.front().spread->worst = {9, 9, 10};    // now reaches it
+    m.results.front().spread->worst = {9, 9, 10};  // now reaches it
     EXPECT_EQ(m.chosen(), "uneven");
     m.results.front().spread->worst = {9, 9, 9.9};
     EXPECT_EQ(m.chosen(), "even");
@@ -80,14 +81,15 @@ TEST(Recommendation, PrefersAFactorThenCovarianceThenFewerOperations) {
         bool factor;
         char const* propagates;
         long operations;
-    } const order[] = {{true, "covariance", 200}, {true, "covariance", 201}, {true, "information", 100}, {true, "information", 101}, {false, "covariance", 50},
-                       {false, "covariance", 51}, {false, "information", 10}};
+    } const order[] = {{true, "covariance", 200}, {true, "covariance", 201}, {true, "information", 100}, {true, "information", 101},
+                       {false, "covariance", 50}, {false, "covariance", 51}, {false, "information", 10}};
     for (size_t first = 0; first < std::size(order); ++first) {
         Made m;
-        for (size_t i = std::size(order); i-- > first;) m.add(i == first ? "first" : "later", same, order[i].factor, order[i].propagates, order[i].operations);
+        for (size_t i = std::size(order); i-- > first;)
+            m.add(i == first ? "first" : "later", same, order[i].factor, order[i].propagates, order[i].operations);
         EXPECT_EQ(m.chosen(), "first") << first;
     }
-    Made m;    // of two that are alike the one that stands first in the list
+    Made m;  // of two that are alike the one that stands first in the list
     m.add("one", same);
     m.add("two", same);
     EXPECT_EQ(m.chosen(), "one");
@@ -139,7 +141,8 @@ TEST(Recommendation, NoneWhereThePriorDecides) {
     c.component_bias = 0.1;
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
     c.component_bias = 0.101;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("decides a component of theta (it moves it by 0.1 of itself): rescale the columns"));
+    EXPECT_THAT(recommend(m.arithmetic, c).why,
+                HasSubstr("decides a component of theta (it moves it by 0.1 of itself): rescale the columns"));
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
 }
 TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
@@ -206,9 +209,9 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
 
 TEST(Spread, IsTheTenthHalfAndNinetyPercentPoint) {
     std::vector<std::optional<double>> digits;
-    for (int i = 20; i >= 0; --i) digits.push_back(i);    // 0 ... 20: ranks 2, 10, 18
+    for (int i = 20; i >= 0; --i) digits.push_back(i);  // 0 ... 20: ranks 2, 10, 18
     EXPECT_EQ(spread_of(digits), (Spread{2, 10, 18}));
-    digits.push_back(21);    // 22 numbers: ranks 2.1 down, 10.5 down, 18.9 up
+    digits.push_back(21);  // 22 numbers: ranks 2.1 down, 10.5 down, 18.9 up
     EXPECT_EQ(spread_of(digits), (Spread{2, 10, 19}));
     EXPECT_EQ(spread_of({1.26}), (Spread{1.3, 1.3, 1.3}));
     EXPECT_EQ(spread_of({1.24, 3.0}), (Spread{1.2, 1.2, 3.0}));

@@ -17,7 +17,7 @@ struct Source {
 
 class Steadiness : public Program, public testing::WithParamInterface<Source> {
 protected:
-    std::vector<std::string> lines;    // the header first
+    std::vector<std::string> lines;  // the header first
     void SetUp() override {
         fs::path const file = fs::path(root) / GetParam().file;
         if (!fs::exists(file)) GTEST_SKIP() << "left out: " << GetParam().file << " is not here";
@@ -29,15 +29,16 @@ protected:
         for (size_t k = 0; k <= rows; ++k) text += lines[k] + '\n';
         write("record.csv", text);
         std::ostringstream command;
-        command << "rlslab compare record.csv --input " << GetParam().input << " --output " << GetParam().output << " --order " << GetParam().order << " --forgetting " << lambda
-                << " --arithmetic float,double --no-timings --json";
+        command << "rlslab compare record.csv --input " << GetParam().input << " --output " << GetParam().output << " --order "
+                << GetParam().order << " --forgetting " << lambda << " --arithmetic float,double --no-timings --json";
         Outcome const run = shell(command.str());
         EXPECT_EQ(run.code, 0) << run.err;
         return json::parse(run.out);
     }
     static std::map<std::string, std::string> recommended(json const& comparison) {
         std::map<std::string, std::string> out;
-        for (json const& r : comparison["recommendation"]) out[r["arithmetic"]] = r["variant"].is_null() ? "" : r["variant"].get<std::string>();
+        for (json const& r : comparison["recommendation"])
+            out[r["arithmetic"]] = r["variant"].is_null() ? "" : r["variant"].get<std::string>();
         return out;
     }
     /// Whether the printed spreads of the two variants lie apart in one of the three measures, or one of them broke down.
@@ -78,13 +79,16 @@ TEST_P(Steadiness, OverOnePercentOfTheRecord) {
         json const whole = compared(rows, lambda);
         for (double const part : {0.99, 0.998}) {
             size_t const some = size_t(part * double(rows));
-            expect_steady(whole, compared(some, lambda), "lambda = " + std::to_string(lambda) + ", " + std::to_string(some) + " rows of " + std::to_string(rows));
+            expect_steady(whole, compared(some, lambda),
+                          "lambda = " + std::to_string(lambda) + ", " + std::to_string(some) + " rows of " + std::to_string(rows));
         }
     }
 }
 INSTANTIATE_TEST_SUITE_P(Records, Steadiness,
-                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2}, Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
-                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4}, Source{"../shared/data/heat_exchanger.csv", "u", "y", 2}),
+                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
+                                         Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
+                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
+                                         Source{"../shared/data/heat_exchanger.csv", "u", "y", 2}),
                          [](auto const& source) { return fs::path(source.param.file).stem().string(); });
 
 }  // namespace

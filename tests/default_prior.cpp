@@ -15,7 +15,8 @@ Records nearly_dependent(int k, Index rows = 40) {
     Records out{.psi = Eigen::MatrixXd(2, rows), .y = Vector<double>(rows), .names = {"a", "b"}};
     Seed seed{std::uint64_t(k + 1)};
     for (Index i = 0; i < rows; ++i) {
-        double const a = std::ldexp(std::floor(64 * (seed.uniform() - 0.5)), -5), b = a + std::ldexp(std::floor(64 * (seed.uniform() - 0.5)), -5 - k);
+        double const a = std::ldexp(std::floor(64 * (seed.uniform() - 0.5)), -5),
+                     b = a + std::ldexp(std::floor(64 * (seed.uniform() - 0.5)), -5 - k);
         out.psi.col(i) << a, b;
         out.y[i] = a + 3 * b + std::ldexp(std::floor(64 * seed.uniform()), -8);
     }
@@ -61,7 +62,8 @@ double component_bias(Records const& r, Vector<double> const& s, double c, doubl
     for (Index i = 0; i < 2; ++i) whole = std::hypot(whole, static_cast<double>(without[i]) * s[i]);
     for (Index i = 0; i < 2; ++i) {
         Rational const change = with[i] - without[i];
-        out = std::max(out, std::abs(static_cast<double>(change)) / std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, -20) / s[i]));
+        out = std::max(out, std::abs(static_cast<double>(change)) /
+                                std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, -20) / s[i]));
     }
     return out;
 }
@@ -90,7 +92,7 @@ TEST(DefaultPrior, HasTheLeastCThatMovesThetaByAThousandth) {
             }
         }
     EXPECT_GT(above_the_least, 10);
-    Records small = nearly_dependent(0);    // y = a + 2^-10 b: the norm hardly sees b
+    Records small = nearly_dependent(0);  // y = a + 2^-10 b: the norm hardly sees b
     for (Index k = 0; k < small.rows(); ++k) small.y[k] = small.psi(0, k) + std::ldexp(small.psi(1, k), -10);
     DefaultPrior const p = default_prior(small, 1);
     EXPECT_TRUE(holds(small, p.s, p.c, 1) && !holds(small, p.s, p.c / 2, 1));
@@ -124,14 +126,14 @@ TEST(DefaultPrior, RoundsTheSizeOfARegressorToAPowerOfTwo) {
     EXPECT_EQ(scale({1.4142136, -1.4142136}), 2);
     EXPECT_EQ(scale({0.70710678}), 0.5);
     EXPECT_EQ(scale({0.70710679}), 1);
-    EXPECT_EQ(scale({2, 0}), 2);                  // mean square 2
+    EXPECT_EQ(scale({2, 0}), 2);  // mean square 2
     EXPECT_EQ(scale({1, 1, 1, 1}), 1);
-    EXPECT_EQ(scale({3, 0, 0, 0, 0}), 1);         // 9/5: divided by the rows, not by one less
-    EXPECT_EQ(scale({3, 0, 0, 0}), 2);            // 9/4
+    EXPECT_EQ(scale({3, 0, 0, 0, 0}), 1);  // 9/5: divided by the rows, not by one less
+    EXPECT_EQ(scale({3, 0, 0, 0}), 2);     // 9/4
     EXPECT_EQ(scale({0, 0}), 1);
     EXPECT_EQ(scale({std::ldexp(1.5, -400), std::ldexp(1.0, -1000)}), std::ldexp(1.0, -400));
     EXPECT_EQ(scale({std::ldexp(1.0, 500)}), std::ldexp(1.0, 500));
-    EXPECT_EQ(scale({std::ldexp(1.0, -1074)}), std::ldexp(1.0, -500));    // no further
+    EXPECT_EQ(scale({std::ldexp(1.0, -1074)}), std::ldexp(1.0, -500));  // no further
 }
 
 TEST(DefaultPrior, ChangesNoDigitWithTheUnits) {
@@ -173,10 +175,10 @@ TEST(DefaultPrior, SaysWhenTheDataDoNotDetermineTheta) {
 TEST(DefaultPrior, StopsBeforeP0LeavesTheRange) {
     Records r = nearly_dependent(2);
     r.psi *= std::ldexp(1.0, -497);
-    DefaultPrior p = default_prior(r, 1);    // (2^5 / 2^-497)^2 would be 2^1004
+    DefaultPrior p = default_prior(r, 1);  // (2^5 / 2^-497)^2 would be 2^1004
     EXPECT_EQ(p.prior().covariance->maxCoeff(), std::ldexp(1.0, 1000));
     r = nearly_dependent(40);
-    r.psi *= std::ldexp(1.0, -480);          // c would have to be some 2^44
+    r.psi *= std::ldexp(1.0, -480);  // c would have to be some 2^44
     p = default_prior(r, 1);
     EXPECT_FALSE(p.reached);
     EXPECT_GT(p.bias, 1e-3);

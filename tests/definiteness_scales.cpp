@@ -53,13 +53,14 @@ Stored<T> random_stored(Seed& seed) {
     if (singular) B.col(whole(seed, 0, int(d) - 1)) = -B.col(whole(seed, 0, int(d) - 1));
     if (plain) B = Matrix<double>(B * B.transpose());
     std::vector<int> rows, columns;
-    bool const graded = !plain && whole(seed, 0, 1) == 0;    // small below the diagonal, large above it
+    bool const graded = !plain && whole(seed, 0, 1) == 0;  // small below the diagonal, large above it
     int const grade = whole(seed, 0, std::min(scale, 1000)), all = whole(seed, -200, 100);
     for (int i = 0; i < d; ++i) {
         rows.push_back(graded ? all - i * grade : whole(seed, -scale, scale) / 2);
         columns.push_back(graded ? i * grade : whole(seed, -scale, scale) / 2);
     }
-    Stored<T> out{whole(seed, 0, 1) == 0 ? Quantity::covariance : Quantity::information, plain ? Form::plain : Form::factor, Matrix<T>(d, d)};
+    Stored<T> out{whole(seed, 0, 1) == 0 ? Quantity::covariance : Quantity::information, plain ? Form::plain : Form::factor,
+                  Matrix<T>(d, d)};
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) out.F(i, j) = times_power(T(B(i, j)), rows[size_t(i)] + (plain ? rows : columns)[size_t(j)]);
     if (!plain && whole(seed, 0, 1) == 0) {
@@ -83,8 +84,9 @@ Found over_random(int trials, typename Holds<T>::Shown* shown) {
         Definiteness const exact = definiteness(filter.stored());
         found.quick += surely_positive(filter.stored_in_double(), arithmetic.digits > 53 ? 0x1p-53 : 0);
         found.positive += exact == Definiteness::positive;
-        found.wrong += breakdown(filter, arithmetic) !=
-                       (exact == Definiteness::positive ? "" : exact == Definiteness::not_positive ? "indefinite" : "nonfinite");
+        found.wrong += breakdown(filter, arithmetic) != (exact == Definiteness::positive       ? ""
+                                                         : exact == Definiteness::not_positive ? "indefinite"
+                                                                                               : "nonfinite");
     }
     return found;
 }
@@ -108,7 +110,9 @@ TYPED_TEST(QuickLook, NeverContradictsTheExactDecision) {
 
 template <class T>
 int contradictions_of_plain_rounding() {
-    return over_random<T>(4000, [](Stored<T> const& s) { return s.template mapped<double>([](T const& x) { return static_cast<double>(x); }); }).wrong;
+    return over_random<T>(4000,
+                          [](Stored<T> const& s) { return s.template mapped<double>([](T const& x) { return static_cast<double>(x); }); })
+        .wrong;
 }
 TEST(ALook, IsMisledByZerosThatRoundingMade) {
     EXPECT_GT(contradictions_of_plain_rounding<Quad>(), 0);

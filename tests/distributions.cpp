@@ -52,8 +52,9 @@ TEST(Distributions, EndsAndMisuse) {
     EXPECT_EQ(correctly::fisher_tail(2, 3, inf), 0);
     EXPECT_EQ(correctly::student_quantile(5, 0.5), 0);
     EXPECT_EQ(correctly::student_quantile(5, 0.25), -correctly::student_quantile(5, 0.75));
-    for (double const x : {correctly::chi_squared_tail(0, 1), correctly::chi_squared_tail(2, none), correctly::fisher_tail(none, 2, 1), correctly::fisher_tail(1, -2, 1),
-                           correctly::student_quantile(3, 1), correctly::student_quantile(3, 0), correctly::student_quantile(none, 0.9)})
+    for (double const x : {correctly::chi_squared_tail(0, 1), correctly::chi_squared_tail(2, none), correctly::fisher_tail(none, 2, 1),
+                           correctly::fisher_tail(1, -2, 1), correctly::student_quantile(3, 1), correctly::student_quantile(3, 0),
+                           correctly::student_quantile(none, 0.9)})
         EXPECT_NE(x, x);
 }
 

@@ -49,7 +49,7 @@ TEST(Gzip, IsReadByItsContent) {
 }
 TEST(Gzip, PartsThatWereJoinedAreOneFile) {
     EXPECT_EQ(read(packed("u,y\n1,2\n3,") + packed("") + packed("4\n"), {"y"})["y"], (Numbers{2, 4}));
-    EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));    // as a tape pads it
+    EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));  // as a tape pads it
     EXPECT_EQ(refusal(packed("u\n1\n") + "more", {"u"}), "data: expected the compressed data to end the file, found something behind them");
 }
 TEST(Gzip, DamageIsSeenWhereverItIs) {
@@ -58,10 +58,10 @@ TEST(Gzip, DamageIsSeenWhereverItIs) {
     std::string const whole = packed(text);
     for (std::size_t length = 2; length < whole.size(); ++length)
         EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: the compressed data end too early (was the file cut short?)") << length;
-    for (std::size_t at = 10; at < whole.size(); ++at) {    // behind the header
+    for (std::size_t at = 10; at < whole.size(); ++at) {  // behind the header
         std::string damaged = whole;
         damaged[at] = char(damaged[at] ^ 0x10);
-        if (refusal(damaged, {"u"}) == "no error") {    // a bit that fills up the last byte before the checksum says nothing
+        if (refusal(damaged, {"u"}) == "no error") {  // a bit that fills up the last byte before the checksum says nothing
             EXPECT_EQ(at, whole.size() - 9);
             EXPECT_EQ(read(damaged, {"u"})["u"], read(whole, {"u"})["u"]);
         }
@@ -73,7 +73,7 @@ TEST(Gzip, DamageIsSeenWhereverItIs) {
     EXPECT_EQ(refusal(packed(""), {"u"}), "data: expected rows of numbers, found an empty file");
 }
 TEST(Gzip, ABombIsNotHeld) {
-    std::string bomb;    // a line of 256 MiB in 256 kB
+    std::string bomb;  // a line of 256 MiB in 256 kB
     for (int i = 0; i < 4; ++i) bomb += packed(std::string(1 << 26, '1'));
     EXPECT_LT(bomb.size(), 300000u);
     EXPECT_EQ(refusal(bomb, {"1"}), "data:1: expected a line of at most 1 MiB");
@@ -82,12 +82,14 @@ TEST(Gzip, RowsWithoutEndAreRefused) {
     std::string rows;
     for (int i = 0; i < 1 << 18; ++i) rows += "7\n";
     long given = 0;
-    CsvFile endless([&](std::span<char> to) {
-        std::size_t const now = std::min(to.size(), rows.size());
-        std::ranges::copy(rows.substr(0, now), to.begin());
-        given += long(now);
-        return now;
-    }, "endless", {}, 1 << 20);
+    CsvFile endless(
+        [&](std::span<char> to) {
+            std::size_t const now = std::min(to.size(), rows.size());
+            std::ranges::copy(rows.substr(0, now), to.begin());
+            given += long(now);
+            return now;
+        },
+        "endless", {}, 1 << 20);
     EXPECT_EQ(message_of([&] { endless.read({"1"}); }), "endless:524289: expected at most 524288 rows");
     EXPECT_LT(given, 2 << 20);
 }
@@ -122,7 +124,8 @@ struct Mat5 {
 };
 
 TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
-    std::string const file = Mat5().add("u", 3, 1, {1, 2.5, -3}).add("y", 1, 3, {4, 5, 6}).add("X", 3, 2, {1, 2, 3, 7, 8, 9}).add("Ts", 1, 1, {0.1}).bytes;
+    std::string const file =
+        Mat5().add("u", 3, 1, {1, 2.5, -3}).add("y", 1, 3, {4, 5, 6}).add("X", 3, 2, {1, 2, 3, 7, 8, 9}).add("Ts", 1, 1, {0.1}).bytes;
     Columns const data = read(file, {"y", "u", "X_2"});
     EXPECT_EQ(data["u"], (Numbers{1, 2.5, -3}));
     EXPECT_EQ(data["y"], (Numbers{4, 5, 6}));
@@ -135,8 +138,14 @@ TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
 }
 TEST(Matlab, WhatIsNoRealVectorIsNamed) {
     double const inf = std::numeric_limits<double>::infinity();
-    std::string const file = Mat5().add("u", 2, 1, {1, inf}).add("v", 2, 1, {1, -1e200}).add("w", 0, 0, {}).add("z", 2, 1, {1, 2}, 0x0806)
-                                 .add("c", 2, 1, {1, 2}, 1).add("X", 1 << 30, 3, {1}).bytes;
+    std::string const file = Mat5()
+                                 .add("u", 2, 1, {1, inf})
+                                 .add("v", 2, 1, {1, -1e200})
+                                 .add("w", 0, 0, {})
+                                 .add("z", 2, 1, {1, 2}, 0x0806)
+                                 .add("c", 2, 1, {1, 2}, 1)
+                                 .add("X", 1 << 30, 3, {1})
+                                 .bytes;
     EXPECT_EQ(refusal(file, {"u"}), "data: u, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found inf");
     EXPECT_EQ(refusal(file, {"v"}), "data: v, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found -1e+200");
     std::string const expected = ": expected a real numeric vector or matrix, found ";
@@ -144,7 +153,7 @@ TEST(Matlab, WhatIsNoRealVectorIsNamed) {
     EXPECT_EQ(refusal(file, {"z"}), "data: z" + expected + "complex numbers");
     EXPECT_EQ(refusal(file, {"c"}), "data: c" + expected + "a cell array");
     EXPECT_EQ(refusal(file, {"X"}), "data: X" + expected + "1073741824 x 3 numbers");
-    EXPECT_TRUE(std::isnan(read(Mat5().add("u", 2, 1, {1, std::nan("")}).bytes, {"u"})["u"][1]));    // a missing value
+    EXPECT_TRUE(std::isnan(read(Mat5().add("u", 2, 1, {1, std::nan("")}).bytes, {"u"})["u"][1]));  // a missing value
     EXPECT_EQ(refusal(Mat5().bytes, {"u"}), "data: expected variables, found none");
 }
 TEST(Matlab, CutShortItIsRefused) {
@@ -158,7 +167,7 @@ TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
     std::ifstream stream(std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/doors/mat5_packed", std::ios::binary);
     std::string const whole{std::istreambuf_iterator<char>(stream), {}};
     auto const good = read(whole, {"u", "y"}).values;
-    for (std::size_t length = 129; length < whole.size(); ++length) {    // between variables nothing shows what is missing behind
+    for (std::size_t length = 129; length < whole.size(); ++length) {  // between variables nothing shows what is missing behind
         std::string const told = refusal(whole.substr(0, length), {"u", "y"});
         if (told == "no error") {
             EXPECT_EQ(read(whole.substr(0, length), {"u", "y"}).values, good);
@@ -176,9 +185,11 @@ TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
 TEST(Matlab, EitherEndFirst) {
     std::string const little = Mat5().add("u", 2, 1, {1.5, -3}).bytes;
     std::string big = little.substr(0, 124) + std::string("\1\0MI", 4);
-    auto const swap = [&](std::size_t from, std::size_t count) { big.append(little.rbegin() + long(little.size() - from - count), little.rbegin() + long(little.size() - from)); };
+    auto const swap = [&](std::size_t from, std::size_t count) {
+        big.append(little.rbegin() + long(little.size() - from - count), little.rbegin() + long(little.size() - from));
+    };
     for (std::size_t at = 128; at < little.size();)
-        if (at == 128 + 48) big += little.substr(at, 8), at += 8;    // the name
+        if (at == 128 + 48) big += little.substr(at, 8), at += 8;  // the name
         else if (at >= little.size() - 16) swap(at, 8), at += 8;
         else swap(at, 4), at += 4;
     EXPECT_EQ(read(big, {"u"})["u"], (Numbers{1.5, -3}));
@@ -192,7 +203,7 @@ TEST(Matlab, BothVersionsPackedAndPlain) {
         std::string const path = std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/doors/" + name;
         Columns data;
         std::string const told = message_of([&] { data = read_data(path, {"u", "y", "x_2", "s"}); });
-        if (told.find("matio") != told.npos) continue;    // without it, or it without HDF5
+        if (told.find("matio") != told.npos) continue;  // without it, or it without HDF5
         ASSERT_EQ(told, "no error") << name;
         EXPECT_EQ(data.values, (std::vector<Numbers>{{1, 2.5, -3, 4}, {1, 2, 3, 4.5}, {5, 6, 7, 8}, {1, -2, 3, 4}})) << name;
     }

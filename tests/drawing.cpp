@@ -39,7 +39,9 @@ void ticks_are_lawful(Range range, bool logarithmic, int about) {
     size_t labelled = 0;
     for (size_t i = 0; i < ticks.all.size(); ++i) {
         Tick const& tick = ticks.all[i];
-        if (i > 0) { EXPECT_LT(ticks.all[i - 1].value, tick.value); }
+        if (i > 0) {
+            EXPECT_LT(ticks.all[i - 1].value, tick.value);
+        }
         EXPECT_THAT(axis(tick.value), testing::AllOf(testing::Ge(-1e-6), testing::Le(1 + 1e-6))) << tick.value;
         if (tick.text.empty()) continue;
         ++labelled;
@@ -107,7 +109,7 @@ TEST(Drawing, BreaksALineAtANumberItCannotShow) {
 }
 TEST(Drawing, ShowsAnyFiniteNumber) {
     std::vector<double> const all{-1.79e308, -1e300, -1, -1e-300, -5e-324, 0, 5e-324, 1e-300, 1, 1e300, 1.79e308};
-    EXPECT_GE(lawful(one(all, all)), 6u);    // the small ones share a place
+    EXPECT_GE(lawful(one(all, all)), 6u);  // the small ones share a place
     EXPECT_GE(lawful(one(all, all, true, true)), 5u);
     Seed seed{3};
     for (int i = 0; i < 150; ++i) {

@@ -16,7 +16,8 @@ Figure named_points(std::vector<std::pair<double, double>> const& places, size_t
         auto const [x, y] = places[i];
         std::string name = "n" + std::to_string(i);
         name.resize(name_length, 'o');
-        out.panels[0].curves.push_back({.name = name, .look = look_of("", i), .x = {x}, .y = {y}, .low = {y - 0.3}, .high = {y + 0.2}, .line = false, .bars = true});
+        out.panels[0].curves.push_back(
+            {.name = name, .look = look_of("", i), .x = {x}, .y = {y}, .low = {y - 0.3}, .high = {y + 0.2}, .line = false, .bars = true});
     }
     return out;
 }
@@ -26,10 +27,13 @@ struct Label {
 };
 /// From the drawing: each name's box, and each mark's place by the number of its series.
 std::vector<Label> labels_of(std::string const& svg, std::vector<Place>& marks, size_t series) {
-    auto const number = [&](std::string_view before, size_t from) { return std::strtod(svg.c_str() + svg.find(before, from) + before.size(), nullptr); };
+    auto const number = [&](std::string_view before, size_t from) {
+        return std::strtod(svg.c_str() + svg.find(before, from) + before.size(), nullptr);
+    };
     marks.assign(series, {});
     for (size_t i = 0; i < series; ++i) {
-        size_t const group = svg.find("<g class=\"s\" data-s=\"" + std::to_string(i) + '"'), tip = svg.find("\"><title>", group), path = svg.rfind("\"M", tip);
+        size_t const group = svg.find("<g class=\"s\" data-s=\"" + std::to_string(i) + '"'), tip = svg.find("\"><title>", group),
+                     path = svg.rfind("\"M", tip);
         char* end = nullptr;
         marks[i].x = std::strtod(svg.c_str() + path + 2, &end), marks[i].y = std::strtod(end, nullptr);
     }
@@ -39,7 +43,8 @@ std::vector<Label> labels_of(std::string const& svg, std::vector<Place>& marks, 
         double const x = number(" x=\"", text), y = number(" y=\"", text);
         std::string const name = svg.substr(begin, svg.find('<', begin) - begin);
         bool const bold = svg.substr(text, begin - text).find("font-weight") != svg.npos;
-        out.push_back({size_t(number("data-s=\"", at)), {x, y + 2.6 - plot::name_height, x + plot::tick_size * text_width(name) * (bold ? 1.1 : 1), y + 2.6}});
+        out.push_back({size_t(number("data-s=\"", at)),
+                       {x, y + 2.6 - plot::name_height, x + plot::tick_size * text_width(name) * (bold ? 1.1 : 1), y + 2.6}});
     }
     return out;
 }
@@ -49,8 +54,9 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
         Seed seed{s};
         for (size_t n = 1; n <= 24; ++n) {
             std::vector<std::pair<double, double>> places;
-            double const crowd = n % 3 == 0 ? 0.1 : 1;    // a third of them in one corner
-            for (size_t i = 0; i < n; ++i) places.emplace_back((i % 3 ? 1 : crowd) * seed.uniform(), (i % 3 ? 1 : crowd) * 10 * seed.uniform());
+            double const crowd = n % 3 == 0 ? 0.1 : 1;  // a third of them in one corner
+            for (size_t i = 0; i < n; ++i)
+                places.emplace_back((i % 3 ? 1 : crowd) * seed.uniform(), (i % 3 ? 1 : crowd) * 10 * seed.uniform());
             Figure figure = named_points(places, 4 + size_t(seed.uniform() * 20));
             figure.panels[0].curves[0].strong = n % 2;
             lawful(figure);
@@ -63,7 +69,9 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
                 for (size_t i = 0; i < n; ++i) {
                     double const distance = plot::distance2(label.box, marks[i].x, marks[i].y);
                     EXPECT_GE(distance, 25) << "over mark " << i;
-                    if (i != label.series) { EXPECT_LT(plot::distance2(label.box, own.x, own.y), distance + 2) << "nearer to mark " << i; }    // rounded to tenths
+                    if (i != label.series) {
+                        EXPECT_LT(plot::distance2(label.box, own.x, own.y), distance + 2) << "nearer to mark " << i;
+                    }  // rounded to tenths
                 }
                 for (Label const& other : labels)
                     EXPECT_TRUE(&other == &label || label.box.right <= other.box.left + 0.2 || other.box.right <= label.box.left + 0.2 ||
@@ -76,7 +84,7 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
     EXPECT_GT(placed, 6 * left_out);
 }
 TEST(Names, ThatFindNoPlaceAreListed) {
-    Figure const figure = named_points(std::vector<std::pair<double, double>>(5, {1, 1}));    // all in one place: none has it as its own
+    Figure const figure = named_points(std::vector<std::pair<double, double>>(5, {1, 1}));  // all in one place: none has it as its own
     EXPECT_EQ(not_named(figure, 0, 520, 350).size(), 5u);
     EXPECT_THAT(svg(figure), testing::HasSubstr("not labelled: n0ooooooo, n1ooooooo"));
     std::string const html = figure_html(figure);
@@ -88,7 +96,8 @@ TEST(Names, OfASparsePlotAllFindAPlaceWithoutALeader) {
     Figure const figure = named_points({{0, 0}, {0, 5}, {1, 2}, {2, 0}, {2, 5}});
     EXPECT_TRUE(not_named(figure, 0, 520, 350).empty());
     std::string const text = panel_svg(figure, 0, 520, 350, true);
-    for (size_t at = 0; (at = text.find("<g class=\"s name\"", at)) != text.npos; ++at) EXPECT_EQ(text.find("><text", at), text.find('>', at));
+    for (size_t at = 0; (at = text.find("<g class=\"s name\"", at)) != text.npos; ++at)
+        EXPECT_EQ(text.find("><text", at), text.find('>', at));
 }
 
 /// The mark of one series as a tooltip's path: where it stands; {-1, -1}: none says that.
@@ -103,7 +112,14 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
     Figure figure = one({0, 1, 2, 3}, {4, -30, -1e300, 3});
     Panel& panel = figure.panels[0];
     panel.y_least = -1;
-    panel.curves.push_back({.name = "bars", .look = look_of("", 1), .x = {1.5, 2.5}, .y = {2, -7}, .low = {-9, -9}, .high = {3, -5}, .line = false, .bars = true});
+    panel.curves.push_back({.name = "bars",
+                            .look = look_of("", 1),
+                            .x = {1.5, 2.5},
+                            .y = {2, -7},
+                            .low = {-9, -9},
+                            .high = {3, -5},
+                            .line = false,
+                            .bars = true});
     EXPECT_GE(lawful(figure), 8u);
     std::string const text = panel_svg(figure, 0, 520, 350, true);
     Place low, high;
@@ -151,7 +167,7 @@ TEST(Drawing, AStrongCategoryHasABandAndABoldName) {
     Figure figure = one({0, 1, 2}, {1, 2, 3});
     figure.x_names = {"conventional_two_sided", "★ ud", "qr"};
     EXPECT_EQ(panel_svg(figure, 0, 1040, 440, true).find("700"), std::string::npos);
-    figure.strong_x = {1, 7};    // 7: no such category
+    figure.strong_x = {1, 7};  // 7: no such category
     lawful(figure);
     std::string const text = panel_svg(figure, 0, 1040, 440, true);
     EXPECT_THAT(text, testing::HasSubstr("font-weight=\"700\">★ ud</text>"));

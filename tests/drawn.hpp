@@ -53,8 +53,7 @@ inline testing::AssertionResult well_formed(std::string const& xml) {
         if (closes) {
             if (open.empty() || open.back() != name) return testing::AssertionFailure() << "closed: " << tag;
             open.pop_back();
-        } else if (!alone)
-            open.push_back(name);
+        } else if (!alone) open.push_back(name);
     }
     for (size_t at = 0; (at = xml.find('&', at)) != std::string::npos; ++at) {
         std::string_view const rest = std::string_view(xml).substr(at + 1, 6);
@@ -87,7 +86,7 @@ inline std::vector<Place> places(std::string const& text, Place& low, Place& hig
     std::vector<Place> out;
     for (char const* group : {"<g class=\"s\" data-s", "<g class=\"s event\" data-s"})
         for (size_t at = 0; (at = text.find(group, at)) != text.npos;) {
-            size_t const last = text.find('\n', at);    // a group is a line
+            size_t const last = text.find('\n', at);  // a group is a line
             for (size_t d = at; (d = text.find(" d=\"", d)) < last;) {
                 size_t const quote = text.find('"', d + 4);
                 add_places(out, std::string_view(text).substr(d + 4, quote - d - 4));

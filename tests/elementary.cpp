@@ -27,18 +27,38 @@ int wrong(Ours ours, Theirs theirs, double from, double to) {
 
 TEST(Elementary, ResultsAreTheNearestDoubles) {
     auto const base_ten = [](auto const& x) { return pow(Reference(10), x); };
-    EXPECT_EQ(wrong(correctly::exp, [](Reference const& x) { return Reference(exp(x)); }, -745, 709), 0);
-    EXPECT_EQ(wrong(correctly::exp, [](Reference const& x) { return Reference(exp(x)); }, -746, -708), 0) << "subnormal";
-    EXPECT_EQ(wrong(correctly::exp2, [](Reference const& x) { return pow(Reference(2), x); }, -1075, 1024), 0);
-    EXPECT_EQ(wrong(correctly::log, [](Reference const& x) { return Reference(log(x)); }, 0, 1e6), 0);
-    EXPECT_EQ(wrong(correctly::log, [](Reference const& x) { return Reference(log(x)); }, 0.9, 1.1), 0);
-    EXPECT_EQ(wrong(correctly::log2, [](Reference const& x) { return Reference(log(x) / log(Reference(2))); }, 0, 1e6), 0);
-    EXPECT_EQ(wrong(correctly::log10, [](Reference const& x) { return Reference(log10(x)); }, 0, 1e6), 0);
-    EXPECT_EQ(wrong(correctly::cos, [](Reference const& x) { return Reference(cos(x)); }, -1e4, 1e4), 0);
-    EXPECT_EQ(wrong(correctly::sin, [](Reference const& x) { return Reference(sin(x)); }, -1e4, 1e4), 0);
+    EXPECT_EQ(wrong(
+                  correctly::exp, [](Reference const& x) { return Reference(exp(x)); }, -745, 709),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::exp, [](Reference const& x) { return Reference(exp(x)); }, -746, -708),
+              0)
+        << "subnormal";
+    EXPECT_EQ(wrong(
+                  correctly::exp2, [](Reference const& x) { return pow(Reference(2), x); }, -1075, 1024),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::log, [](Reference const& x) { return Reference(log(x)); }, 0, 1e6),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::log, [](Reference const& x) { return Reference(log(x)); }, 0.9, 1.1),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::log2, [](Reference const& x) { return Reference(log(x) / log(Reference(2))); }, 0, 1e6),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::log10, [](Reference const& x) { return Reference(log10(x)); }, 0, 1e6),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::cos, [](Reference const& x) { return Reference(cos(x)); }, -1e4, 1e4),
+              0);
+    EXPECT_EQ(wrong(
+                  correctly::sin, [](Reference const& x) { return Reference(sin(x)); }, -1e4, 1e4),
+              0);
     EXPECT_EQ(wrong([](double x) { return correctly::pow(10, x); }, base_ten, -320, 308), 0);
     EXPECT_EQ(wrong([](double x) { return correctly::pow(x, 7.5); }, [](Reference const& x) { return pow(x, Reference(7.5)); }, 0, 1e3), 0);
-    EXPECT_EQ(wrong([](double x) { return correctly::hypot(x, 3); }, [](Reference const& x) { return Reference(sqrt(x * x + 9)); }, -20, 20), 0);
+    EXPECT_EQ(
+        wrong([](double x) { return correctly::hypot(x, 3); }, [](Reference const& x) { return Reference(sqrt(x * x + 9)); }, -20, 20), 0);
     EXPECT_GT(wrong([](double x) { return correctly::exp2(x * 3.3219280948873623); }, base_ten, -320, 308), 0);
 }
 TEST(Elementary, EndsAndSpecialValues) {

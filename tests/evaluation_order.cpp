@@ -23,7 +23,7 @@ public:
     static inline long unordered = 0;
     Ordered() = default;
     explicit Ordered(double x) : value_(x) {}
-    Ordered(Ordered const& other) : value_(other.value_) {}    // a copy of a variable: nothing was rounded for it
+    Ordered(Ordered const& other) : value_(other.value_) {}  // a copy of a variable: nothing was rounded for it
     Ordered(Ordered&&) = default;
     Ordered& operator=(Ordered const&) = default;
     Ordered& operator=(Ordered&&) = default;

@@ -10,7 +10,7 @@ namespace rlslab::exact_fit {
 
 struct Fit {
     Vector<Rational> theta, residuals;
-    Matrix<Rational> inverse;    // (Phi'Phi)^-1
+    Matrix<Rational> inverse;  // (Phi'Phi)^-1
     Rational J;
     double sigma2(Index freedom) const { return static_cast<double>(Rational(J / freedom)); }
     double sd(Index i, Index freedom) const { return std::sqrt(static_cast<double>(Rational(J / freedom * inverse(i, i)))); }
@@ -31,7 +31,7 @@ inline Fit of(Records const& records, Rational const& lambda = 1) {
             for (Index j = 0; j < d; ++j) A(i, j) += x * Rational(records.psi(j, k));
             A(i, d) += x * Rational(records.y[k]);
         }
-    for (Index i = 0; i < d; ++i) {    // positive definite: no pivoting
+    for (Index i = 0; i < d; ++i) {  // positive definite: no pivoting
         Rational const pivot = A(i, i);
         for (Index j = i; j < 2 * d + 1; ++j) A(i, j) /= pivot;
         for (Index r = 0; r < d; ++r) {

@@ -42,7 +42,7 @@ TEST(ExcitationNumbers, OrderTwoByHand) {
 }
 TEST(ExcitationNumbers, OfOnePeriodOfAMaximalRegister) {
     // The n x n Gram matrix over whole periods of M = 31 has the eigenvalues M + 1 (n - 1 times) and M + 1 - n for each period.
-    Signal const u = prbs(5, 31 + 4);    // 31 windows of 5
+    Signal const u = prbs(5, 31 + 4);  // 31 windows of 5
     Excitation const e = excitation(u, 5);
     ExcitationOrder const& five = e.orders[4];
     EXPECT_NEAR(five.least, 27.0 / 31, 1e-11);
@@ -94,7 +94,7 @@ TEST(Resolution, IsTheDecimalsOfTheFile) {
     EXPECT_DOUBLE_EQ(resolution(x), 1e-6);
     x[3] = 0.123456789012;
     EXPECT_DOUBLE_EQ(resolution(x), 1e-12);
-    for (double& v : x) v = std::round(v * 100) * 1000;    // whole thousands are multiples of 1
+    for (double& v : x) v = std::round(v * 100) * 1000;  // whole thousands are multiples of 1
     EXPECT_EQ(resolution(x), 1);
 }
 TEST(Resolution, OfTwentyLevelsIsThatOfBinary64AndOfTwentyOneTheUnit) {
@@ -115,11 +115,14 @@ TEST(Resolution, OfAConverterIsItsStep) {
     EXPECT_NEAR(resolution(two), 1.0 / 3, 1e-9);
     EXPECT_LT(resolution(three), 1e-9);
     EXPECT_EQ(resolution(levels(50, std::sqrt(2.0), 4)) > 1, true);
-    EXPECT_EQ(resolution(white_noise(400, Seed{1})), 0x1p-42 * [] {
-        double most = 0;
-        for (double const v : white_noise(400, Seed{1})) most = std::max(most, std::abs(v));
-        return most;
-    }()) << "numbers of a program: a thousand of binary64's roundings";
+    EXPECT_EQ(
+        resolution(white_noise(400, Seed{1})), 0x1p-42 *
+                                                   [] {
+                                                       double most = 0;
+                                                       for (double const v : white_noise(400, Seed{1})) most = std::max(most, std::abs(v));
+                                                       return most;
+                                                   }())
+        << "numbers of a program: a thousand of binary64's roundings";
 }
 TEST(Resolution, LeastEigenvaluesBelowFourTimesItsNoiseSayNothing) {
     // Whole numbers q = 1: rounding adds 1/12, what counts is above 4/12. A sine of 100 and white noise of variance v: the least
@@ -228,7 +231,8 @@ TEST(DifferenceNumbers, SimulatesItsEquation) {
     // y[k] = 0.5 y[k-1] - 0.25 y[k-2] + 2 u[k-1] + u[k-2] - v[k-1] + 0.125 + xi[k]: by hand.
     DifferenceEquation const m{.a = {-0.5, 0.25}, .b = {{2, 1}, {-1}}, .delay = 1, .c = 0.125};
     Signal const u{1, 2, 0, -1}, v{4, 0, 8, 0}, xi{1, 0, 0, 2};
-    EXPECT_EQ(simulate(m, {u, v}, xi), (Signal{1.125, 0.5625 + 2 - 4 + 0.125, 0.5 * -1.3125 - 0.28125 + 4 + 1 + 0.125, 0.5 * 4.1875 + 0.25 * 1.3125 + 2 - 8 + 0.125 + 2}));
+    EXPECT_EQ(simulate(m, {u, v}, xi), (Signal{1.125, 0.5625 + 2 - 4 + 0.125, 0.5 * -1.3125 - 0.28125 + 4 + 1 + 0.125,
+                                               0.5 * 4.1875 + 0.25 * 1.3125 + 2 - 8 + 0.125 + 2}));
     Signal const y{7, 8, 0, 0};
     Signal const from = simulate_from(m, {u, v}, y, 2);
     EXPECT_EQ(from[0], 7);
@@ -250,7 +254,7 @@ TEST(DifferenceNumbers, RootsAreThoseOfTheirPolynomial) {
     ASSERT_EQ(r.size(), 4u);
     std::vector<std::complex<double>> const should{3, {0.5, 0.5}, {0.5, -0.5}, 0.5};
     for (size_t i = 0; i < 4; ++i) EXPECT_LT(std::abs(r[i] - should[i]), 1e-15) << i << ": largest first, upper half first";
-    auto const refined = roots({-2.0, 1 - 0x1p-40});    // 1 +- 2^-20: the companion matrix alone leaves 2^-33 or so
+    auto const refined = roots({-2.0, 1 - 0x1p-40});  // 1 +- 2^-20: the companion matrix alone leaves 2^-33 or so
     EXPECT_NEAR(refined[0].real() - 1, 0x1p-20, 1e-15);
     EXPECT_NEAR(refined[1].real() - 1, -0x1p-20, 1e-15);
     EXPECT_EQ(roots({-2, 1}).size(), 2u);
@@ -281,7 +285,8 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     for (double const v : x) text += v > 0 ? "1\n" : "-1\n";
     std::string const file = folder.file(text), out = (folder.path / "out").string();
     auto const run = [&](std::string const& words) {
-        int const status = std::system(("'" RLSLAB_PROGRAM "' excitation '" + file + "' --input u " + words + " > '" + out + "' 2>&1").c_str());
+        int const status =
+            std::system(("'" RLSLAB_PROGRAM "' excitation '" + file + "' --input u " + words + " > '" + out + "' 2>&1").c_str());
         std::ifstream in(out);
         EXPECT_EQ(WEXITSTATUS(status), 0);
         return std::string(std::istreambuf_iterator<char>(in), {});
@@ -294,10 +299,15 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     EXPECT_EQ(said["resolution"], e.resolution);
     EXPECT_EQ(said["still"], e.constant_at_start);
     for (size_t i = 0; i < 4; ++i)
-        EXPECT_EQ(said["orders"][i], (json{{"order", i + 1}, {"least_eigenvalue", e.orders[i].least}, {"condition", e.orders[i].condition}, {"definite", true}, {"resolved", true}}));
+        EXPECT_EQ(said["orders"][i], (json{{"order", i + 1},
+                                           {"least_eigenvalue", e.orders[i].least},
+                                           {"condition", e.orders[i].condition},
+                                           {"definite", true},
+                                           {"resolved", true}}));
     std::string const table = run("--max-order 4");
     EXPECT_THAT(table, testing::HasSubstr("exciting of order 4 at least: a model of order 3 can be identified"));
-    EXPECT_THAT(run("--max-order 50"), testing::HasSubstr("exciting of order 20: models up to order 19 can be identified")) << "40 samples: 21 windows of 20";
+    EXPECT_THAT(run("--max-order 50"), testing::HasSubstr("exciting of order 20: models up to order 19 can be identified"))
+        << "40 samples: 21 windows of 20";
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(Numbers, SlopesAreThoseOfTheirScales) {
     Table t({"x", "y"});
     for (double const x : {1.0, 2.0, 4.0}) t.add({x, 3 * x * x});
     EXPECT_NEAR(slope("x", "y")(t), 2, 1e-14);
-    EXPECT_NEAR(linear_slope("x", "y")(t), 72.0 / (14.0 / 3), 1e-13);    // about the means 7/3 and 21
+    EXPECT_NEAR(linear_slope("x", "y")(t), 72.0 / (14.0 / 3), 1e-13);  // about the means 7/3 and 21
     Table decay({"k", "e"});
     for (int k = 0; k < 5; ++k) decay.add({double(k), std::ldexp(7.0, -k)});
     EXPECT_NEAR(rate("k", "e")(decay), -0.69314718055994531, 1e-14);

@@ -21,7 +21,8 @@ StateVector<T> column(Vector<T> const& x) {
     return out;
 }
 
-/// Triangles, right-hand sides and psi = R'w, |w| < 1, of any scale: how many are proven to be solved in range, and how many of these are not.
+/// Triangles, right-hand sides and psi = R'w, |w| < 1, of any scale: how many are proven to be solved in range, and how many of these are
+/// not.
 template <class T>
 std::pair<int, int> proven_and_wrong(int cases, int lowest, int highest) {
     Seed seed{4};
@@ -49,7 +50,9 @@ std::pair<int, int> proven_and_wrong(int cases, int lowest, int highest) {
             for (Index i = 0; i <= j; ++i) sum += double(L(j, i)) * double(L(j, i));
             return sum;
         };
-        if (!solved_in_range<T>(d, length, [&](Index j) { return double(L(j, j)) * double(L(j, j)); }, right)) continue;
+        if (!solved_in_range<T>(
+                d, length, [&](Index j) { return double(L(j, j)) * double(L(j, j)); }, right))
+            continue;
         ++proven;
         solve_lower_transposed(L, z);
         solve_outer(L, psi);
@@ -62,7 +65,7 @@ TEST(Finite, NothingIsProvenThatIsNotSo) {
     auto const check = []<class T>(T, int lowest, int highest) {
         auto const [proven, wrong] = proven_and_wrong<T>(20000, lowest, highest);
         EXPECT_EQ(wrong, 0) << ArithmeticTraits<T>::name << ", of " << proven;
-        EXPECT_GT(proven, 500) << ArithmeticTraits<T>::name;    // of which there are enough to tell
+        EXPECT_GT(proven, 500) << ArithmeticTraits<T>::name;  // of which there are enough to tell
         EXPECT_LT(proven, 19500) << ArithmeticTraits<T>::name;
     };
     check(Chopped<binary16>(0), -8, 8);
@@ -81,15 +84,15 @@ TEST(Finite, OrdinaryDataAreProven) {
         int out = 0;
         double right = 0;
         for (int k = 0; k < 400; ++k) {
-            for (Index i = d - 1; i > 0; --i) psi[i] = psi[i - 1];    // lags of one signal
+            for (Index i = d - 1; i > 0; --i) psi[i] = psi[i - 1];  // lags of one signal
             psi[0] = T(pole * double(psi[0]) + seed.bell());
             T const y = T(seed.bell());
             f.update(psi, y);
             right = 0.99 * right + double(y) * double(y);
             Matrix<T> const P_inverse = f.information();
             Stored<T> const R = f.stored();
-            out += !solved_in_range<T>(d, [&](Index j) { return double(P_inverse(j, j)); },
-                                       [&](Index j) { return double(R.F(j, j)) * double(R.F(j, j)); }, right);
+            out += !solved_in_range<T>(
+                d, [&](Index j) { return double(P_inverse(j, j)); }, [&](Index j) { return double(R.F(j, j)) * double(R.F(j, j)); }, right);
         }
         return out;
     };
@@ -132,7 +135,7 @@ TEST(Finite, WhatIsFedInBlocksIsReported) {
     Problem<double> const p = laws::problem(3);
     EXPECT_EQ(name_of(fed<QrBlock<double>>(p, records.psi, records.y)), "sound");
     for (double bad : {nan, infinity}) {
-        for (Index k : {0, 63, 64, 199}) {    // in the first, in the last block, at their edges
+        for (Index k : {0, 63, 64, 199}) {  // in the first, in the last block, at their edges
             Eigen::MatrixXd psi = records.psi;
             psi(1, k) = bad;
             EXPECT_EQ(name_of(fed<QrBlock<double>>(p, psi, records.y)), "nonfinite") << k;

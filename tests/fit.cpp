@@ -50,7 +50,8 @@ void expect_in_units(Fit const& a, Fit const& b, std::vector<int> const& psi, in
         expect(a.sd[i], unit, b.sd[i], "sd");
         expect(a.low[i], unit, b.low[i], "low");
         expect(a.high[i], unit, b.high[i], "high");
-        for (Index j = 0; j < a.theta.size(); ++j) expect(a.covariance(i, j), 2 * y - psi[size_t(i)] - psi[size_t(j)], b.covariance(i, j), "covariance");
+        for (Index j = 0; j < a.theta.size(); ++j)
+            expect(a.covariance(i, j), 2 * y - psi[size_t(i)] - psi[size_t(j)], b.covariance(i, j), "covariance");
     }
     for (Index k = 0; k < a.residuals.size(); ++k) expect(a.residuals[k], y, b.residuals[k], "residual");
     expect(a.J, 2 * y, b.J, "J");
@@ -64,7 +65,8 @@ struct Case {
     Records records;
 };
 Case any_case() {
-    Index const d = *rc::gen::inRange<Index>(1, 9), rank = *rc::gen::inRange<Index>(1, d + 1), rows = *rc::gen::inRange<Index>(d, 3 * d + 70);
+    Index const d = *rc::gen::inRange<Index>(1, 9), rank = *rc::gen::inRange<Index>(1, d + 1),
+                rows = *rc::gen::inRange<Index>(d, 3 * d + 70);
     unsigned const zeros = *rc::gen::weightedElement<bool>({{3, false}, {1, true}}) ? *rc::gen::inRange(0u, 1u << d) : 0;
     return {d, rank, rows, integers(d, rank, rows, Seed{*rc::gen::arbitrary<std::uint64_t>()}, zeros)};
 }
@@ -85,7 +87,7 @@ RC_GTEST_PROP(Fits, OfEachColumnInAUnitOfItsOwnAreTheSame, ()) {
     for (int& e : psi) e = *rc::gen::inRange(-1000, 1001);
     int const y = *rc::gen::inRange(-1000, 1001);
     for (FitBy by : {FitBy::qr, FitBy::normal_equations}) expect_in_units(fit(c.records, by), fit(times(c.records, psi, y), by), psi, y);
-    RC_ASSERT(fit(times(c.records, psi, y), FitBy::svd).converged);    // which drops what is small beside the rest
+    RC_ASSERT(fit(times(c.records, psi, y), FitBy::svd).converged);  // which drops what is small beside the rest
 }
 RC_GTEST_PROP(Fits, OfRankDeficientRowsAreTheShortestBySvd, ()) {
     Case const c = any_case();
@@ -94,7 +96,7 @@ RC_GTEST_PROP(Fits, OfRankDeficientRowsAreTheShortestBySvd, ()) {
     for (Index j = 0; j < c.d; ++j)
         if (c.records.psi.row(j).isZero(0)) zero.push_back(j);
     RC_ASSERT(f.rank <= c.rank && f.rank <= c.d - Index(zero.size()));
-    for (Index const j : zero) RC_ASSERT(f.theta[j] == 0);    // a parameter that nothing shows
+    for (Index const j : zero) RC_ASSERT(f.theta[j] == 0);  // a parameter that nothing shows
     if (f.rank == 0) return;
     // Phi'(Y - Phi theta) = 0; and theta, the shortest, is what an output without noise gives back. Budgets: kappa u, a thousandfold.
     double const kappa = f.singular[0] / f.singular[f.rank - 1], u = 0x1p-53;
@@ -103,7 +105,7 @@ RC_GTEST_PROP(Fits, OfRankDeficientRowsAreTheShortestBySvd, ()) {
     Fit const again = fit({.psi = c.records.psi, .y = c.records.psi.transpose() * f.theta, .names = {}}, FitBy::svd);
     RC_ASSERT((again.theta - f.theta).norm() <= 1e3 * kappa * u * f.theta.norm());
 }
-TEST(Fits, OfColumnsThatUnderflowWhenSquaredEnd) {    // they did not
+TEST(Fits, OfColumnsThatUnderflowWhenSquaredEnd) {  // they did not
     for (double const size : {1e-160, 1e-300, 0x1p-1074, 1e150, 0x1p1000}) {
         Records records = integers(3, 3, 40, Seed{7}, 0);
         records.psi *= size;
@@ -115,12 +117,12 @@ TEST(Fits, OfColumnsThatUnderflowWhenSquaredEnd) {    // they did not
     Records mixed = integers(3, 3, 40, Seed{7}, 0);
     mixed.psi.row(1) *= 1e-160;
     EXPECT_EQ(fit(mixed, FitBy::svd).rank, 2);
-    EXPECT_EQ(fit(mixed, FitBy::svd, 0.95, 0).rank, 2);    // 2^-440 is the least
+    EXPECT_EQ(fit(mixed, FitBy::svd, 0.95, 0).rank, 2);  // 2^-440 is the least
     mixed.psi.row(1) *= 1e60;
     EXPECT_EQ(fit(mixed, FitBy::svd, 0.95, 0).rank, 3);
     EXPECT_TRUE(fit(mixed, FitBy::svd, 0.95, 0).converged);
 }
-TEST(Fits, OfLowRankEnd) {    // rounding kept one of these on the turn at any scale
+TEST(Fits, OfLowRankEnd) {  // rounding kept one of these on the turn at any scale
     for (std::uint64_t seed = 0; seed < 4000; ++seed) {
         Index const d = 2 + Index(seed % 7), rank = 1 + Index(seed / 7 % std::uint64_t(d));
         EXPECT_TRUE(fit(integers(d, rank, 2 * d, Seed{seed}, 0), FitBy::svd).converged) << seed;
@@ -139,14 +141,17 @@ TEST(Fits, OfWhatIsNotFiniteEnd) {
 TEST(Fits, PercentOfTinyAndHugeOutputs) {
     Vector<double> const y{{1, 2, 4}}, predicted{{1, 2, 3}};
     double const percent = fit_percent(y, predicted);
-    for (int const e : {-1070, -600, 600, 1020}) EXPECT_NEAR(fit_percent(std::scalbn(1.0, e) * y, std::scalbn(1.0, e) * predicted), percent, e == -1070 ? 1 : 0) << e;
+    for (int const e : {-1070, -600, 600, 1020})
+        EXPECT_NEAR(fit_percent(std::scalbn(1.0, e) * y, std::scalbn(1.0, e) * predicted), percent, e == -1070 ? 1 : 0) << e;
     EXPECT_EQ(fit_percent(Vector<double>::Zero(3), Vector<double>::Zero(3)), 100);
     EXPECT_EQ(fit_percent(Vector<double>::Ones(3), Vector<double>::Zero(3)), -HUGE_VAL);
 }
 TEST(Fits, ExcitationDoesNotDependOnTheUnit) {
     Signal u, tiny, huge;
     Seed seed{3};
-    for (int k = 0; k < 200; ++k) u.push_back(std::round(100 * seed.bell()) / 128), tiny.push_back(std::scalbn(u.back(), -530)), huge.push_back(std::scalbn(u.back(), 490));
+    for (int k = 0; k < 200; ++k)
+        u.push_back(std::round(100 * seed.bell()) / 128), tiny.push_back(std::scalbn(u.back(), -530)),
+            huge.push_back(std::scalbn(u.back(), 490));
     Excitation const e = excitation(u, 6);
     EXPECT_EQ(e.order, 6);
     for (Signal const& other : {tiny, huge}) {

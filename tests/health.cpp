@@ -30,7 +30,7 @@ TEST(Health, AnUnderflowOfGammaIsSound) {
         EXPECT_EQ(name_of(step.health), "sound") << variant;
     }
     auto const conventional = entry_of("conventional", "double").make(p, Seed{1});
-    EXPECT_EQ(name_of(conventional->update(Row{{1e90, 0.0}}, 1.0).health), "nonfinite");    // s itself overflows
+    EXPECT_EQ(name_of(conventional->update(Row{{1e90, 0.0}}, 1.0).health), "nonfinite");  // s itself overflows
 }
 
 /// compare() calls broken what is stored, whatever a step reported.
@@ -85,12 +85,10 @@ TEST(Health, ANanIsNotALackOfRows) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{std::nan(""), 1.0}}, 1.0).health), "nonfinite") << entry.variant;
-        for (int k = 1; k <= 3; ++k)
-            EXPECT_EQ(name_of(f->update(Row{{1.0, double(k)}}, 1.0).health), "nonfinite") << entry.variant << k;
+        for (int k = 1; k <= 3; ++k) EXPECT_EQ(name_of(f->update(Row{{1.0, double(k)}}, 1.0).health), "nonfinite") << entry.variant << k;
     }
     Information<float> broken({.size = 2});
-    for (int k = 0; k < 4; ++k)
-        EXPECT_NE(name_of(broken.update(Vector<float>{{1e4f, 1e4f + float(k)}}, 1.0f).health), "undetermined") << k;
+    for (int k = 0; k < 4; ++k) EXPECT_NE(name_of(broken.update(Vector<float>{{1e4f, 1e4f + float(k)}}, 1.0f).health), "undetermined") << k;
 }
 
 /// A prior so large that the row's weight vanishes behind the first column: theta is defined all along.

@@ -23,7 +23,7 @@ struct Case {
     Seed seed;
     Entry const& entry;
     Index size;
-    bool clamped;    // to the exponents of the arithmetic, half of the cases: short formats are then hit inside of their range
+    bool clamped;  // to the exponents of the arithmetic, half of the cases: short formats are then hit inside of their range
 
     explicit Case(Seed from)
         : seed(from), entry(catalogue()[seed.next() % catalogue().size()]), size(Index(1 + seed.next() % (seed.next() % 8 == 0 ? 33 : 8))),
@@ -35,21 +35,22 @@ struct Case {
         Arithmetic const& a = *entry.arithmetic;
         int const lowest = std::max(-1000, clamped ? a.min_exp - a.digits : -1000), highest = std::min(1000, clamped ? a.max_exp : 1000);
         switch (seed.next() % 6) {
-        case 0: return std::ldexp(1.0, lowest + int(seed.next() % 8));
-        case 1: return std::ldexp(1.0, highest - int(seed.next() % 8));
-        case 2: return std::ldexp(1.0, highest / 2 - int(seed.next() % 8));
-        case 3: return std::ldexp(1.0, lowest + int(seed.next() % std::uint64_t(highest - lowest + 1)));
-        default: return std::ldexp(1.0, int(seed.next() % 9) - 4);
+            case 0: return std::ldexp(1.0, lowest + int(seed.next() % 8));
+            case 1: return std::ldexp(1.0, highest - int(seed.next() % 8));
+            case 2: return std::ldexp(1.0, highest / 2 - int(seed.next() % 8));
+            case 3: return std::ldexp(1.0, lowest + int(seed.next() % std::uint64_t(highest - lowest + 1)));
+            default: return std::ldexp(1.0, int(seed.next() % 9) - 4);
         }
     }
     double number() {
         switch (seed.next() % 60) {
-        case 0: return std::numeric_limits<double>::quiet_NaN();
-        case 1: return one_in(2) ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity();
-        case 2: case 3: return 0;
-        case 4: return 1;
-        case 5: return -0.0;
-        default: return seed.bell();
+            case 0: return std::numeric_limits<double>::quiet_NaN();
+            case 1: return one_in(2) ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity();
+            case 2:
+            case 3: return 0;
+            case 4: return 1;
+            case 5: return -0.0;
+            default: return seed.bell();
         }
     }
     double forgetting() {
@@ -65,7 +66,7 @@ struct Case {
             return p;
         }
         double const variance = entry.arithmetic->round(scale());
-        if (variance > 0) p.prior->variance = variance;    // one that overflowed is let in
+        if (variance > 0) p.prior->variance = variance;  // one that overflowed is let in
         if (one_in(4)) p.prior->theta = Vector<double>::NullaryExpr(size, [this] { return seed.bell() * scale(); });
         if (one_in(4)) {
             double const s = scale();
@@ -113,19 +114,22 @@ std::string run(Seed seed) {
     Entry const& entry = c.entry;
     std::ostringstream told;
     told.precision(17);
-    told << "HOSTILE_SEED=0x" << std::hex << seed.state << std::dec << ": " << entry.variant << " in " << entry.arithmetic->name << ", " << c.size;
+    told << "HOSTILE_SEED=0x" << std::hex << seed.state << std::dec << ": " << entry.variant << " in " << entry.arithmetic->name << ", "
+         << c.size;
     std::unique_ptr<AnyFilter> f;
     try {
         Problem<double> const p = c.problem();
         told << " parameters, lambda " << p.forgetting;
-        if (p.prior) told << ", P0 " << p.prior->variance << (p.prior->covariance ? ", full" : "") << (p.prior->theta ? ", theta0" + text(*p.prior->theta) : "");
+        if (p.prior)
+            told << ", P0 " << p.prior->variance << (p.prior->covariance ? ", full" : "")
+                 << (p.prior->theta ? ", theta0" + text(*p.prior->theta) : "");
         f = entry.make(p, Seed{c.seed.next()});
-    } catch (std::invalid_argument const&) {    // P0 need not be positive definite once it is rounded
+    } catch (std::invalid_argument const&) {  // P0 need not be positive definite once it is rounded
         return "";
     }
     bool was_finite = finite(f->stored(), entry.variant);
     double const of_psi = c.scale(), of_y = c.scale();
-    bool const by_column = c.one_in(3), by_row = c.one_in(3), silent = c.one_in(2);    // silent: nothing but numbers
+    bool const by_column = c.one_in(3), by_row = c.one_in(3), silent = c.one_in(2);  // silent: nothing but numbers
     Vector<double> columns(c.size);
     for (double& s : columns) s = by_column ? c.scale() : 1;
     std::vector<double> last;

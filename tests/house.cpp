@@ -38,7 +38,8 @@ Tree const& project() {
             std::string const name = room.path().filename();
             if (!room.is_directory() || name.starts_with(".") || name == "build" || name == "out") continue;
             for (auto const& file : fs::recursive_directory_iterator(room))
-                if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp") out[file.path().lexically_relative(root)] = text(file);
+                if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp")
+                    out[file.path().lexically_relative(root)] = text(file);
         }
         return out;
     }();
@@ -64,7 +65,7 @@ TEST(House, EveryPairOccursOnceInTheCatalogue) {
     for (Entry const& entry : catalogue()) EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
     size_t dense = 0;
     for (auto const& [variant, arithmetic] : pairs) dense += !variant.ends_with("_sparse");
-    EXPECT_EQ(dense, (variant_files().size() - 2) * arithmetics().size());    // the sparse two are binary64 only
+    EXPECT_EQ(dense, (variant_files().size() - 2) * arithmetics().size());  // the sparse two are binary64 only
 }
 TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
     for (std::string const& name : variant_files()) {
@@ -85,7 +86,7 @@ TEST(House, NoFileIsLongerThanFourHundredLines) {
 
 struct Folder {
     std::string path;
-    std::vector<std::string> stands_on;    ///< and on all that these stand on
+    std::vector<std::string> stands_on;  ///< and on all that these stand on
 };
 /// THE order of the house: a folder includes what it stands on, and nothing else. Each names folders that come before it.
 std::vector<Folder> const house{
@@ -157,7 +158,7 @@ std::vector<std::string> included(std::string const& code) {
 std::vector<std::string> faults(Tree const& tree) {
     std::vector<std::string> out;
     auto const under = foundations();
-    std::map<std::string, std::set<std::string>> reached;    // folders, by the folder that includes of them
+    std::map<std::string, std::set<std::string>> reached;  // folders, by the folder that includes of them
     for (auto const& [path, code] : tree) {
         std::string const from = folder_of(path);
         if (!under.contains(from)) out.push_back(path + ": its folder has no place in the house");
@@ -168,12 +169,13 @@ std::vector<std::string> faults(Tree const& tree) {
             if (from != to) reached[from].insert(to);
         }
     }
-    for (size_t growing = 1, before = 0; growing != before;) {    // until ways of any length are in it
+    for (size_t growing = 1, before = 0; growing != before;) {  // until ways of any length are in it
         before = growing;
         growing = 0;
         for (auto& [from, to] : reached) {
             for (std::string const& by : std::set(to))
-                if (auto const further = reached.find(by); further != reached.end()) to.insert(further->second.begin(), further->second.end());
+                if (auto const further = reached.find(by); further != reached.end())
+                    to.insert(further->second.begin(), further->second.end());
             growing += to.size();
         }
     }
@@ -211,12 +213,14 @@ TEST(House, AnArrowUpIsRefusedInEveryFolder) {
 TEST(House, ACircleIsRefused) {
     Tree tree = project();
     tree["src/rlslab/core/planted.hpp"] = "// By way of two others.\n#pragma once\n\n#  include <rlslab/reference/certified.hpp>\n";
-    EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle", "src/rlslab/reference: in a circle"}));
+    EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle",
+                                                     "src/rlslab/reference: in a circle"}));
     EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}), Not(Contains("bench: in a circle")));
 }
 TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
     Tree tree = project();
-    tree["variants/planted.hpp"] = "#include <rlslab/problem.hpp>\n#include \"page.hpp\"\n#include <vector>\n#include <rlslab/variants/ud.hpp>\n";
+    tree["variants/planted.hpp"] =
+        "#include <rlslab/problem.hpp>\n#include \"page.hpp\"\n#include <vector>\n#include <rlslab/variants/ud.hpp>\n";
     tree["attic/planted.cpp"] = "";
     EXPECT_THAT(faults(tree), testing::UnorderedElementsAre("variants/planted.hpp: src/rlslab/problem.hpp is not in the tree",
                                                             "variants/planted.hpp: page.hpp is not in the tree",
@@ -228,8 +232,9 @@ TEST(House, EveryFileSaysWhatItIs) {
 
 /// Private words that the field has a word for: their old -> new is in CHANGELOG.md.
 std::vector<std::string> private_words(std::string const& code) {
-    static std::regex const words("\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
-                                  "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags)\\b(?!\\|)");
+    static std::regex const words(
+        "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
+        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags)\\b(?!\\|)");
     std::vector<std::string> out;
     for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
     return out;
@@ -239,7 +244,8 @@ TEST(House, NamesAreTheFieldsWords) {
         if (path != "tests/house.cpp") {
             EXPECT_THAT(private_words(code), testing::IsEmpty()) << path;
         }
-    EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"), (std::vector<std::string>{"Undisturbed", "absorb"}));
+    EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
+              (std::vector<std::string>{"Undisturbed", "absorb"}));
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(Signals, APrbsHasItsPeriodItsBalanceAndItsCorrelation) {
     for (int m = 2; m <= 20; ++m) {
         Index const M = (Index(1) << m) - 1;
         Signal const u = prbs(m, 2 * M);
-        std::vector<bool> seen(size_t(M) + 1, false);    // every register state but zero comes once: maximal length
+        std::vector<bool> seen(size_t(M) + 1, false);  // every register state but zero comes once: maximal length
         Index ones = 0, states = 0;
         for (Index k = 0; k < M; ++k) {
             size_t state = 0;
@@ -50,7 +50,7 @@ TEST(Signals, AMultisineHasItsLinesAndVarianceOne) {
     double power = 0;
     for (double const x : u) power += x * x / 240;
     EXPECT_NEAR(power, 1, 1e-12);
-    Signal dense = multisine(48, 10);    // lines far apart: 20 eigenvalues well above rounding
+    Signal dense = multisine(48, 10);  // lines far apart: 20 eigenvalues well above rounding
     for (int period = 1; period < 6; ++period) dense.insert(dense.end(), dense.begin(), dense.begin() + 48);
     EXPECT_EQ(excitation(dense, 30).order, 20);
 }
@@ -64,14 +64,14 @@ TEST(Signals, AreTheSameBitsEverywhere) {
 
 TEST(Excitation, OfWhatIsKnown) {
     EXPECT_EQ(excitation(white_noise(400, Seed{1}), 12).order, 12);
-    EXPECT_EQ(excitation(prbs(5, 300), 31).order, 31);    // of order M, as its mean is not zero
+    EXPECT_EQ(excitation(prbs(5, 300), 31).order, 31);  // of order M, as its mean is not zero
     EXPECT_EQ(excitation(Signal(300, 2.5), 6).order, 1);
     EXPECT_EQ(excitation(Signal(300, 0.0), 6).order, 0);
     EXPECT_EQ(excitation(Signal(300, 2.5), 6).constant_at_start, 300);
     Signal sine(400);
     for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
     EXPECT_EQ(excitation(sine, 6).order, 2);
-    for (double& x : sine) x = std::round(1e4 * x) / 1e4;    // as a file with four decimals has it
+    for (double& x : sine) x = std::round(1e4 * x) / 1e4;  // as a file with four decimals has it
     EXPECT_EQ(excitation(sine, 6).order, 2);
     EXPECT_EQ(excitation(sine, 6).exact_order, 6) << "its rounding excites everything, to the eye of exact arithmetic";
 }
@@ -124,9 +124,12 @@ TEST(OrderRecursive, EqualsBatchAtEveryOrderInRationals) {
         EXPECT_EQ(recursion.append(X.col(d - 1)).health, Health::sound);
         // The normal equations, and P as the Gram matrix's inverse.
         Matrix<Rational> const Phi = X.leftCols(d), G = Phi.transpose().lazyProduct(Phi);
-        Vector<Rational> const theta = recursion.theta(), gradient = Phi.transpose().lazyProduct(Y - Vector<Rational>(Phi.lazyProduct(theta)));
+        Vector<Rational> const theta = recursion.theta(),
+                               gradient = Phi.transpose().lazyProduct(Y - Vector<Rational>(Phi.lazyProduct(theta)));
         EXPECT_TRUE(gradient == Vector<Rational>(Vector<Rational>::Zero(d))) << d;
-        EXPECT_TRUE(Matrix<Rational>(G.lazyProduct(Matrix<Rational>(recursion.covariance()))) == Matrix<Rational>(Matrix<Rational>::Identity(d, d))) << d;
+        EXPECT_TRUE(Matrix<Rational>(G.lazyProduct(Matrix<Rational>(recursion.covariance()))) ==
+                    Matrix<Rational>(Matrix<Rational>::Identity(d, d)))
+            << d;
         Vector<Rational> const eps = Y - Vector<Rational>(Phi.lazyProduct(theta));
         Rational J = 0;
         for (Rational const& x : eps) J += x * x;
@@ -177,7 +180,8 @@ TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
         for (int i = 0; i <= order; ++i) theta[order + i] = model.b[0][size_t(i)];
         Reference size = sqrt(Reference(theta.squaredNorm()));
         for (auto variant : {"ud", "carlson", "potter", "inverse_qr", "qr", "gentleman", "qr_block"}) {
-            auto const entry = std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.variant == variant && e.arithmetic->name == "double"; });
+            auto const entry =
+                std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.variant == variant && e.arithmetic->name == "double"; });
             auto const filter = entry->make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
             filter->update_block(records, 0, records.rows());
             Vector<Reference> const off = filter->theta() - theta;
@@ -237,7 +241,8 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
         EXPECT_TRUE(m.warnings.empty()) << m.warnings.front();
     }
     std::string const still = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
-    EXPECT_THAT(files::message_of([&] { identify(still, {.inputs = {"u"}, .output = "y", .order = 1}); }), HasSubstr("column \"y\" does not change"));
+    EXPECT_THAT(files::message_of([&] { identify(still, {.inputs = {"u"}, .output = "y", .order = 1}); }),
+                HasSubstr("column \"y\" does not change"));
 }
 /// With forgetting the estimate scatters as its own standard deviation says.
 TEST(Identify, StandardDeviationsHoldWithForgetting) {
@@ -253,7 +258,7 @@ TEST(Identify, StandardDeviationsHoldWithForgetting) {
                                       {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
         inside += m.parameters[2].low <= 1 && 1 <= m.parameters[2].high;
     }
-    EXPECT_NEAR(inside / double(records), 0.95, 0.06);    // four standard deviations of 200 draws
+    EXPECT_NEAR(inside / double(records), 0.95, 0.06);  // four standard deviations of 200 draws
 }
 TEST(Identify, TakesSeveralInputs) {
     files::Folder const folder;
@@ -261,9 +266,9 @@ TEST(Identify, TakesSeveralInputs) {
     Signal const u = prbs(9, 1500), v = white_noise(1500, Seed{5});
     std::string const file = folder.file(csv({u, v, simulate(model, {u, v}, Signal(1500, 0.0))}, "u,v,y"));
     Identified const m = identify(file, {.inputs = {"u", "v"}, .output = "y", .order = 1});
-    ASSERT_EQ(m.parameters.size(), 6u);    // and the constant
+    ASSERT_EQ(m.parameters.size(), 6u);  // and the constant
     EXPECT_EQ(m.parameters[3].name, "b0[v]");
-    EXPECT_NEAR(m.parameters[3].value, -2, 1e-4);    // six decimals in the file
+    EXPECT_NEAR(m.parameters[3].value, -2, 1e-4);  // six decimals in the file
     EXPECT_NEAR(m.model.b[1][1], 0.25, 1e-4);
 }
 TEST(Identify, SaysWhichOrderAPoorInputSupports) {

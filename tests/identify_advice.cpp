@@ -39,7 +39,8 @@ protected:
 
 TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
     Signal const u = prbs(9, 900), y = simulate(order_three, {u}, scaled(white_noise(900, Seed{1}), 0.05));
-    Identified const at_limit = identified(u, y, {.max_order = 2}), below = identified(u, y, {.max_order = 6}), given = identified(u, y, {.order = 2});
+    Identified const at_limit = identified(u, y, {.max_order = 2}), below = identified(u, y, {.max_order = 6}),
+                     given = identified(u, y, {.order = 2});
     EXPECT_EQ(at_limit.order, 2);
     EXPECT_THAT(at_limit.warnings, Contains(HasSubstr("order 2 is the largest that was tried: a higher one may be better: --max-order 4")));
     EXPECT_EQ(below.order, 3);
@@ -61,22 +62,23 @@ TEST_F(Advice, AnOrderThatTheInputLimitsAsksForARicherInput) {
 TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
     Signal const u = white_noise(600, Seed{2});
     Signal y(600, 0.0);
-    for (size_t k = 1; k < 600; ++k) y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();    // the gain changes its sign
+    for (size_t k = 1; k < 600; ++k) y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();  // the gain changes its sign
     Identified const m = identified(u, y, {.order = 1});
     EXPECT_LT(m.held_out_one_step, 0);
-    EXPECT_THAT(m.warnings, Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"), HasSubstr("do not use it there"),
-                                                    HasSubstr("--validate"), HasSubstr("--forgetting"))));
+    EXPECT_THAT(m.warnings, Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"),
+                                                    HasSubstr("do not use it there"), HasSubstr("--validate"), HasSubstr("--forgetting"))));
     EXPECT_THAT(m.warnings, Not(Contains(HasSubstr("use it for prediction only"))));
     EXPECT_THAT(as_table(m), HasSubstr("warning: held out, the model predicts worse"));
 }
 TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
     Signal const u = scaled(white_noise(600, Seed{2}), 0.01);
     Signal y(600, 0.0);
-    for (size_t k = 1; k < 600; ++k) y[k] = y[k - 1] + u[k - 1] + 0.3 * Seed{k}.bell();    // a random walk
+    for (size_t k = 1; k < 600; ++k) y[k] = y[k - 1] + u[k - 1] + 0.3 * Seed{k}.bell();  // a random walk
     Identified const m = identified(u, y, {.order = 1});
     ASSERT_GT(m.held_out_one_step, 0);
     ASSERT_LT(m.held_out_simulated, 0);
-    EXPECT_THAT(m.warnings, Contains(testing::AllOf(HasSubstr("simulates worse than the mean of y (-"), HasSubstr("use it for prediction only"))));
+    EXPECT_THAT(m.warnings,
+                Contains(testing::AllOf(HasSubstr("simulates worse than the mean of y (-"), HasSubstr("use it for prediction only"))));
     EXPECT_THAT(m.warnings, Not(Contains(HasSubstr("predicts worse"))));
 }
 
@@ -85,10 +87,13 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
 TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
     Signal const u = prbs(9, 900);
     // Noise with dynamics of its own: nothing to do with u.
-    Identified const coloured = identified(u, simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u}, scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
-                                           {.na = 0, .nb = {1}});
+    Identified const coloured =
+        identified(u, simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u}, scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
+                   {.na = 0, .nb = {1}});
     EXPECT_FALSE(coloured.ljung_box.white());
-    EXPECT_THAT(coloured.warnings, Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "), HasSubstr("the noise has dynamics of its own"), HasSubstr("--forgetting 0.99"))));
+    EXPECT_THAT(coloured.warnings,
+                Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "), HasSubstr("the noise has dynamics of its own"),
+                                        HasSubstr("--forgetting 0.99"))));
     // Order 1 of a system of order 3: they follow u.
     Identified const low = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
     EXPECT_FALSE(low.ljung_box.white());
@@ -125,7 +130,8 @@ TEST(AdviceParts, ResidualsFollowAnInputFromTwoLagsOn) {
     }
 }
 TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
-    for (std::complex<double> const pole : {std::complex<double>(1, 0), {-1, 0}, {0, 1}, {1.001, 0}, {std::nextafter(1, 0), 0}, {-0.999, 0}}) {
+    for (std::complex<double> const pole :
+         {std::complex<double>(1, 0), {-1, 0}, {0, 1}, {1.001, 0}, {std::nextafter(1, 0), 0}, {-0.999, 0}}) {
         Identified m = unremarkable();
         m.poles = {pole, {0.5, 0}};
         advise(m, 0);
@@ -137,9 +143,11 @@ TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
 // --- delay --------------------------------------------------------------------------------------------------------------------
 
 TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {
-    std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"b2", "", 0, 2}, {"b0[v]", "", 1, 0}, {"b1[v]", "", 1, 1}, {"c", "", -2, 0}};
+    std::vector<Term> const terms{{"a1", "", -1, 1},   {"b0", "", 0, 0},    {"b1", "", 0, 1}, {"b2", "", 0, 2},
+                                  {"b0[v]", "", 1, 0}, {"b1[v]", "", 1, 1}, {"c", "", -2, 0}};
     auto const parameter = [](double low, double high) { return Parameter{"", "", 0, 1, low, high}; };
-    std::vector<Parameter> parameters{parameter(-1, 1), parameter(-1, 1), parameter(0, 2), parameter(1e-9, 2), parameter(-1, 1), parameter(-2, 0), parameter(-1, 1)};
+    std::vector<Parameter> parameters{parameter(-1, 1), parameter(-1, 1), parameter(0, 2), parameter(1e-9, 2),
+                                      parameter(-1, 1), parameter(-2, 0), parameter(-1, 1)};
     EXPECT_EQ(idle_lead(terms, parameters, 0), 2) << "an interval that ends at 0 holds it";
     EXPECT_EQ(idle_lead(terms, parameters, 1), 0) << "all of them: no delay explains that";
     parameters[1] = parameter(-2, -1e-9);
@@ -166,7 +174,7 @@ TEST_F(Advice, ADelayIsFound) {
 TEST(Cancellations, OfRealRootsAreJudgedByTheirStandardDeviations) {
     DifferenceEquation const model{.a = {-0.5}, .b = {{2, -0.8}}, .delay = 0, .c = 0};
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"c", "", -2, 0}};
-    constexpr double quantile = 3.841458820694124;    // 95 %
+    constexpr double quantile = 3.841458820694124;  // 95 %
     for (double const off : {0.999, 1.001}) {
         double const S = 0.01 / quantile * off, sd_a = std::sqrt(0.36 * S), sd_b1 = 2 * std::sqrt(0.64 * S);
         Estimation const e{Vector<double>{{sd_a, 0, sd_b1, 7}}, Matrix<double>::Identity(4, 4)};
@@ -212,7 +220,7 @@ TEST(Cancellations, OfComplexRootsAreJudgedInTwoDimensions) {
     Vector<double> const x{{delta.real(), delta.imag()}};
     double const q = (x(0) * x(0) * S(1, 1) - 2 * x(0) * x(1) * S(0, 1) + x(1) * x(1) * S(0, 0)) / (S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0));
     ASSERT_GT(q, 0.5);
-    double const at = 1 - std::exp(-q / 2);    // the confidence at which q is the quantile
+    double const at = 1 - std::exp(-q / 2);  // the confidence at which q is the quantile
     EXPECT_TRUE(cancellations(model, terms, e, at - 1e-5).empty());
     auto const found = cancellations(model, terms, e, at + 1e-5);
     ASSERT_EQ(found.size(), 1u) << "a pair is told of once";
@@ -243,30 +251,37 @@ TEST_F(Advice, PolesAndZerosThatCancelNameTheLowerOrder) {
     Signal const u = prbs(9, 900), y = simulate(one, {u}, scaled(white_noise(900, Seed{4}), 0.3));
     Identified const m = identified(u, y, {.order = 2});
     ASSERT_EQ(m.cancellations.size(), 1u);
-    EXPECT_THAT(m.warnings, Contains(testing::AllOf(HasSubstr("cannot tell apart pole "), HasSubstr("they may cancel, and the residuals of order 1 pass for white, too: --order 1"))));
+    EXPECT_THAT(m.warnings,
+                Contains(testing::AllOf(HasSubstr("cannot tell apart pole "),
+                                        HasSubstr("they may cancel, and the residuals of order 1 pass for white, too: --order 1"))));
     EXPECT_THAT(identified(u, y, {.order = 1}).warnings, IsEmpty());
     EXPECT_THAT(identified(u, y, {.na = 2, .nb = {2}}).warnings, Contains(HasSubstr("lower --na and --nb")));
     // Noise of order 2 beside a path of order 1: the pair models the noise, and order 1 alone is not white.
-    DifferenceEquation const both{.a = {-0.8 + 1.0, 0.8 - 0.8, -0.64}, .b = {{1, 1.0, 0.8}}, .delay = 0, .c = 0};    // (1 - 0.8/z)(1 + 1/z + 0.8/z^2)
+    DifferenceEquation const both{
+        .a = {-0.8 + 1.0, 0.8 - 0.8, -0.64}, .b = {{1, 1.0, 0.8}}, .delay = 0, .c = 0};  // (1 - 0.8/z)(1 + 1/z + 0.8/z^2)
     Identified const with_noise = identified(u, simulate(both, {u}, scaled(white_noise(900, Seed{6}), 0.3)), {.order = 3});
     ASSERT_FALSE(with_noise.cancellations.empty());
     EXPECT_THAT(with_noise.warnings, Not(Contains(HasSubstr("cancel"))));
-    EXPECT_THAT(with_noise.hints, Contains(HasSubstr("what may cancel models the noise, for order 1 alone leaves residuals that are not white")));
+    EXPECT_THAT(with_noise.hints,
+                Contains(HasSubstr("what may cancel models the noise, for order 1 alone leaves residuals that are not white")));
 }
 
 // --- gain and poles -----------------------------------------------------------------------------------------------------------
 
 TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}};
-    DifferenceEquation const model{.a = {-0.9}, .b = {{2}}, .delay = 0, .c = 0};    // A(1) = 0.1
-    auto const of = [&](double sd_a, double t) { return gain_of(model, terms, {Vector<double>{{sd_a, 0.5}}, Matrix<double>::Identity(2, 2)}, 0, t); };
+    DifferenceEquation const model{.a = {-0.9}, .b = {{2}}, .delay = 0, .c = 0};  // A(1) = 0.1
+    auto const of = [&](double sd_a, double t) {
+        return gain_of(model, terms, {Vector<double>{{sd_a, 0.5}}, Matrix<double>::Identity(2, 2)}, 0, t);
+    };
     EXPECT_NEAR(of(0.0499, 2).first, 20, 1e-12);
     EXPECT_NEAR(of(0.01, 2).second, std::sqrt(25 + 4), 1e-12) << "(0.5 / 0.1)^2 + (20 / 0.1 x 0.01)^2";
     EXPECT_TRUE(std::isnan(of(0.0501, 2).first));
     EXPECT_TRUE(std::isnan(of(0.0499, 2.01).first));
 }
 TEST_F(Advice, APoleOutsideTheCircleIsNamed) {
-    Signal const u = prbs(9, 200), y = simulate({.a = {-1.02}, .b = {{0, 1}}, .delay = 0, .c = 0}, {u}, scaled(white_noise(200, Seed{8}), 0.1));
+    Signal const u = prbs(9, 200),
+                 y = simulate({.a = {-1.02}, .b = {{0, 1}}, .delay = 0, .c = 0}, {u}, scaled(white_noise(200, Seed{8}), 0.1));
     Identified const m = identified(u, y, {.order = 1, .detrend = false});
     ASSERT_GE(std::abs(m.poles[0]), 1);
     EXPECT_THAT(m.warnings, Contains(HasSubstr("a pole lies on or outside the unit circle")));

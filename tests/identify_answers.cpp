@@ -39,7 +39,8 @@ Signal slow_input(Index n) {
 
 /// Where a NaN or an infinity stands as a number.
 std::vector<std::string> not_numbers(std::string text) {
-    static std::regex const code("<(script|style)(?! type=\"application/json\")[^]*?</(script|style)>"), word("[^a-z_](nan|inf|infinity)[^a-z_]", std::regex::icase);
+    static std::regex const code("<(script|style)(?! type=\"application/json\")[^]*?</(script|style)>"),
+        word("[^a-z_](nan|inf|infinity)[^a-z_]", std::regex::icase);
     text = std::regex_replace(text, code, " ");
     std::vector<std::string> out;
     for (std::sregex_iterator at(text.begin(), text.end(), word), end; at != end; ++at)
@@ -72,8 +73,7 @@ TEST(IdentifyAnswers, NoNumberIsMissingForAnIllConditionedRecord) {
         EXPECT_LT(p.low, p.high) << p.name;
     }
     expect_numbers(m, "order 10");
-    for (std::string const& warning : m.warnings)
-        EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
+    for (std::string const& warning : m.warnings) EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
 }
 
 /// The standard deviations of that record, by exact rationals: sigma^2 (Phi'Phi)^-1 without a prior.
@@ -93,13 +93,17 @@ TEST(IdentifyAnswers, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
 
 TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
     files::Folder const folder;
-    std::string const slow = folder.file(record(slow_input(200), 0, 4), "slow.csv"), noisy = folder.file(record(prbs(7, 200), 0.01, 6), "noisy.csv"),
-                      tiny = folder.file("u,y\n" + [] {
-                          std::string out;
-                          Signal const u = white_noise(60, Seed{2}), e = white_noise(60, Seed{3});
-                          for (size_t k = 0; k < u.size(); ++k) out += fmt::format("{},{}\n", 1e-100 * u[k], 1e90 * (u[k] + e[k]));
-                          return out;
-                      }(), "tiny.csv");
+    std::string const slow = folder.file(record(slow_input(200), 0, 4), "slow.csv"),
+                      noisy = folder.file(record(prbs(7, 200), 0.01, 6), "noisy.csv"),
+                      tiny = folder.file(
+                          "u,y\n" +
+                              [] {
+                                  std::string out;
+                                  Signal const u = white_noise(60, Seed{2}), e = white_noise(60, Seed{3});
+                                  for (size_t k = 0; k < u.size(); ++k) out += fmt::format("{},{}\n", 1e-100 * u[k], 1e90 * (u[k] + e[k]));
+                                  return out;
+                              }(),
+                          "tiny.csv");
     int broken = 0;
     for (std::string const& variant : variants())
         for (std::string const& file : {slow, noisy, tiny})
@@ -130,7 +134,9 @@ TEST(IdentifyAnswers, AVariantThatBrokeDownExitsWithOneAndIsNamed) {
     std::string const file = folder.file(record(slow_input(1024), 0, 6));
     auto const run = [&](std::string const& variant) {
         std::string const out = (folder.path / "out.txt").string();
-        int const status = std::system(("'" RLSLAB_PROGRAM "' identify '" + file + "' --input u --output y --order 10 --variant " + variant + " > '" + out + "' 2>&1").c_str());
+        int const status = std::system(
+            ("'" RLSLAB_PROGRAM "' identify '" + file + "' --input u --output y --order 10 --variant " + variant + " > '" + out + "' 2>&1")
+                .c_str());
         std::ifstream in(out);
         return std::pair(WEXITSTATUS(status), std::string(std::istreambuf_iterator<char>(in), {}));
     };

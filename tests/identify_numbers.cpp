@@ -44,7 +44,8 @@ struct Rows {
         all = {.psi = Matrix<double>(8, n - first), .y = Vector<double>(n - first), .names = {}};
         auto const at = [&](Signal const& x, Index k, size_t column) { return x[size_t(k)] - m.means[column]; };
         for (Index k = first; k < n; ++k) {
-            all.psi.col(k - first) << -at(t.y, k - 1, 2), -at(t.y, k - 2, 2), at(t.u, k - 1, 0), at(t.u, k - 2, 0), at(t.v, k, 1), at(t.v, k - 1, 1), at(t.v, k - 2, 1), 1;
+            all.psi.col(k - first) << -at(t.y, k - 1, 2), -at(t.y, k - 2, 2), at(t.u, k - 1, 0), at(t.u, k - 2, 0), at(t.v, k, 1),
+                at(t.v, k - 1, 1), at(t.v, k - 2, 1), 1;
             all.y[k - first] = at(t.y, k, 2);
         }
         Index const held = m.held_out;
@@ -54,7 +55,7 @@ struct Rows {
 
 IdentifyOptions options() {
     IdentifyOptions o{.inputs = {"u", "v"}, .output = "y", .na = 2, .nb = {1, 2}, .delay = {1, 0}};
-    o.variant = "qr", o.p0 = 0x1p100, o.confidence = 0.9;    // a prior that does not show
+    o.variant = "qr", o.p0 = 0x1p100, o.confidence = 0.9;  // a prior that does not show
     return o;
 }
 
@@ -67,7 +68,9 @@ protected:
     exact_fit::Fit const exact = exact_fit::of(rows.fitted);
     static constexpr Index N = 58, d = 8, held = 30;
     static double number(Rational const& x) { return static_cast<double>(x); }
-    Vector<double> theta() const { return exact.theta.unaryExpr([](Rational const& x) { return number(x); }).cast<double>(); }
+    Vector<double> theta() const {
+        return exact.theta.unaryExpr([](Rational const& x) { return number(x); }).cast<double>();
+    }
     Matrix<double> covariance() const {
         Matrix<double> out(d, d);
         for (Index j = 0; j < d; ++j)
@@ -190,7 +193,9 @@ TEST_F(IdentifyNumbers, PolesZerosAndGains) {
     ASSERT_EQ(m.zeros[1].size(), 2u);
     EXPECT_NEAR(std::abs(m.zeros[1][0] + m.zeros[1][1] + t[5] / t[4]), 0, 1e-10);
     EXPECT_NEAR(std::abs(m.zeros[1][0] * m.zeros[1][1] - t[6] / t[4]), 0, 1e-10);
-    auto const gain = [](Vector<double> const& x, int input) { return (input == 0 ? x[2] + x[3] : x[4] + x[5] + x[6]) / (1 + x[0] + x[1]); };
+    auto const gain = [](Vector<double> const& x, int input) {
+        return (input == 0 ? x[2] + x[3] : x[4] + x[5] + x[6]) / (1 + x[0] + x[1]);
+    };
     for (int input : {0, 1}) {
         EXPECT_NEAR(m.gain[size_t(input)], gain(t, input), 1e-11);
         Vector<double> slope(d);
@@ -206,8 +211,9 @@ TEST_F(IdentifyNumbers, TheTrajectory) {
     EXPECT_EQ(m.trajectory.size(), size_t(N)) << "a checkpoint for each row, where rows are few";
     EXPECT_EQ(m.trajectory.back().row, N);
     for (Index i = 0; i < d; ++i) EXPECT_EQ(m.trajectory.back().sd[i], m.parameters[size_t(i)].sd);
-    TrajectoryPoint const& point = m.trajectory[30];    // with the sigma of all rows
-    exact_fit::Fit const then = exact_fit::of({.psi = rows.fitted.psi.leftCols(point.row), .y = rows.fitted.y.head(point.row), .names = {}});
+    TrajectoryPoint const& point = m.trajectory[30];  // with the sigma of all rows
+    exact_fit::Fit const then =
+        exact_fit::of({.psi = rows.fitted.psi.leftCols(point.row), .y = rows.fitted.y.head(point.row), .names = {}});
     for (Index i = 0; i < d; ++i) {
         EXPECT_NEAR(point.theta[i], number(then.theta[i]), 1e-11);
         EXPECT_NEAR(point.sd[i] / std::sqrt(number(exact.J / (N - d) * then.inverse(i, i))), 1, 1e-11);
@@ -245,13 +251,14 @@ TEST_F(IdentifyNumbers, WithForgetting) {
     EXPECT_TRUE(std::isnan(f.aic)) << "the criteria are those of equal weights";
 }
 
-/// The default prior: the shared one, made weaker by powers of two until it moves no parameter by more than a tenth of its standard deviation.
+/// The default prior: the shared one, made weaker by powers of two until it moves no parameter by more than a tenth of its standard
+/// deviation.
 TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
     IdentifyOptions o = options();
     o.p0.reset();
     for (double const noise : {1.0, 0x1p-6}) {
         Trial t(90);
-        if (noise < 1) {    // the same system without noise but for rounding
+        if (noise < 1) {  // the same system without noise but for rounding
             DifferenceEquation const model{.a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
             t.y = simulate(model, {t.u, t.v}, Signal(90, 0.0));
             for (double& x : t.y) x = std::round(0x1p24 * x) / 0x1p24;
@@ -261,10 +268,12 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
         exact_fit::Fit const e = exact_fit::of(r.fitted);
         double const shared = default_prior(r.fitted, 1).c;
         auto const moved = [&](double c) {
-            Problem<double> problem{.size = d, .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, 0, true}.prior()};
+            Problem<double> problem{.size = d,
+                                    .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, 0, true}.prior()};
             Vector<Reference> const with = certified(problem, r.fitted, {r.fitted.rows()}).front().theta();
             double most = 0;
-            for (Index i = 0; i < d; ++i) most = std::max(most, std::abs(static_cast<double>(with[i]) - number(e.theta[i])) / e.sd(i, N - d));
+            for (Index i = 0; i < d; ++i)
+                most = std::max(most, std::abs(static_cast<double>(with[i]) - number(e.theta[i])) / e.sd(i, N - d));
             return most;
         };
         EXPECT_LE(moved(f.c), 0.1);

@@ -55,7 +55,8 @@ protected:
             std::ifstream in(path);
             return std::string(std::istreambuf_iterator<char>(in), {});
         };
-        int const status = std::system(("cd '" + folder.path.string() + "' && '" RLSLAB_PROGRAM "' identify " + words + " > out.txt 2> err.txt").c_str());
+        int const status =
+            std::system(("cd '" + folder.path.string() + "' && '" RLSLAB_PROGRAM "' identify " + words + " > out.txt 2> err.txt").c_str());
         return {WEXITSTATUS(status), text(folder.path / "out.txt"), text(folder.path / "err.txt")};
     }
 };
@@ -66,7 +67,8 @@ std::vector<double> values(Identified const& m) {
 }
 
 TEST_F(Options, OneStructureSaidInThreeWaysIsOneModel) {
-    Identified const by_order = run({.order = 2}), by_na = run({.na = 2, .nb = {2}}), by_list = run({.regressors = {"y[k-1]", "y[k-2]", "u[k..k-2]"}});
+    Identified const by_order = run({.order = 2}), by_na = run({.na = 2, .nb = {2}}),
+                     by_list = run({.regressors = {"y[k-1]", "y[k-2]", "u[k..k-2]"}});
     EXPECT_EQ(values(by_order), values(by_na));
     EXPECT_EQ(values(by_order), values(by_list));
     EXPECT_EQ(by_order.structure, "order 2");
@@ -91,7 +93,8 @@ TEST_F(Options, NbAndDelayAreForAllInputsOrForEach) {
     EXPECT_EQ(each.order, 2);
     EXPECT_NEAR(each.parameters[2].value, 1, 5 * each.parameters[2].sd);
     EXPECT_NEAR(each.parameters[5].value, -0.6, 5 * each.parameters[5].sd);
-    EXPECT_EQ(values(run({.inputs = {"u", "v"}, .na = 1, .nb = {2}, .delay = {1}})), values(run({.inputs = {"u", "v"}, .na = 1, .nb = {2, 2}, .delay = {1, 1}})));
+    EXPECT_EQ(values(run({.inputs = {"u", "v"}, .na = 1, .nb = {2}, .delay = {1}})),
+              values(run({.inputs = {"u", "v"}, .na = 1, .nb = {2, 2}, .delay = {1, 1}})));
     Identified const fir = run({.na = 0, .nb = {12}, .detrend = false});
     EXPECT_TRUE(fir.poles.empty());
     EXPECT_EQ(fir.parameters.size(), 13u);
@@ -108,8 +111,10 @@ TEST_F(Options, TheEquationIsPrintedWithItsSigns) {
     };
     EXPECT_EQ(equation({.order = 1}), "y[k] + a1 y[k-1] = b0 u[k] + b1 u[k-1] + c + e[k]");
     EXPECT_EQ(equation({.order = 2, .detrend = false}), "y[k] + a1 y[k-1] + a2 y[k-2] = b0 u[k] + b1 u[k-1] + b2 u[k-2] + e[k]");
-    EXPECT_EQ(equation({.order = 4, .delay = {3}, .detrend = false}), "y[k] + a1 y[k-1] + ... + a4 y[k-4] = b0 u[k-3] + ... + b4 u[k-7] + e[k]");
-    EXPECT_EQ(equation({.regressors = {"v[k-2]", "y[k-1]", "y[k-3]", "u"}, .intercept = true}), "y[k] + a1 y[k-1] + a3 y[k-3] = b2[v] v[k-2] + b0[u] u[k] + c + e[k]");
+    EXPECT_EQ(equation({.order = 4, .delay = {3}, .detrend = false}),
+              "y[k] + a1 y[k-1] + ... + a4 y[k-4] = b0 u[k-3] + ... + b4 u[k-7] + e[k]");
+    EXPECT_EQ(equation({.regressors = {"v[k-2]", "y[k-1]", "y[k-3]", "u"}, .intercept = true}),
+              "y[k] + a1 y[k-1] + a3 y[k-3] = b2[v] v[k-2] + b0[u] u[k] + c + e[k]");
     // The signs are those of the estimate: y[k] = 0.5 y[k-1] + 2 u[k-1] has a1 = -0.5, b1 = 2.
     Signal const u = prbs(6, 100), y = simulate({.a = {-0.5}, .b = {{0, 2}}, .delay = 0, .c = 0}, {u}, Signal(100, 0.0));
     Identified const m = identify(folder.file(csv({u, y}, "u,y"), "clean.csv"), {.inputs = {"u"}, .output = "y", .order = 1});
@@ -124,18 +129,24 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_EQ(refusal({.na = 1}), "--na: expected --nb, too");
     EXPECT_EQ(refusal({.nb = {1}}), "--nb: expected --na, too");
     EXPECT_EQ(refusal({.na = 1, .nb = {1, 2}}), "--nb: expected one number, or one for each of the 1 inputs, found 2");
-    EXPECT_EQ(refusal({.inputs = {"u", "v"}, .order = 1, .delay = {1, 2, 3}}), "--delay: expected one number, or one for each of the 2 inputs, found 3");
-    EXPECT_EQ(refusal({.inputs = {"u"}, .regressors = {"u"}}), "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.order = 1, .regressors = {"u"}}), "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.delay = {1}, .regressors = {"u"}}), "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+    EXPECT_EQ(refusal({.inputs = {"u", "v"}, .order = 1, .delay = {1, 2, 3}}),
+              "--delay: expected one number, or one for each of the 2 inputs, found 3");
+    EXPECT_EQ(refusal({.inputs = {"u"}, .regressors = {"u"}}),
+              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+    EXPECT_EQ(refusal({.order = 1, .regressors = {"u"}}),
+              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
+    EXPECT_EQ(refusal({.delay = {1}, .regressors = {"u"}}),
+              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
     EXPECT_EQ(refusal({.regressors = {"y[k-1]"}}), "--regressors: expected an input among them, found past outputs alone");
     EXPECT_EQ(refusal({.regressors = {"u", "y"}}), "--regressors: y: the output needs a lag: y[k-1] or further back");
     EXPECT_EQ(refusal({.regressors = {"y[k-201]", "u"}}), "--regressors: y[k-201]: expected a lag of at most 200 for the output");
-    EXPECT_EQ(refusal({.regressors = {"u", "u[k-201]"}}), "--regressors: u[k-201]: expected the lags of an input within 200 of one another");
+    EXPECT_EQ(refusal({.regressors = {"u", "u[k-201]"}}),
+              "--regressors: u[k-201]: expected the lags of an input within 200 of one another");
     EXPECT_EQ(refusal({.regressors = {"w[k-1]"}}).substr(0, 24), "data.csv: no column \"w\";");
     EXPECT_EQ(refusal({.inputs = {"u", "u"}}), "data.csv: column \"u\" is asked for twice");
     EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
-    EXPECT_EQ(message_of([&] { identify(file, {.output = "y"}); }), "--input: expected the name of an input column, or several: a,b (or --regressors)");
+    EXPECT_EQ(message_of([&] { identify(file, {.output = "y"}); }),
+              "--input: expected the name of an input column, or several: a,b (or --regressors)");
     EXPECT_EQ(message_of([&] { identify(file, {.inputs = {"u"}}); }), "--output: expected the name of the output column");
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
@@ -196,7 +207,7 @@ TEST_F(Options, RecordsWithoutAModelAreRefused) {
     for (double& x : tiny) x *= 0x1p-405;
     EXPECT_THAT(said(u, tiny), HasSubstr("expected moderate numbers; multiply it by a power of ten"));
     EXPECT_THAT(said(tiny, u), HasSubstr("column \"u\" is "));
-    for (double& x : tiny) x *= 0x1p+7;    // about 2^-398 at most
+    for (double& x : tiny) x *= 0x1p+7;  // about 2^-398 at most
     EXPECT_EQ(said(tiny, white_noise(60, Seed{9})), "no error");
 }
 /// Too short a memory is refused by its degrees of freedom, with a lambda that is long enough.
@@ -234,35 +245,52 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
         ASSERT_NE(at, line.npos) << text;
         std::vector<double> const n = numbers_in(line.substr(at + p.of.size()));
         ASSERT_EQ(n.size(), 4u) << line;
-        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.low, 5, p.name), expect_printed(n[3], p.high, 5, p.name);
+        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.low, 5, p.name),
+            expect_printed(n[3], p.high, 5, p.name);
     }
     EXPECT_THAT(text, HasSubstr("99 % interval"));
-    EXPECT_THAT(text, HasSubstr(fmt::format(": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n", m.fitted, m.means[0], m.means[1], m.means[2])));
-    EXPECT_THAT(text, HasSubstr(fmt::format("\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: it moves no parameter by more than", std::ilogb(m.c))));
-    EXPECT_THAT(text, HasSubstr("\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough for every order tried (exciting of order 4 at least)\n"));
+    EXPECT_THAT(text, HasSubstr(fmt::format(": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n",
+                                            m.fitted, m.means[0], m.means[1], m.means[2])));
+    EXPECT_THAT(text, HasSubstr(fmt::format("\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: "
+                                            "it moves no parameter by more than",
+                                            std::ilogb(m.c))));
+    EXPECT_THAT(text, HasSubstr("\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough "
+                                "for every order tried (exciting of order 4 at least)\n"));
     EXPECT_THAT(text, HasSubstr("\norder 3 (given)\n"));
     std::string flat = std::regex_replace(text, std::regex("\n    "), " ");
     EXPECT_THAT(line_of(flat, "poles: "), HasSubstr(fmt::format("time constant {:.3g} samples", -1 / std::log(std::abs(m.poles[0])))));
     for (auto const& [input, j] : {std::pair("u", 0u), {"v", 1u}})
-        EXPECT_EQ(line_of(flat, fmt::format("steady-state gain of {}", input)), fmt::format("steady-state gain of {}: {:.5g} (sd {:.2g})", input, m.gain[j], m.gain_sd[j]));
-    EXPECT_EQ(line_of(flat, "fit: "), fmt::format("fit: {:.2f} % one step ahead; held out: {:.2f} % one step ahead, {:.2f} % simulated (0 %: no better than the mean)", m.fit_one_step,
-                                                  m.held_out_one_step, m.held_out_simulated));
-    EXPECT_EQ(line_of(flat, "residuals: "), fmt::format("residuals: sigma^2 = {:.4g}; they pass for white: p = {:.3g} >= 0.01 (Ljung-Box: Q = {:.4g}, 25 lags, 22 degrees of freedom)",
-                                                        m.sigma2, m.ljung_box.p, m.ljung_box.Q));
-    EXPECT_EQ(line_of(flat, "criteria: "), fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
-    EXPECT_EQ(line_of(flat, "arithmetic: "), fmt::format("arithmetic: ud kept {:.3g} of the certified minimiser's 15.9 digits ({:.3g} of its worst component's); kappa = {:.3g}",
-                                                         std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
+        EXPECT_EQ(line_of(flat, fmt::format("steady-state gain of {}", input)),
+                  fmt::format("steady-state gain of {}: {:.5g} (sd {:.2g})", input, m.gain[j], m.gain_sd[j]));
+    EXPECT_EQ(
+        line_of(flat, "fit: "),
+        fmt::format("fit: {:.2f} % one step ahead; held out: {:.2f} % one step ahead, {:.2f} % simulated (0 %: no better than the mean)",
+                    m.fit_one_step, m.held_out_one_step, m.held_out_simulated));
+    EXPECT_EQ(
+        line_of(flat, "residuals: "),
+        fmt::format(
+            "residuals: sigma^2 = {:.4g}; they pass for white: p = {:.3g} >= 0.01 (Ljung-Box: Q = {:.4g}, 25 lags, 22 degrees of freedom)",
+            m.sigma2, m.ljung_box.p, m.ljung_box.Q));
+    EXPECT_EQ(line_of(flat, "criteria: "),
+              fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
+    EXPECT_EQ(
+        line_of(flat, "arithmetic: "),
+        fmt::format("arithmetic: ud kept {:.3g} of the certified minimiser's 15.9 digits ({:.3g} of its worst component's); kappa = {:.3g}",
+                    std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
     auto const largest = [](Signal const& r, size_t first) {
         size_t at = first;
         for (size_t lag = first; lag < r.size(); ++lag)
             if (std::abs(r[lag]) > std::abs(r[at])) at = lag;
         return fmt::format("{:.2g} at lag {}", r[at], at);
     };
-    EXPECT_EQ(line_of(flat, "their largest"), fmt::format("their largest correlation: with themselves {}; with past u {}; with past v {} (99 % bound {:.2g})", largest(m.auto_correlation, 1),
-                                                          largest(m.cross_correlation[0], 0), largest(m.cross_correlation[1], 0), m.bound));
+    EXPECT_EQ(line_of(flat, "their largest"),
+              fmt::format("their largest correlation: with themselves {}; with past u {}; with past v {} (99 % bound {:.2g})",
+                          largest(m.auto_correlation, 1), largest(m.cross_correlation[0], 0), largest(m.cross_correlation[1], 0), m.bound));
     std::string poles_said = "poles: ";
     for (auto const& p : m.poles)
-        if (p.imag() >= 0) poles_said += p.imag() > 0 ? fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f}), ", p.real(), p.imag(), std::abs(p)) : fmt::format("{:.4f}, ", p.real());
+        if (p.imag() >= 0)
+            poles_said += p.imag() > 0 ? fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f}), ", p.real(), p.imag(), std::abs(p))
+                                       : fmt::format("{:.4f}, ", p.real());
     EXPECT_EQ(line_of(flat, "poles: ").substr(0, poles_said.size() - 2), poles_said.substr(0, poles_said.size() - 2));
 }
 TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
@@ -279,7 +307,9 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["fit"]["one_step"], m.fit_one_step);
     EXPECT_EQ(out["fit"]["held_out_one_step"], m.held_out_one_step);
     EXPECT_EQ(out["fit"]["held_out_simulated"], m.held_out_simulated);
-    EXPECT_EQ(out["whiteness"], (json{{"p", m.ljung_box.p}, {"Q", m.ljung_box.Q}, {"lags", 25}, {"degrees_of_freedom", 22}, {"level", 0.01}, {"white", true}}));
+    EXPECT_EQ(
+        out["whiteness"],
+        (json{{"p", m.ljung_box.p}, {"Q", m.ljung_box.Q}, {"lags", 25}, {"degrees_of_freedom", 22}, {"level", 0.01}, {"white", true}}));
     EXPECT_EQ(out["digits"]["theta"], m.digits);
     EXPECT_EQ(out["digits"]["worst"], m.digits_worst);
     EXPECT_EQ(out["condition"], m.condition);
@@ -293,12 +323,20 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["equation"], equation_text(m.terms, "y"));
     for (size_t i = 0; i < m.parameters.size(); ++i) {
         Parameter const& p = m.parameters[i];
-        EXPECT_EQ(out["parameters"][i], (json{{"name", p.name}, {"of", p.of}, {"value", p.value}, {"sd", p.sd}, {"low", p.low}, {"high", p.high}}));
+        EXPECT_EQ(out["parameters"][i],
+                  (json{{"name", p.name}, {"of", p.of}, {"value", p.value}, {"sd", p.sd}, {"low", p.low}, {"high", p.high}}));
     }
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];
-        EXPECT_EQ(out["orders"][i], (json{{"order", f.order}, {"parameters", f.parameters}, {"J", f.J}, {"aic", f.aic}, {"bic", f.bic}, {"fpe", f.fpe}, {"p", f.p},
-                                          {"whiteness", f.ljung_box}, {"held_out", f.held_out}}));
+        EXPECT_EQ(out["orders"][i], (json{{"order", f.order},
+                                          {"parameters", f.parameters},
+                                          {"J", f.J},
+                                          {"aic", f.aic},
+                                          {"bic", f.bic},
+                                          {"fpe", f.fpe},
+                                          {"p", f.p},
+                                          {"whiteness", f.ljung_box},
+                                          {"held_out", f.held_out}}));
     }
     EXPECT_EQ(out["suggested"], (json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}));
     for (size_t j : {0u, 1u}) {
@@ -317,12 +355,14 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
 TEST_F(Options, EveryOrderThatWasTriedHasItsLine) {
     Identified const m = run({.inputs = {"u", "v"}, .max_order = 4});
     std::string const text = as_table(m);
-    EXPECT_THAT(text, HasSubstr(fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic, m.choice.fpe, m.choice.f_test)));
+    EXPECT_THAT(text, HasSubstr(fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic, m.choice.fpe,
+                                            m.choice.f_test)));
     ASSERT_EQ(m.choice.fits.size(), 5u);
     for (OrderFit const& fit : m.choice.fits)
-        EXPECT_THAT(text, HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order, fit.parameters,
-                                                number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3), number_text(fit.ljung_box, 2),
-                                                fmt::format("{:.2f} %", fit.held_out))));
+        EXPECT_THAT(text,
+                    HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ',
+                                          fit.order, fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5),
+                                          number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), fmt::format("{:.2f} %", fit.held_out))));
 }
 TEST_F(Options, WithForgettingResidualsGetNoVerdictAndTheTableSaysWhy) {
     std::string const text = as_table(run({.inputs = {"u", "v"}, .max_order = 4, .forgetting = 0.98}));
@@ -334,7 +374,8 @@ TEST_F(Options, WithForgettingResidualsGetNoVerdictAndTheTableSaysWhy) {
 TEST_F(Options, LambdaAndConfidenceThatLeaveNothingAreRefused) {
     for (double const lambda : {0.5, 1e-30, 1e-100, 1e-320})
         EXPECT_THAT(refusal({.order = 2, .forgetting = lambda}), HasSubstr("--forgetting: lambda = ")) << lambda;
-    EXPECT_THAT(program("data.csv --input u --output y --confidence 0.9999999999999999").err, HasSubstr("--confidence: expected a number from 0.001 to 0.999999"));
+    EXPECT_THAT(program("data.csv --input u --output y --confidence 0.9999999999999999").err,
+                HasSubstr("--confidence: expected a number from 0.001 to 0.999999"));
 }
 TEST_F(Options, APageOfALatin1NameIsUtf8) {
     std::string text = csv({white_noise(200, Seed{3}), white_noise(200, Seed{4})}, "T\xb0,y");

@@ -11,7 +11,7 @@ namespace rlslab {
 namespace {
 
 template <class T>
-Matrix<T> inverse(Matrix<T> A) {    // Gauss-Jordan without pivoting: definite matrices only
+Matrix<T> inverse(Matrix<T> A) {  // Gauss-Jordan without pivoting: definite matrices only
     Index const d = A.rows();
     Matrix<T> X = Matrix<T>::Identity(d, d);
     for (Index j = 0; j < d; ++j) {
@@ -55,11 +55,24 @@ auto largest(Eigen::MatrixBase<Derived> const& A) {
     return out;
 }
 
-enum Identity { residual_is_gamma_e, residual_is_a_posteriori, information_recursion, cost_recursion, energy, trace,
-                determinant, transition, gain_is_P_psi, batch, count };
-constexpr std::array<char const*, count> title{"residual = gamma e", "residual = y - psi'theta", "P^-1 recursion",
+enum Identity {
+    residual_is_gamma_e,
+    residual_is_a_posteriori,
+    information_recursion,
+    cost_recursion,
+    energy,
+    trace,
+    determinant,
+    transition,
+    gain_is_P_psi,
+    batch,
+    count
+};
+constexpr std::array<char const*, count> title{
+    "residual = gamma e",       "residual = y - psi'theta",       "P^-1 recursion",
     "J = lambda J + gamma e^2", "V = lambda V + v^2 - gamma e^2", "trace(I - K psi') = d - 1 + gamma",
-    "det(I - K psi') = gamma", "I - K psi' = lambda P P-^-1", "K = P psi", "theta minimises J"};
+    "det(I - K psi') = gamma",  "I - K psi' = lambda P P-^-1",    "K = P psi",
+    "theta minimises J"};
 
 /// The largest violation of each identity over a run on small integers; exact zeros in exact arithmetic.
 template <class F, class T = typename F::scalar>
@@ -131,7 +144,7 @@ TEST(Identities, HoldExactlyInRationals) {
     });
 }
 TEST(Identities, HoldInReferenceForEveryVariant) {
-    Reference const tolerance = ldexp(Reference(1), -220);    // 257 bits, less those of numbers up to 2^10 in 8 steps
+    Reference const tolerance = ldexp(Reference(1), -220);  // 257 bits, less those of numbers up to 2^10 in 8 steps
     for_each(Variants<Reference>{}, [&]<class F>() {
         for (Reference const& lambda : {Reference(1), Reference(9) / 10}) {
             auto const worst = violations<F>(lambda);
@@ -192,7 +205,7 @@ TEST(Identities, EachCanFail) {
     for (size_t i = 0; i < count; ++i) EXPECT_TRUE(failed[i]) << title[i];
     auto const wrong_P = violations<Distorted<Distort::P>>(Rational(1));
     EXPECT_NE(wrong_P[information_recursion], 0);
-    EXPECT_EQ(wrong_P[cost_recursion], 0);    // and only what depends on it
+    EXPECT_EQ(wrong_P[cost_recursion], 0);  // and only what depends on it
 }
 
 /// What e and gamma alone show.
@@ -202,8 +215,8 @@ TEST(Report, NamesTheBreakdown) {
     EXPECT_EQ(report(1.0, 1e-300).health, Health::sound);
     EXPECT_EQ(report(1.0, 1.0 + 0x1p-52).health, Health::indefinite);
     EXPECT_EQ(report(1.0, -0.5).health, Health::indefinite);
-    EXPECT_EQ(report(1.0, 1.0, infinity).health, Health::nonfinite);    // s overflowed
-    EXPECT_EQ(report(1.0, 0.0).health, Health::sound);                  // gamma underflowed
+    EXPECT_EQ(report(1.0, 1.0, infinity).health, Health::nonfinite);  // s overflowed
+    EXPECT_EQ(report(1.0, 0.0).health, Health::sound);                // gamma underflowed
     EXPECT_EQ(report(1.0, undefined<double>()).health, Health::nonfinite);
     EXPECT_EQ(report(infinity, 0.5).health, Health::nonfinite);
     EXPECT_EQ(report(3.0, 0.5).residual, 1.5);

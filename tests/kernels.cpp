@@ -87,7 +87,7 @@ void check_all(Index cubic_up_to = 129) {
     for (Index d : {64, 128, 129})
         if (d <= cubic_up_to) check<T, F>(d, 6);
     for (Index d : {5, 10, 16}) check<T, F>(d, 300);
-    if constexpr (std::same_as<T, double>) {    // what differs between float and double is tried above
+    if constexpr (std::same_as<T, double>) {  // what differs between float and double is tried above
         check_fixed<T, F, 3>();
         check_fixed<T, F, 8>();
         check_fixed<T, F, 20>();

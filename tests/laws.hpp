@@ -20,9 +20,7 @@ bool identical(A const& a, B const& b) {
             if (!identical(Reference(a(i, j)), Reference(b(i, j)))) return false;
     return true;
 }
-inline bool identical(Stored<Reference> const& a, Stored<Reference> const& b) {
-    return identical(a.F, b.F) && identical(a.D, b.D);
-}
+inline bool identical(Stored<Reference> const& a, Stored<Reference> const& b) { return identical(a.F, b.F) && identical(a.D, b.D); }
 
 /// Rows of bell-shaped noise in psi, and y = psi' (1, -2, 3, ...) + noise; exact in binary64, rounded by who takes them.
 inline Records noise_records(Index size, Index rows, Seed seed) {
@@ -69,7 +67,7 @@ inline bool a_zero_regressor_teaches_nothing(Entry const& entry) {
 inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
     auto const f = entry.make(problem(3, 31.0 / 32), Seed{1}), g = entry.make(problem(3, 31.0 / 32), Seed{1});
     Records records = noise_records(3, 40, Seed{11});
-    records.y *= 64;    // keeps binary16 clear of its subnormal numbers
+    records.y *= 64;  // keeps binary16 clear of its subnormal numbers
     records = rounded(records, entry.arithmetic->round);
     take_rows(*f, records);
     take_rows(*g, records, 2);
@@ -91,9 +89,11 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
     auto const reported = entry.make(p, Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
         auto const f = entry.make(p, Seed{1});
-        Step<double> const a = f->update_block(records, 0, k + 1), b = reported->update(records.sample(k), records.y[k]);    // all but the last unreported
-        if (a.health != b.health || !identical(Reference(a.innovation), Reference(b.innovation)) || !identical(f->stored(), reported->stored()) ||
-            !identical(f->theta(), reported->theta()) || !identical(f->gain(), reported->gain()))
+        Step<double> const a = f->update_block(records, 0, k + 1),
+                           b = reported->update(records.sample(k), records.y[k]);  // all but the last unreported
+        if (a.health != b.health || !identical(Reference(a.innovation), Reference(b.innovation)) ||
+            !identical(f->stored(), reported->stored()) || !identical(f->theta(), reported->theta()) ||
+            !identical(f->gain(), reported->gain()))
             return false;
     }
     return true;
@@ -183,7 +183,7 @@ inline double gain_error(Entry const& entry) {
     double worst = 0;
     for (Index k = 0; k < records.rows(); ++k) {
         f->update(records.sample(k), records.y[k]);
-        if (k < 8) continue;    // the large prior is gone by then
+        if (k < 8) continue;  // the large prior is gone by then
         Stored<Reference> const stored = f->stored();
         Vector<Reference> psi = records.psi.col(k).cast<Reference>(), difference(3), K = f->gain();
         if (stored.quantity == Stored<Reference>::Quantity::covariance) {
@@ -199,7 +199,7 @@ inline double gain_error(Entry const& entry) {
                 difference[i] = K[i];
                 for (Index j = 0; j < 3; ++j) difference[i] -= stored.F(i, j) * x[j];
             }
-        } else {    // P^-1 K - psi, over |psi|
+        } else {  // P^-1 K - psi, over |psi|
             Vector<Reference> x = K;
             if (stored.form == Stored<Reference>::Form::factor)
                 for (Index i = 0; i < 3; ++i) {
@@ -233,10 +233,8 @@ inline Errors errors(Entry const& entry, Problem<double> const& given, Records c
     }
     Records const data = rounded(records, round);
     auto const f = entry.make(p, Seed{1});
-    if (entry.block == 1)
-        take_rows(*f, data);
-    else
-        f->update_block(data, 0, data.rows());
+    if (entry.block == 1) take_rows(*f, data);
+    else f->update_block(data, 0, data.rows());
     int const digits = int(entry.arithmetic->decimal_digits()) + 20;
     CertifiedSolution const exact = std::move(certified(p, data, {data.rows()}, digits).front());
     auto const in_epsilons = [&](double digits_kept) {

@@ -28,8 +28,9 @@ TEST_F(Libm, OfAnOlderProcessorLeavesTheSameTables) {
 
 /// Lines that call libm for a number that may reach data or tables.
 std::vector<std::string> calls(std::string const& text) {
-    static std::regex const call("(std|math)::(pow|exp|exp2|expm1|log|log2|log10|log1p|a?(sin|cos|tan)h?|atan2|cbrt|hypot|lgamma|tgamma|erfc?|polar|arg)\\(|"
-                                 "boost/math/(distributions|special)");
+    static std::regex const call(
+        "(std|math)::(pow|exp|exp2|expm1|log|log2|log10|log1p|a?(sin|cos|tan)h?|atan2|cbrt|hypot|lgamma|tgamma|erfc?|polar|arg)\\(|"
+        "boost/math/(distributions|special)");
     std::vector<std::string> out;
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)

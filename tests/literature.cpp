@@ -43,7 +43,7 @@ TEST(Bierman, TheVarianceTurnsNegativeBetween26And27BitsInDouble) {
     for (int power = 20; power <= 26; ++power) EXPECT_GT(first_variance<double>(power), 0) << power;
     for (int power = 27; power <= 40; ++power) EXPECT_LT(first_variance<double>(power), 0) << power;
     Matrix<double> const at_26 = after_two_rows<Conventional<double>>(0x1p-26).covariance();
-    EXPECT_NEAR(at_26(0, 0), 1.0000000298, 1e-10);    // ten decimals of docs/literature.md 3.3
+    EXPECT_NEAR(at_26(0, 0), 1.0000000298, 1e-10);  // ten decimals of docs/literature.md 3.3
     EXPECT_DOUBLE_EQ(at_26(1, 1), 2.0);
     Matrix<double> const at_27 = after_two_rows<Conventional<double>>(0x1p-27).covariance();
     EXPECT_NEAR(at_27(0, 0), -1.0000000149, 1e-10);
@@ -168,10 +168,8 @@ Set const& set_named(std::string const& name) {
 }
 double worst_digits(std::string_view variant, Records const& records, CertifiedSolution const& exact) {
     auto const f = entry(variant).make({.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}}, Seed{1});
-    if (entry(variant).block == 1)
-        laws::take_rows(*f, records);
-    else
-        f->update_block(records, 0, records.rows());
+    if (entry(variant).block == 1) laws::take_rows(*f, records);
+    else f->update_block(records, 0, records.rows());
     return exact.theta_digits_worst(f->theta());
 }
 CertifiedSolution with_large_prior(Records const& records) {

@@ -79,8 +79,8 @@ std::string parted(Index size, bool with_prior) {
             for (Index i = 0; i < stored.D.size(); ++i) equal = equal && same(stored.D[i][lane], s.D[i]);
             if (!equal)
                 return std::string(One::name) + ": lane " + std::to_string(lane) + " at step " + std::to_string(k) + ", size " +
-                       std::to_string(size) + (with_prior ? "" : ", no prior") + ": " + std::string(name_of(step.health[lane])) +
-                       " and " + std::string(name_of(expected.health));
+                       std::to_string(size) + (with_prior ? "" : ", no prior") + ": " + std::string(name_of(step.health[lane])) + " and " +
+                       std::string(name_of(expected.health));
         }
     }
     return "";

@@ -65,7 +65,8 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
 TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
     // A reader that is gone before the first byte, also where whoever started the program had SIGPIPE ignored.
     for (std::string const before : {"", "trap \"\" PIPE; "})
-        for (std::string const command : {"list", "list --json", "--help", "compare ok.csv --input u --output y --order 1 --arithmetic double"}) {
+        for (std::string const command :
+             {"list", "list --json", "--help", "compare ok.csv --input u --output y --order 1 --arithmetic double"}) {
             Outcome const run = shell("(" + before + "sleep 0.2; rlslab " + command + ") | true; exit ${PIPESTATUS[0]}");
             EXPECT_EQ(run.code, 128 + SIGPIPE) << command;
             EXPECT_EQ(run.err, "") << command;
@@ -73,8 +74,9 @@ TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
     EXPECT_EQ(shell("rlslab list | head -1").out, "variants                  propagates   a prior   rows at once  in\n");
 }
 TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
-    for (std::string const command : {"list", "list --json", "--help", "--version", "compare ok.csv --input u --output y --order 1 --arithmetic double",
-                                      "simulate", "excitation ok.csv --input u --max-order 3", "identify ok.csv --input u --output y --order 1"}) {
+    for (std::string const command :
+         {"list", "list --json", "--help", "--version", "compare ok.csv --input u --output y --order 1 --arithmetic double", "simulate",
+          "excitation ok.csv --input u --max-order 3", "identify ok.csv --input u --output y --order 1"}) {
         Outcome const full = shell("rlslab " + command + " >/dev/full");
         EXPECT_EQ(full.code, 2) << command;
         EXPECT_EQ(full.err, "rlslab: standard output: cannot write: No space left on device\n") << command;
@@ -109,7 +111,8 @@ TEST_F(Program, LeavesNothingHalfWrittenOnAFullDisk) {
 TEST_F(Program, WhatAKilledRunWasWritingIsRemovedByTheNext) {
     fs::create_directories(folder / "out/.trials");
     // 999999999 is beyond the greatest process id of Linux; 1 is there.
-    for (char const* name : {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"}) write(std::string("out/") + name, "x");
+    for (char const* name : {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"})
+        write(std::string("out/") + name, "x");
     ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
     std::set<std::string> left;
     for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
@@ -120,7 +123,8 @@ TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
     Outcome const run = shell("ulimit -f 8; rlslab identify ok.csv --input u --output y --order 1 --out out");
     EXPECT_EQ(run.code, 2);
     EXPECT_THAT(run.err, HasSubstr(": cannot write: File too large\n"));
-    for (auto const& file : fs::recursive_directory_iterator(folder / "out")) EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
+    for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
+        EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
 }
 
 // ---- terminals --------------------------------------------------------------------------------------------------------------
@@ -139,7 +143,8 @@ TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
     EXPECT_THAT(piped.out, HasSubstr("claims hold"));
 }
 TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
-    std::string const compare = " compare ok.csv --input u --output y --order 1 --arithmetic double --no-timings ", in = "cd '" + folder.string() + "'; ";
+    std::string const compare = " compare ok.csv --input u --output y --order 1 --arithmetic double --no-timings ",
+                      in = "cd '" + folder.string() + "'; ";
     auto const coloured = [](std::string const& text) { return text.find("\033[") != std::string::npos; };
     auto const on_terminal = [&](std::string const& line) {
         Screen const seen = on_a_terminal(in + line);
@@ -171,12 +176,14 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
 
 TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
     std::string const study = "'" + program + "' study definiteness --threads 1 --out ", in = "cd '" + folder.string() + "'; exec ";
-    Screen const stopped = on_a_terminal(in + study + "out", [](std::string const& text) { return text.find(" %") == text.npos ? "" : "\003"; });    // Ctrl-C
+    Screen const stopped =
+        on_a_terminal(in + study + "out", [](std::string const& text) { return text.find(" %") == text.npos ? "" : "\003"; });  // Ctrl-C
     EXPECT_EQ(stopped.code, 128 + SIGINT) << stopped.text;
     EXPECT_THAT(stopped.text, HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
     EXPECT_GT(fs::file_size(folder / "out/.trials/definiteness"), 1000u) << "some trials were finished";
     EXPECT_FALSE(fs::exists(folder / "out/definiteness.csv"));
-    for (auto const& file : fs::recursive_directory_iterator(folder / "out")) EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
+    for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
+        EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
     ASSERT_EQ(on_a_terminal(in + study + "out").code, 0);
     ASSERT_EQ(on_a_terminal(in + study + "whole").code, 0);
     EXPECT_EQ(read(folder / "out/definiteness.csv"), read(folder / "whole/definiteness.csv"));
@@ -190,7 +197,8 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;
     EXPECT_EQ(shell("rlslab help").out, whole);
     EXPECT_EQ(shell("rlslab -h").out, whole);
-    for (std::string const code : {"  0  ", "  1  ", "  2  ", "  130  ", "  141  "}) EXPECT_THAT(whole, HasSubstr(code)) << "exit codes are explained";
+    for (std::string const code : {"  0  ", "  1  ", "  2  ", "  130  ", "  141  "})
+        EXPECT_THAT(whole, HasSubstr(code)) << "exit codes are explained";
     for (std::string const& command : commands) {
         EXPECT_THAT(whole, HasSubstr("\n  " + command + " "));
         Outcome const help = shell("rlslab help " + command);
@@ -276,14 +284,18 @@ TEST_F(Completion, WorksInZsh) {
     if (shell("command -v zsh").code != 0) GTEST_SKIP() << "no zsh";
     shell("rlslab completion zsh >_rlslab");
     EXPECT_EQ(shell("zsh -n _rlslab").err, "");
-    write(".zshrc", "PS1=; setopt no_beep; fpath=($PWD $fpath); autoload -U compinit; compinit -u -D; rlslab() { print -r -- ran $* } ; print ready\n");
+    write(
+        ".zshrc",
+        "PS1=; setopt no_beep; fpath=($PWD $fpath); autoload -U compinit; compinit -u -D; rlslab() { print -r -- ran $* } ; print ready\n");
     auto const completed = [&](std::string const& line) {
         bool typed = false;
-        return on_a_terminal("cd '" + folder.string() + "'; ZDOTDIR=$PWD exec zsh -i", [&](std::string const& text) {
-                   if (typed || text.find("ready") == text.npos) return std::string();
-                   typed = true;
-                   return line + "\nexit\n";
-               }).text;
+        return on_a_terminal("cd '" + folder.string() + "'; ZDOTDIR=$PWD exec zsh -i",
+                             [&](std::string const& text) {
+                                 if (typed || text.find("ready") == text.npos) return std::string();
+                                 typed = true;
+                                 return line + "\nexit\n";
+                             })
+            .text;
     };
     EXPECT_THAT(completed("rlslab exc\t ok.c\t --inp\tu"), HasSubstr("ran excitation ok.csv --input=u"));
     EXPECT_THAT(completed("rlslab study gain_id\t --fr\t"), HasSubstr("ran study gain_identities --fresh"));

@@ -11,8 +11,8 @@ namespace {
 
 /// Exact in bfloat16, as lambda is.
 Records const& some_rows() {
-    static Records const records = laws::rounded(laws::noise_records(4, 60, Seed{41}),
-                                                 [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
+    static Records const records =
+        laws::rounded(laws::noise_records(4, 60, Seed{41}), [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
     return records;
 }
 template <class T>
@@ -24,8 +24,7 @@ F part(Index first, Index last, double lambda, bool prior = false) {
     using T = typename F::scalar;
     F f(some_problem<T>(lambda, prior));
     if (first < last)
-        f.update_block(some_rows().psi.middleCols(first, last - first).cast<T>(),
-                 some_rows().y.segment(first, last - first).cast<T>());
+        f.update_block(some_rows().psi.middleCols(first, last - first).cast<T>(), some_rows().y.segment(first, last - first).cast<T>());
     return f;
 }
 template <class F>
@@ -38,9 +37,7 @@ template <class T>
 Vector<Reference> widened(Vector<T> const& x) {
     return x.unaryExpr([](T const& v) { return widen(v); });
 }
-double distance(Vector<Reference> const& a, Vector<Reference> const& b) {
-    return laws::norm(Vector<Reference>(a - b)) / laws::norm(b);
-}
+double distance(Vector<Reference> const& a, Vector<Reference> const& b) { return laws::norm(Vector<Reference>(a - b)) / laws::norm(b); }
 
 /// |theta merged - theta of all rows in Reference| / |theta|, in epsilons: parts of 25, 1 and 34 rows.
 template <class F>
@@ -115,7 +112,7 @@ TEST(Merging, AFilterMergesWithItself) {
 TEST(Merging, WhatIsNoPartOfTheProblemIsRefused) {
     using F = QrBlock<double>;
     F f = part<F>(0, 30, 0.96875, true);
-    EXPECT_THROW(f.merge(part<F>(30, 60, 0.96875, true)), std::invalid_argument);    // the prior would count twice
+    EXPECT_THROW(f.merge(part<F>(30, 60, 0.96875, true)), std::invalid_argument);  // the prior would count twice
     EXPECT_THROW(f.merge(part<F>(30, 60, 1)), std::invalid_argument);
     EXPECT_THROW(f.merge(F({.size = 3, .forgetting = 0.96875, .prior = std::nullopt})), std::invalid_argument);
 }
@@ -130,9 +127,7 @@ class Saboteur {
 
 public:
     using scalar = double;
-    explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) {
-        start_information_root(p, L_, z_);
-    }
+    explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) { start_information_root(p, L_, z_); }
     void update_block(Rows<double> const& psi, Vector<double> const& y) {
         for (Index k = 0; k < y.size(); ++k) {
             Rows<double> A(1, psi.rows() + 1);

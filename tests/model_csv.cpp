@@ -60,8 +60,8 @@ TEST(Csv, WithoutAHeaderColumnsAreNumbered) {
     auto const data = read("1,2\n3,4", {"2"});
     EXPECT_FALSE(data.header);
     EXPECT_EQ(data["2"], (Numbers{2, 4}));
-    EXPECT_FALSE(read("NA,2\n3,4", {"1"}).header);          // missing is no name
-    EXPECT_TRUE(read("1,y\n3,4", {"1"}).header);            // one word makes a header, and "1" is a name in it
+    EXPECT_FALSE(read("NA,2\n3,4", {"1"}).header);  // missing is no name
+    EXPECT_TRUE(read("1,y\n3,4", {"1"}).header);    // one word makes a header, and "1" is a name in it
 }
 
 TEST(Csv, FindsTheSeparatorOutsideQuotes) {
@@ -80,8 +80,7 @@ TEST(Csv, SkipsWhatIsNoRowAndCountsItsLines) {
 }
 
 TEST(Csv, QuotedCellsHoldQuotesSeparatorsAndLineEnds) {
-    auto const data = read("\"a \"\"b\"\"\", \"note\" ,y\r\n\"1\",\"one,\r\ntwo\n\n#three\",\" 2 \"\n3,,\"\"\n",
-                           {"a \"b\"", "y"});
+    auto const data = read("\"a \"\"b\"\"\", \"note\" ,y\r\n\"1\",\"one,\r\ntwo\n\n#three\",\" 2 \"\n3,,\"\"\n", {"a \"b\"", "y"});
     EXPECT_EQ(data["a \"b\""], (Numbers{1, 3}));
     EXPECT_TRUE(same_bits(data["y"], {2, missing}));
     EXPECT_EQ(data.lines, (std::vector<long>{2, 6}));
@@ -119,21 +118,23 @@ TEST(CsvRefuses, CellsThatAreNoNumbers) {
     for (std::string const text : {"0x10", "1e", "1 2", "--1", "+-1", "1d5", "nan(1)", "-", "1.2.3", "1_000", "e5"})
         EXPECT_EQ(refusal("u\n" + text, {"u"}), "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
     for (std::string const text : {"inf", "-Infinity", "+INF"})
-        EXPECT_EQ(refusal(text + "\n1", {"1"}),
-                  "data.csv:1: column 1: expected a finite number, found \"" + text + "\"");
+        EXPECT_EQ(refusal(text + "\n1", {"1"}), "data.csv:1: column 1: expected a finite number, found \"" + text + "\"");
     for (std::string const text : {"3.3e150", "-1e200", "1e999", "1e-999"})
-        EXPECT_EQ(refusal("u\n" + text, {"u"}), "data.csv:2: column 1 (u): expected 0 or a size from 2^-1074 to 2^500 "
-                                                "(squares must stay finite), found \"" + text + "\"");
+        EXPECT_EQ(refusal("u\n" + text, {"u"}),
+                  "data.csv:2: column 1 (u): expected 0 or a size from 2^-1074 to 2^500 "
+                  "(squares must stay finite), found \"" +
+                      text + "\"");
 }
 
 TEST(CsvRefuses, GarbageShortenedAndPrintable) {
-    EXPECT_EQ(refusal("u\n\x01\x1b[2J\xff" "5\rh\xc3\xa9!", {"u"}),
+    EXPECT_EQ(refusal("u\n\x01\x1b[2J\xff"
+                      "5\rh\xc3\xa9!",
+                      {"u"}),
               "data.csv:2: column 1 (u): expected a number, found \"\\x01\\x1b[2J\\xff5\\x0dh\xc3\xa9!\"");
     EXPECT_EQ(refusal("u\n" + std::string(1000000, 'a'), {"u"}),
               "data.csv:2: column 1 (u): expected a number, found \"" + std::string(40, 'a') + "...\"");
     EXPECT_EQ(refusal("u\n\"a\nb\"", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"a\\x0ab\"");
-    EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}),
-              "data.csv:3: expected text, found a zero byte (a binary file?)");
+    EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}), "data.csv:3: expected text, found a zero byte (a binary file?)");
     EXPECT_EQ(refusal("\xff\xfeu\n", {"u"}), "data.csv: expected UTF-8 text, found UTF-16");
 }
 
@@ -146,8 +147,7 @@ TEST(CsvRefuses, RaggedRows) {
 
 TEST(CsvRefuses, BrokenQuotes) {
     EXPECT_EQ(refusal("u,y\n1,2\n3,\"4\n5,6\n", {"u"}), "data.csv:3: column 2: expected a closing quote");
-    EXPECT_EQ(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}),
-              "data.csv:2: column 2: expected a closing quote");
+    EXPECT_EQ(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}), "data.csv:2: column 2: expected a closing quote");
     EXPECT_EQ(refusal("u,\"y\n1,2\n", {"u"}), "data.csv:1: column 2: expected a closing quote");
     EXPECT_EQ(refusal("u,y\n\"1\"2,3\n", {"u"}), "data.csv:2: column 1: expected a separator behind the closing quote");
 }
@@ -155,16 +155,14 @@ TEST(CsvRefuses, BrokenQuotes) {
 TEST(CsvRefuses, FilesWithoutRows) {
     EXPECT_EQ(refusal("", {"u"}), "data.csv: expected rows of numbers, found an empty file");
     EXPECT_EQ(refusal("# x\n\n  \n", {"u"}), "data.csv: expected rows of numbers, found only comments and blank lines");
-    EXPECT_EQ(refusal("u,y\n\n", {"u"}),
-              "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+    EXPECT_EQ(refusal("u,y\n\n", {"u"}), "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
 }
 
 TEST(CsvRefuses, ColumnsThatAreNotThere) {
     EXPECT_EQ(refusal("time,flow,temperature\n1,2,3\n", {"temprature"}),
               "data.csv: no column \"temprature\" (did you mean \"temperature\"?); the columns are \"time\", \"flow\", "
               "\"temperature\"");
-    EXPECT_EQ(refusal("u,y\n1,2\n", {"U"}),
-              "data.csv: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\"");
+    EXPECT_EQ(refusal("u,y\n1,2\n", {"U"}), "data.csv: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\"");
     EXPECT_EQ(refusal("u,y\n1,2\n", {"2"}), "data.csv: no column \"2\"; the columns are \"u\", \"y\"");
     EXPECT_EQ(refusal("1,2\n", {"u"}), "data.csv: no column \"u\"; without a header they are \"1\", \"2\"");
     EXPECT_EQ(refusal("1,2,3,4,5,6,7,8,9\n", {"10"}),
@@ -176,16 +174,13 @@ TEST(CsvRefuses, ColumnsThatAreNotThere) {
 }
 
 TEST(CsvRefuses, AnAmbiguousNameOnlyWhenAskedFor) {
-    EXPECT_EQ(refusal("# c\nu,y,u\n1,2,3\n", {"u"}),
-              "data.csv:2: expected different names, found \"u\" over columns 1 and 3");
+    EXPECT_EQ(refusal("# c\nu,y,u\n1,2,3\n", {"u"}), "data.csv:2: expected different names, found \"u\" over columns 1 and 3");
     EXPECT_EQ(refusal("u,y,u\n1,2,3\n", {"y"}), "no error");
 }
 
 TEST(CsvRefuses, FilesThatCannotBeRead) {
     Folder const folder;
-    auto const told = [&](std::string const& path) {
-        return folder.without(message_of([&] { read_columns(path, {"u"}); }));
-    };
+    auto const told = [&](std::string const& path) { return folder.without(message_of([&] { read_columns(path, {"u"}); })); };
     EXPECT_EQ(told(folder.path / "no.csv"), "no.csv: cannot be opened: No such file or directory");
     fs::create_directory(folder.path / "dir.csv");
     EXPECT_EQ(told(folder.path / "dir.csv"), "dir.csv: expected a file, found a directory");
@@ -198,7 +193,7 @@ TEST(CsvRefuses, FilesThatCannotBeRead) {
     fs::permissions(folder.path, fs::perms::all);
     fs::permissions(secret, fs::perms::none);
     uid_t const me = geteuid(), nobody = 65534;
-    ASSERT_EQ(seteuid(me == 0 ? nobody : me), 0);            // root may read everything
+    ASSERT_EQ(seteuid(me == 0 ? nobody : me), 0);  // root may read everything
     auto const message = told(secret);
     ASSERT_EQ(seteuid(me), 0);
     EXPECT_EQ(message, "secret.csv: cannot be opened: Permission denied");
@@ -231,7 +226,7 @@ Fed feed(std::string const& piece, int times, std::string const& column) {
 TEST(CsvStream, ALineOf2GiBIsRefusedAfterItsFirst) {
     auto const fed = feed(std::string(1 << 16, '1'), 1 << 15, "u");
     EXPECT_EQ(fed.message, "fifo:1: expected a line of at most 1 MiB");
-    EXPECT_LE(fed.pieces, 2 * 16);                           // 1 MiB, a chunk, and what the pipe holds
+    EXPECT_LE(fed.pieces, 2 * 16);  // 1 MiB, a chunk, and what the pipe holds
     EXPECT_EQ(message_of([] { read_columns("/dev/zero", {"u"}); }), "/dev/zero:1: expected a line of at most 1 MiB");
 }
 
@@ -253,8 +248,7 @@ TEST(CsvStream, ADashIsStandardInput) {
     Folder const folder;
     int const saved = dup(0);
     ASSERT_NE(std::freopen(folder.file("u\n1\nx\n").c_str(), "rb", stdin), nullptr);
-    EXPECT_EQ(message_of([] { read_columns("-", {"u"}); }),
-              "standard input:3: column 1 (u): expected a number, found \"x\"");
+    EXPECT_EQ(message_of([] { read_columns("-", {"u"}); }), "standard input:3: column 1 (u): expected a number, found \"x\"");
     std::clearerr(stdin);
     dup2(saved, 0);
     close(saved);
@@ -280,7 +274,7 @@ RC_GTEST_PROP(Csv, WhatIsWrittenIsReadBitForBit, ()) {
     }
     if (header) text += end;
     for (std::size_t i = 0; i < rows; ++i) {
-        if (header && flag()) text += end;                   // a blank line
+        if (header && flag()) text += end;  // a blank line
         for (std::size_t j = 0; j < columns; ++j) {
             auto x = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>() * 0x9e3779b97f4a7c15u);
             if (!(std::abs(x) <= largest_value)) x = missing;

@@ -65,7 +65,7 @@ TEST(FitByHand, AStraightLineThroughFourPoints) {
         EXPECT_NEAR(f.percent, 100 * (1 - std::sqrt(2.7 / 8.75)), 1e-12) << name_of(by);
         EXPECT_EQ(f.rank, 2) << name_of(by);
     }
-    Fit const f = fit(line, FitBy::svd);    // eigenvalues of [4 6; 6 14]: 9 +- sqrt(61)
+    Fit const f = fit(line, FitBy::svd);  // eigenvalues of [4 6; 6 14]: 9 +- sqrt(61)
     EXPECT_NEAR(f.singular[0], std::sqrt(9 + std::sqrt(61)), 1e-14);
     EXPECT_NEAR(f.singular[1], std::sqrt(9 - std::sqrt(61)), 1e-14);
 }
@@ -77,7 +77,9 @@ TEST(FitByHand, AsManyRowsAsParametersLeaveNoVariance) {
         EXPECT_TRUE(std::isnan(f.sigma2)) << name_of(by);
         EXPECT_TRUE(std::isnan(f.sd[0]) && std::isnan(f.low[0])) << name_of(by);
     }
-    Records const three{.psi = Matrix<double>{{1, 1, 1}, {0, 1, 2}}, .y = Vector<double>{{1, 3, 2}}, .names = {}};    // one degree of freedom: t = tan(pi c / 2)
+    Records const three{.psi = Matrix<double>{{1, 1, 1}, {0, 1, 2}},
+                        .y = Vector<double>{{1, 3, 2}},
+                        .names = {}};  // one degree of freedom: t = tan(pi c / 2)
     Fit const f = fit(three);
     EXPECT_NEAR(f.sigma2, 1.5, 1e-14);
     EXPECT_NEAR(f.high[1], 0.5 + std::tan(std::acos(-1.0) * 0.475) * std::sqrt(0.75), 1e-12);
@@ -97,7 +99,8 @@ TEST(FitByHand, ThePercentOfAFit) {
 TEST(FitByHand, TheSvdsToleranceIsRelativeToTheLargest) {
     // Columns (1, 0, 0) and (0, 2^-10, 0): singular values 1 and 2^-10; y = (1, 2^-10, 1), J = 1 with both.
     Records const r{.psi = Matrix<double>{{1, 0, 0}, {0, 0x1p-10, 0}}, .y = Vector<double>{{1, 0x1p-10, 1}}, .names = {}};
-    Fit const both = fit(r, FitBy::svd, 0.95, 0x1p-11), one = fit(r, FitBy::svd, 0.95, 0x1p-10), scaled = fit(r, FitBy::svd, 0.95, 0x1.8p-11);
+    Fit const both = fit(r, FitBy::svd, 0.95, 0x1p-11), one = fit(r, FitBy::svd, 0.95, 0x1p-10),
+              scaled = fit(r, FitBy::svd, 0.95, 0x1.8p-11);
     EXPECT_EQ(both.rank, 2);
     EXPECT_EQ(scaled.rank, 2);
     EXPECT_EQ(one.rank, 1) << "at the tolerance it goes";
@@ -107,7 +110,8 @@ TEST(FitByHand, TheSvdsToleranceIsRelativeToTheLargest) {
     EXPECT_DOUBLE_EQ(one.sigma2, (1 + 0x1p-20) / 2);
     // By default max(N, d) u: 3 x 2^-53 of the largest.
     auto const rank = [](double least) {
-        return fit(Records{.psi = Matrix<double>{{4, 0, 0}, {0, 4 * least, 0}}, .y = Vector<double>{{1, 1, 1}}, .names = {}}, FitBy::svd).rank;
+        return fit(Records{.psi = Matrix<double>{{4, 0, 0}, {0, 4 * least, 0}}, .y = Vector<double>{{1, 1, 1}}, .names = {}}, FitBy::svd)
+            .rank;
     };
     EXPECT_EQ(rank(2.9 * 0x1p-53), 1);
     EXPECT_EQ(rank(3.1 * 0x1p-53), 2);
@@ -122,11 +126,19 @@ struct Certified {
 };
 /// NIST Statistical Reference Datasets, Linear Regression, certified values (itl.nist.gov/div898/strd); Wampler 1 and 2 fit exactly.
 std::vector<Certified> const certified_values{
-    {"longley", 304.854073561965,
-     {890420.383607373, 84.9149257747669, 0.334910077722432e-01, 0.488399681651699, 0.214274163161675, 0.226073200069370, 455.478499142212}},
-    {"wampler3", 2360.14502379268, {2152.32624678170, 2363.55173469681, 779.343524331583, 101.475507550350, 5.64566512170752, 0.112324854679312}},
-    {"wampler4", 236014.502379268, {215232.624678170, 236355.173469681, 77934.3524331583, 10147.5507550350, 564.566512170752, 11.2324854679312}},
-    {"wampler5", 23601450.2379268, {21523262.4678170, 23635517.3469681, 7793435.24331583, 1014755.07550350, 56456.6512170752, 1123.24854679312}},
+    {"longley",
+     304.854073561965,
+     {890420.383607373, 84.9149257747669, 0.334910077722432e-01, 0.488399681651699, 0.214274163161675, 0.226073200069370,
+      455.478499142212}},
+    {"wampler3",
+     2360.14502379268,
+     {2152.32624678170, 2363.55173469681, 779.343524331583, 101.475507550350, 5.64566512170752, 0.112324854679312}},
+    {"wampler4",
+     236014.502379268,
+     {215232.624678170, 236355.173469681, 77934.3524331583, 10147.5507550350, 564.566512170752, 11.2324854679312}},
+    {"wampler5",
+     23601450.2379268,
+     {21523262.4678170, 23635517.3469681, 7793435.24331583, 1014755.07550350, 56456.6512170752, 1123.24854679312}},
 };
 
 TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
@@ -145,7 +157,8 @@ TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
         EXPECT_NEAR(std::sqrt(f.sigma2) / set.residual_sd, 1, lost) << set.name;
         for (Index i = 0; i < d; ++i) {
             EXPECT_NEAR(rational.sd(i, freedom) / set.sd[size_t(i)], 1, 2e-14) << set.name << ' ' << i;
-            EXPECT_NEAR(s.scatter.sd[i] * std::sqrt(s.scatter.J / s.scatter.freedom) / rational.sd(i, freedom), 1, 1e-14) << set.name << ' ' << i;
+            EXPECT_NEAR(s.scatter.sd[i] * std::sqrt(s.scatter.J / s.scatter.freedom) / rational.sd(i, freedom), 1, 1e-14)
+                << set.name << ' ' << i;
             EXPECT_NEAR(f.sd[i] / set.sd[size_t(i)], 1, lost) << set.name << ' ' << i;
             double const t = (f.high[i] - f.theta[i]) / f.sd[i];
             EXPECT_NEAR(exact_fit::student_inside(int(freedom), t), 0.95, 1e-9) << set.name << ' ' << i;
@@ -242,7 +255,8 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                     Rational pmp = 0;
                     for (Index a = 0; a < d; ++a)
                         for (Index b = 0; b < d; ++b) pmp += P(i, a) * M(a, b) * P(b, j);
-                    EXPECT_NEAR(s.correlation(i, j) * s.sd[i] * s.sd[j] / number(pmp), 1, 1e-12) << lambda << ' ' << variance << ' ' << i << j;
+                    EXPECT_NEAR(s.correlation(i, j) * s.sd[i] * s.sd[j] / number(pmp), 1, 1e-12)
+                        << lambda << ' ' << variance << ' ' << i << j;
                 }
         }
     }

@@ -34,9 +34,11 @@ TEST(Lags, AreUnderstood) {
 }
 
 TEST(Lags, AreRefusedInOneLineThatSaysWhatWasExpected) {
-    for (char const* word : {"", " ", "[k-1]", "u]", "u[]", "u[3]", "u[k-]", "u[k-x]", "u[k--1]", "u[k-1.5]", "u[k 1]", "u[k-1..]", "u[k-1..3]", "u[k-1.k-2]"}) {
+    for (char const* word : {"", " ", "[k-1]", "u]", "u[]", "u[3]", "u[k-]", "u[k-x]", "u[k--1]", "u[k-1.5]", "u[k 1]", "u[k-1..]",
+                             "u[k-1..3]", "u[k-1.k-2]"}) {
         std::string const said = refusal({"y[k-1]", word});
-        EXPECT_TRUE(said.starts_with("--regressors: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \"")) << word << ": " << said;
+        EXPECT_TRUE(said.starts_with("--regressors: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \""))
+            << word << ": " << said;
     }
     EXPECT_EQ(refusal({"y"}), "--regressors: y: the output needs a lag: y[k-1] or further back");
     EXPECT_EQ(refusal({"y[k]"}), "--regressors: y[k]: is what the model is to give: expected y[k-1] or further back");
@@ -82,7 +84,8 @@ RC_GTEST_PROP(LaggedRecords, ContainTheArxModels, ()) {
     auto const count = *rc::gen::inRange<size_t>(20, 60);
     std::vector<double> u(count), y(count);
     for (size_t k = 0; k < count; ++k)
-        for (auto* x : {&u, &y}) (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? std::numeric_limits<double>::quiet_NaN() : double(*rc::gen::inRange(-99, 99));
+        for (auto* x : {&u, &y})
+            (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? std::numeric_limits<double>::quiet_NaN() : double(*rc::gen::inRange(-99, 99));
     List regressors;
     for (int i = 1; i <= model.na; ++i) regressors.push_back({"y", i});
     for (int i = 0; i <= model.nb; ++i) regressors.push_back({"u", model.delay + i});

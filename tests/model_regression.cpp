@@ -30,8 +30,7 @@ Columns columns(Names names, std::vector<Numbers> values) {
 /// A matrix as people write it: one row of regressors after the other.
 Matrix<double> rows(std::vector<Numbers> const& psi) {
     Matrix<double> matrix(psi[0].size(), psi.size());
-    for (std::size_t k = 0; k < psi.size(); ++k)
-        matrix.col(Index(k)) = Vector<double>::Map(psi[k].data(), matrix.rows());
+    for (std::size_t k = 0; k < psi.size(); ++k) matrix.col(Index(k)) = Vector<double>::Map(psi[k].data(), matrix.rows());
     return matrix;
 }
 Numbers numbers(Vector<double> const& y) { return {y.begin(), y.end()}; }
@@ -89,7 +88,7 @@ TEST(ArxRecords, TakeADelayAndAnInterceptLast) {
 
 TEST(ArxRecords, SkipEveryRowThatNeedsAMissingValue) {
     Numbers const u{1, 2, 3, 4, 5, missing, 7}, y{1, 2, missing, 4, 5, 6, 7};
-    auto const records = arx_records(u, y, {.na = 1, .nb = 0});       // k = 2 and 3 for y, 5 for u
+    auto const records = arx_records(u, y, {.na = 1, .nb = 0});  // k = 2 and 3 for y, 5 for u
     EXPECT_EQ(records.psi, rows({{-1, 2}, {-4, 5}, {-6, 7}}));
     EXPECT_EQ(numbers(records.y), (Numbers{2, 5, 7}));
     EXPECT_EQ(records.skipped, 3);
@@ -119,7 +118,7 @@ RC_GTEST_PROP(ArxRecords, EveryRowIsKeptSkippedOrLeadIn, ()) {
     RC_ASSERT(records.parameters() == model.size() && Index(records.names.size()) == model.size());
     for (Index n = 0; n < records.rows(); ++n) {
         double const k = records.y[n];
-        if (n > 0) {                                                     // || in an RC_ASSERT evaluates both sides
+        if (n > 0) {  // || in an RC_ASSERT evaluates both sides
             RC_ASSERT(k > records.y[n - 1]);
         }
         Index i = 0;
@@ -156,22 +155,22 @@ TEST(RecordsRefuse, TooFewRows) {
               "data.csv: 1 parameter needs at least 1 row, found 0 after a presample of 5 and skipping 0 with "
               "missing values");
     auto const other = columns({"a", "b", "c", "y"}, {{1, missing, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
-    EXPECT_EQ(message_of([&] { linear_records(other, {"a", "b", "c"}, "y"); }),
+    EXPECT_EQ(message_of([&] {
+                  linear_records(other, {"a", "b", "c"}, "y");
+              }),
               "data.csv: 3 parameters need at least 3 rows, found 2 after skipping 1 with missing values");
-    EXPECT_EQ(message_of([&] { linear_records(other, {"a", "b", "c"}, "y", true); }),
+    EXPECT_EQ(message_of([&] {
+                  linear_records(other, {"a", "b", "c"}, "y", true);
+              }),
               "data.csv: 4 parameters need at least 4 rows, found 3");
 }
 
 TEST(RecordsRefuse, ColumnsInTwoRoles) {
     auto const data = columns({"u", "y"}, {{1, 2, 3}, {1, 2, 3}});
-    EXPECT_EQ(message_of([&] { linear_records(data, {}, "y"); }),
-              "data.csv: expected the name of a regressor at least");
-    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "y"}, "y"); }),
-              "data.csv: column \"y\" is both regressor and output");
-    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "u"}, "y"); }),
-              "data.csv: column \"u\" is twice among the regressors");
-    EXPECT_EQ(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }),
-              "data.csv: column \"u\" is both input and output");
+    EXPECT_EQ(message_of([&] { linear_records(data, {}, "y"); }), "data.csv: expected the name of a regressor at least");
+    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "y"}, "y"); }), "data.csv: column \"y\" is both regressor and output");
+    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "u"}, "y"); }), "data.csv: column \"u\" is twice among the regressors");
+    EXPECT_EQ(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }), "data.csv: column \"u\" is both input and output");
     EXPECT_THROW(linear_records(data, {"z"}, "y"), std::invalid_argument);
     EXPECT_THROW(arx_records(data, "u", "z", {.na = 1, .nb = 1}), std::invalid_argument);
 }
@@ -210,9 +209,9 @@ TEST(NistData, LeaveTheCertifiedResidualSums) {
     Nist const nist;
     // Rounding theta and psi' theta moves residuals of about 200 by some 1e-9; a mistyped digit moves the sum far more.
     EXPECT_NEAR(residual_sum(nist.records("longley"), nist.theta("longley")), 836424.055505915, 1e-2);
-    for (auto const& [name, sum] : {std::pair{"wampler1", 0.}, {"wampler3", 83554268.}, {"wampler4", 835542680000.},
-                                    {"wampler5", 8355426800000000.}})
-        EXPECT_EQ(residual_sum(nist.records(name), nist.theta(name)), sum) << name;       // integers throughout
+    for (auto const& [name, sum] :
+         {std::pair{"wampler1", 0.}, {"wampler3", 83554268.}, {"wampler4", 835542680000.}, {"wampler5", 8355426800000000.}})
+        EXPECT_EQ(residual_sum(nist.records(name), nist.theta(name)), sum) << name;  // integers throughout
     EXPECT_LT(residual_sum(nist.records("wampler2"), nist.theta("wampler2")), 1e-24);
     EXPECT_NEAR(residual_sum(nist.records("filip"), nist.theta("filip", "theta_stored")), 0.795851382172941e-3, 1e-9);
 }

@@ -13,7 +13,7 @@ TEST(MovedFrom, AFilterRefusesRowsUntilItIsAssignedTo) {
         F f({.size = 3});
         f.update(psi, 1.0);
         F g = std::move(f);
-        EXPECT_THROW(f.update(psi, 1.0), std::invalid_argument) << F::name;    // NOLINT: what is tested
+        EXPECT_THROW(f.update(psi, 1.0), std::invalid_argument) << F::name;  // NOLINT: what is tested
         f = g;
         f.update(psi, 2.0), g.update(psi, 2.0);
         EXPECT_EQ(Vector<double>(f.theta()), Vector<double>(g.theta())) << F::name;

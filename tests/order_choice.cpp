@@ -11,7 +11,7 @@
 namespace rlslab {
 namespace {
 
-constexpr double level = 0.01;    // of whiteness and of the F-test, as documented
+constexpr double level = 0.01;  // of whiteness and of the F-test, as documented
 
 struct Data {
     std::vector<Signal> inputs;
@@ -27,8 +27,10 @@ Data noisy(size_t inputs, Index n, std::uint64_t seed, double colour = 0) {
     }
     Signal xi = coloured_noise(n, {colour}, Seed{seed});
     out.y = simulate(model, out.inputs, xi);
-    for (Signal* x : {&out.y}) for (double& v : *x) v = std::round(64 * v) / 64;
-    for (Signal& x : out.inputs) for (double& v : x) v = std::round(64 * v) / 64;
+    for (Signal* x : {&out.y})
+        for (double& v : *x) v = std::round(64 * v) / 64;
+    for (Signal& x : out.inputs)
+        for (double& v : x) v = std::round(64 * v) / 64;
     return out;
 }
 Records rows_of(OrderColumns const& all, int order, Index held_out) {
@@ -42,7 +44,7 @@ TEST(OrderColumns, AreTheEquationInTheOrderOfItsRecursion) {
     OrderColumns const c = order_columns({u, v}, y, 2, {1, 3}, true);
     EXPECT_EQ(c.columns(0), 3);
     EXPECT_EQ(c.columns(2), 9);
-    ASSERT_EQ(c.X.rows(), 25);    // 2 lags and a delay of 3
+    ASSERT_EQ(c.X.rows(), 25);  // 2 lags and a delay of 3
     EXPECT_EQ(c.y[0], 1005);
     EXPECT_EQ(Vector<double>(c.X.row(0).transpose()), (Vector<double>{{4, 102, 1, -1004, 3, 101, -1003, 2, 100}}));
     EXPECT_THROW(order_columns({u}, y, 12, {0}, false), std::invalid_argument);
@@ -108,7 +110,8 @@ TEST(OrderCriteria, AreThoseOfTheRationalFitsOfEveryOrder) {
 }
 TEST(OrderCriteria, WithoutHeldOutRowsThereIsNoFitOfThem) {
     Data const data = noisy(1, 60, 3);
-    for (OrderFit const& fit : choose_order(order_columns(data.inputs, data.y, 2, {0}, false), 2, 0).fits) EXPECT_TRUE(std::isnan(fit.held_out));
+    for (OrderFit const& fit : choose_order(order_columns(data.inputs, data.y, 2, {0}, false), 2, 0).fits)
+        EXPECT_TRUE(std::isnan(fit.held_out));
 }
 
 TEST(LjungBox, IsLjungAndBox) {
@@ -197,15 +200,18 @@ TEST(OrderChoices, FollowTheirRuleAndItsLevels) {
                 }
         bool const any_white = std::ranges::any_of(c.fits, [&](OrderFit const& f) { return f.order >= c.bic && f.ljung_box >= level; });
         (any_white ? c.order == c.bic ? by_bic : by_white : none) += 1;
-        EXPECT_EQ(c.why, !any_white            ? "the least BIC; neither there nor above do the residuals pass for white"
-                         : c.order == c.bic ? "the least BIC, and its residuals pass for white"
-                                            : "the least BIC among orders whose residuals pass for white (without that: " + std::to_string(c.bic) + ")");
+        EXPECT_EQ(c.why, !any_white ? "the least BIC; neither there nor above do the residuals pass for white"
+                         : c.order == c.bic
+                             ? "the least BIC, and its residuals pass for white"
+                             : "the least BIC among orders whose residuals pass for white (without that: " + std::to_string(c.bic) + ")");
         // The trial can tell the level from its neighbours.
-        white_low += chosen(c, 0.8 * level, level).order != should.order, white_high += chosen(c, 1.25 * level, level).order != should.order;
+        white_low += chosen(c, 0.8 * level, level).order != should.order,
+            white_high += chosen(c, 1.25 * level, level).order != should.order;
         f_low += chosen(c, level, 0.8 * level).f_test != should.f_test, f_high += chosen(c, level, 1.25 * level).f_test != should.f_test;
     }
     for (int const count : {white_low, white_high, f_low, f_high, by_bic, by_white}) EXPECT_GT(count, 0);
-    std::printf("told apart: white %d %d, F %d %d; chosen by BIC %d, by whiteness %d, none white %d\n", white_low, white_high, f_low, f_high, by_bic, by_white, none);
+    std::printf("told apart: white %d %d, F %d %d; chosen by BIC %d, by whiteness %d, none white %d\n", white_low, white_high, f_low,
+                f_high, by_bic, by_white, none);
 }
 TEST(OrderChoices, EndWhereTheColumnsDependOnOneAnother) {
     // y = 2 u[k] + u[k-1] exactly: y[k-1] is a combination of u[k-1] and u[k-2], so that order 2 brings no new column.
@@ -223,7 +229,7 @@ TEST(OrderChoices, CallColumnsDependentBelowTwoToTheMinus90) {
         Seed seed{3};
         for (Index k = 0; k < 40; ++k) {
             c.y[k] = seed.bell(), c.X(k, 0) = k % 2 ? 1 : -1, c.X(k, 1) = seed.bell();
-            c.X(k, 2) = c.X(k, 0) + std::ldexp(k % 4 < 2 ? 1.0 : -1.0, exponent);    // orthogonal to X(k, 0), half of it or so to X(k, 1)
+            c.X(k, 2) = c.X(k, 0) + std::ldexp(k % 4 < 2 ? 1.0 : -1.0, exponent);  // orthogonal to X(k, 0), half of it or so to X(k, 1)
         }
         EXPECT_EQ(choose_order(c, 1, 0).fits.size(), exponent == -44 ? 2u : 1u) << exponent;
     }

@@ -50,8 +50,7 @@ TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
         F all(p);
         all.update_block(records.psi, records.y);
         EXPECT_LE((one.theta() - all.theta()).norm(), 60 * epsilon<double>() * all.theta().norm());
-        EXPECT_LE((fold_all<F>(p, RowsInMemory(records), 2).theta() - all.theta()).norm(),
-                  60 * epsilon<double>() * all.theta().norm());
+        EXPECT_LE((fold_all<F>(p, RowsInMemory(records), 2).theta() - all.theta()).norm(), 60 * epsilon<double>() * all.theta().norm());
     }
 }
 TEST(OutOfCore, ShortWordsTakeTheirRowsRounded) {
@@ -132,9 +131,8 @@ TEST(OutOfCore, AFileLargerThanMemoryIsFolded) {
         if (setrlimit(RLIMIT_AS, &both) != 0) _exit(2);
         try {
             std::vector<char> const whole(160 * megabyte);
-            _exit(3);    // no limit
-        } catch (std::bad_alloc const&) {
-        }
+            _exit(3);  // no limit
+        } catch (std::bad_alloc const&) {}
         try {
             RowFile const file(path, 31);
             Vector<double> const theta = fold_all<F>(laws::problem(31), file, 2).theta();

@@ -25,7 +25,7 @@ using testing::StartsWith;
 
 struct Outcome {
     int code;
-    std::string text;    // standard output and error
+    std::string text;  // standard output and error
 };
 Outcome shell(std::string const& command) {
     std::FILE* const pipe = popen(("{ " + command + "; } 2>&1 </dev/null").c_str(), "r");
@@ -61,9 +61,11 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
         Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
         EXPECT_EQ(plain.code, 0) << plain.text;
     }
-    for (char const* options : {"-funsafe-math-optimizations", "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
+    for (char const* options :
+         {"-funsafe-math-optimizations", "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
         if (there_is("g++")) {
-            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text, HasSubstr("rlslab: -funsafe-math-optimizations")) << options;
+            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text, HasSubstr("rlslab: -funsafe-math-optimizations"))
+                << options;
         }
 }
 
@@ -109,7 +111,8 @@ TEST(Rounding, TellsOfContraction) {
     std::string const app = folder.file(R"(#include <rlslab/core/rounding.hpp>
 #include <cstdio>
 int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
-)", "app.cpp");
+)",
+                                        "app.cpp");
     std::string const out = (folder.path / "app").string();
     for (std::string const& compiler : compilers())
         for (char const* level : {"-O0 ", "-O2 ", "-O3 "}) {
@@ -118,7 +121,7 @@ int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.
             };
             EXPECT_EQ(told("-mfma -ffp-contract=off"), "") << compiler << level;
             std::string const fused = told("-mfma -ffp-contract=fast");
-            if (std::string(level) == "-O0 " && fused.empty()) continue;    // g++ contracts where it optimises
+            if (std::string(level) == "-O0 " && fused.empty()) continue;  // g++ contracts where it optimises
             EXPECT_THAT(fused, StartsWith("products and sums are contracted")) << compiler << level;
         }
 }
@@ -126,8 +129,10 @@ int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.
 
 TEST(Headers, CompileWithTheOtherStandardLibrary) {
     files::Folder const folder;
-    std::string const nothing = folder.file("#include <compare>\n", "nothing.cpp"), command = "clang++ -stdlib=libc++" + headers + "-O1 -fsyntax-only ";
-    if (!there_is("clang++") || shell(command + nothing).code != 0) GTEST_SKIP() << "needs the packages clang, libc++-dev and libc++abi-dev";
+    std::string const nothing = folder.file("#include <compare>\n", "nothing.cpp"),
+                      command = "clang++ -stdlib=libc++" + headers + "-O1 -fsyntax-only ";
+    if (!there_is("clang++") || shell(command + nothing).code != 0)
+        GTEST_SKIP() << "needs the packages clang, libc++-dev and libc++abi-dev";
     std::string all;
     for (char const* part : {"src", "variants"})
         for (auto const& file : std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
@@ -146,7 +151,8 @@ TEST(Processors, AnotherOneLeavesTheSameBits) {
         GTEST_SKIP() << "needs the packages g++-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
-    Outcome const built = shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp -o " + out);
+    Outcome const built =
+        shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp -o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     Outcome const there = shell("qemu-aarch64 " + out), here = shell(RLSLAB_DIGEST);
     EXPECT_EQ(there.code, 0);

@@ -127,14 +127,14 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     }
     ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
     for (json const& r : out["results"]) {
-        EXPECT_EQ(r.size(), 13u);    // the keys named below, variant, arithmetic, spread, path, runs, broken
+        EXPECT_EQ(r.size(), 13u);  // the keys named below, variant, arithmetic, spread, path, runs, broken
         EXPECT_EQ(r["runs"], 4);
-        for (auto const& [of, at_the_end] : {std::pair{"theta", "theta_digits"}, {"worst", "theta_digits_worst"}, {"covariance", "covariance_digits"}}) {
+        for (auto const& [of, at_the_end] :
+             {std::pair{"theta", "theta_digits"}, {"worst", "theta_digits_worst"}, {"covariance", "covariance_digits"}}) {
             EXPECT_EQ(r["path"][of].size(), out["checkpoints"].size());
             EXPECT_EQ(r["path"][of].back(), r[at_the_end]);
         }
-        for (char const* key : {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations",
-                                "ns_per_update"})
+        for (char const* key : {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations", "ns_per_update"})
             EXPECT_TRUE(r.at(key).is_number() || r.at(key).is_null()) << key;
         EXPECT_TRUE(r["breakdown"].is_null() || (r["breakdown"]["step"].is_number_integer() &&
                                                  std::set<std::string>{"indefinite", "nonfinite"}.contains(r["breakdown"]["kind"])));
@@ -151,9 +151,10 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
     std::istringstream csv(shell(command + " --csv").out);
     std::string line;
     std::getline(csv, line);
-    EXPECT_EQ(line, "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-                    "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,worst_high,"
-                    "covariance_low,covariance_median,covariance_high");
+    EXPECT_EQ(line,
+              "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
+              "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,worst_high,"
+              "covariance_low,covariance_median,covariance_high");
     for (json const& r : results) {
         ASSERT_TRUE(std::getline(csv, line));
         std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();
@@ -168,7 +169,7 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
 }
 TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
     for (std::string const file : {"data/sales.csv --input lead --output sales --order 2 --forgetting 0.99",
-                                    "../shared/data/gas_furnace.csv --input u --output y --order 4"}) {
+                                   "../shared/data/gas_furnace.csv --input u --output y --order 4"}) {
         if (!fs::exists(root + "/" + file.substr(0, file.find(' ')))) {
             std::printf("left out: %s is not here\n", file.c_str());
             continue;

@@ -40,8 +40,8 @@ protected:
         return text;
     }
     Outcome shell(std::string const& command) const {
-        std::string const line = "cd '" + folder.string() + "' && rlslab() { '" + program + "' \"$@\"; } && { " + command +
-                                 "; } >out.txt 2>err.txt </dev/null";
+        std::string const line =
+            "cd '" + folder.string() + "' && rlslab() { '" + program + "' \"$@\"; } && { " + command + "; } >out.txt 2>err.txt </dev/null";
         int const status = std::system(("bash -c '" + quoted(line) + "'").c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder / "out.txt"), read(folder / "err.txt")};
     }
@@ -60,4 +60,3 @@ protected:
         EXPECT_TRUE(run.err.starts_with("rlslab: ")) << run.err;
     }
 };
-

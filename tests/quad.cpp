@@ -117,17 +117,19 @@ TEST(Quad, RoundsOnceAtTheEndsOfItsRange) {
                           [](mpfr_ptr x, mpfr_srcptr a, mpfr_srcptr b, mpfr_rnd_t mode) {
                               Reference const small = ldexp(Reference(a), -8000), big = ldexp(Reference(b), 8300);
                               return mpfr_div(x, small.backend().data(), big.backend().data(), mode);
-                          }, 20000, 0, 100), 0);
+                          },
+                          20000, 0, 100),
+              0);
 }
 TEST(Quad, SpecialValues) {
     double const inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     double const values[] = {0.0, -0.0, 1, -1, inf, -inf, nan, 0x1p-1074, -3.5};
     for (double const a : values)
         for (double const b : values) {
-            EXPECT_TRUE(Binary128([&](mpfr_ptr x) { return mpfr_set_d(x, a + b, MPFR_RNDN); }).is(Quad(a) + Quad(b)) || std::abs(a) == 0x1p-1074 ||
-                        std::abs(b) == 0x1p-1074);
-            EXPECT_TRUE(Binary128([&](mpfr_ptr x) { return mpfr_set_d(x, a * b, MPFR_RNDN); }).is(Quad(a) * Quad(b)) || std::abs(a) == 0x1p-1074 ||
-                        std::abs(b) == 0x1p-1074);
+            EXPECT_TRUE(Binary128([&](mpfr_ptr x) { return mpfr_set_d(x, a + b, MPFR_RNDN); }).is(Quad(a) + Quad(b)) ||
+                        std::abs(a) == 0x1p-1074 || std::abs(b) == 0x1p-1074);
+            EXPECT_TRUE(Binary128([&](mpfr_ptr x) { return mpfr_set_d(x, a * b, MPFR_RNDN); }).is(Quad(a) * Quad(b)) ||
+                        std::abs(a) == 0x1p-1074 || std::abs(b) == 0x1p-1074);
             EXPECT_EQ(Quad(a) == Quad(b), a == b);
             EXPECT_EQ(Quad(a) < Quad(b), a < b);
             EXPECT_EQ(Quad(a) <= Quad(b), a <= b);
@@ -175,7 +177,7 @@ Quad quad_of(Theirs128 x) {
     Quad const size = ldexp(ldexp(Quad(top), 64) + Quad(word[0]), std::max(exponent, 1) - 16383 - 112);
     return word[1] >> 63 ? -size : size;
 }
-Theirs128 theirs_of(Parts const& p) {    // normal numbers
+Theirs128 theirs_of(Parts const& p) {  // normal numbers
     std::uint64_t const mantissa_high = p.high >> 7, mantissa_low = p.high << 57 | p.low;
     std::uint64_t const word[2] = {mantissa_low, (std::uint64_t(p.negative) << 63) | (std::uint64_t(p.exponent + 112 + 16383) << 48) |
                                                      (mantissa_high & 0xffffffffffff)};

@@ -21,7 +21,7 @@ struct Random {
         z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
         return z ^ (z >> 31);
     }
-    double uniform() { return double(std::int64_t(next()) >> 11) * 0x1p-52; }    // in [-1, 1)
+    double uniform() { return double(std::int64_t(next()) >> 11) * 0x1p-52; }  // in [-1, 1)
 };
 
 Records random_records(Index d, Index rows, std::uint64_t seed) {
@@ -38,7 +38,7 @@ Matrix<double> random_covariance(Index d, std::uint64_t seed) {
     Random random{seed};
     Matrix<double> A(d, d);
     for (double& a : A.reshaped()) a = std::ldexp(std::round(random.uniform() * 64), -6);
-    return A * A.transpose() + Matrix<double>::Identity(d, d);    // exact: few bits
+    return A * A.transpose() + Matrix<double>::Identity(d, d);  // exact: few bits
 }
 
 /// X = A^-1 B by Gauss-Jordan elimination in rational numbers.
@@ -114,8 +114,7 @@ std::vector<Problem<double>> problems(Index d) {
         all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 0.3}});
         Vector<double> const theta0 = Vector<double>::LinSpaced(d, -0.7, 2.1);
         all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 3, .theta = theta0}});
-        all.push_back({.size = d, .forgetting = lambda,
-                       .prior = Prior<double>{.theta = theta0, .covariance = random_covariance(d, 5)}});
+        all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.theta = theta0, .covariance = random_covariance(d, 5)}});
     }
     return all;
 }
@@ -181,7 +180,7 @@ TEST(Certified, WildScalesAreExact) {
     Records data = random_records(3, 10, 21);
     data.psi.row(0) *= 1e150;
     data.psi.row(1) *= 1e-150;
-    data.psi(2, 4) = 1e300;                                        // and one entry far from its column
+    data.psi(2, 4) = 1e300;  // and one entry far from its column
     data.psi(2, 5) = std::numeric_limits<double>::denorm_min();
     for (double const lambda : {1.0, 0.99}) {
         Problem<double> const problem{.size = 3, .forgetting = lambda, .prior = std::nullopt};
@@ -199,7 +198,7 @@ TEST(Certified, PrecisionRisesWithIllConditioning) {
         for (Index const d : {4, 8, 12}) {
             Records data{.psi = Eigen::MatrixXd(d, d + 2), .y = Vector<double>::LinSpaced(d + 2, 1, 2), .names = {}};
             for (Index k = 0; k < d + 2; ++k)
-                for (Index i = 0; i < d; ++i) data.psi(i, k) = 1.0 / double(i + k + 1);    // Hilbert
+                for (Index i = 0; i < d; ++i) data.psi(i, k) = 1.0 / double(i + k + 1);  // Hilbert
             Problem<double> const problem{.size = d, .forgetting = lambda, .prior = std::nullopt};
             CertifiedSolution const exact = certified(problem, data, {d + 2}).front();
             ASSERT_EQ(exact.status(), Status::certified);
@@ -245,13 +244,12 @@ TEST(Certified, MoreDigitsOnRequest) {
     ASSERT_EQ(exact.status(), Status::certified);
     EXPECT_TRUE(exact.encloses(truth(problem, data, 20).theta));
     EXPECT_LE(exact.radius(), 1e-300) << "as near to 10^-500 as a double bound goes";
-    EXPECT_EQ(exact.theta_strings(400)[0].substr(0, 20),
-              certified(problem, data, {20}).front().theta_strings()[0].substr(0, 20));
+    EXPECT_EQ(exact.theta_strings(400)[0].substr(0, 20), certified(problem, data, {20}).front().theta_strings()[0].substr(0, 20));
 }
 
 TEST(Certified, ZeroSolutionsAndComponents) {
     Records data = random_records(3, 20, 4);
-    data.y = 2 * data.psi.row(0).transpose();    // theta = (2, 0, 0) exactly
+    data.y = 2 * data.psi.row(0).transpose();  // theta = (2, 0, 0) exactly
     for (double const lambda : {1.0, 0.99}) {
         Problem<double> const problem{.size = 3, .forgetting = lambda, .prior = std::nullopt};
         CertifiedSolution const exact = certified(problem, data, {20}).front();
@@ -271,7 +269,7 @@ TEST(Certified, ZeroSolutionsAndComponents) {
 
 TEST(Certified, SingularIsProvenByItsRank) {
     Records data = random_records(4, 30, 13);
-    data.psi.row(3) = data.psi.row(0);                     // twins until row 20
+    data.psi.row(3) = data.psi.row(0);  // twins until row 20
     data.psi(3, 20) = std::nextafter(data.psi(0, 20), 2.0);
     for (double const lambda : {1.0, 0.99}) {
         Problem<double> problem{.size = 4, .forgetting = lambda, .prior = std::nullopt};
@@ -343,15 +341,14 @@ TEST(Certified, MisuseThrows) {
 }
 
 TEST(Certified, LongleyToThirtyDigits) {
-    constexpr double rows[16][7] = {
-        {83.0, 234289, 2356, 1590, 107608, 1947, 60323},  {88.5, 259426, 2325, 1456, 108632, 1948, 61122},
-        {88.2, 258054, 3682, 1616, 109773, 1949, 60171},  {89.5, 284599, 3351, 1650, 110929, 1950, 61187},
-        {96.2, 328975, 2099, 3099, 112075, 1951, 63221},  {98.1, 346999, 1932, 3594, 113270, 1952, 63639},
-        {99.0, 365385, 1870, 3547, 115094, 1953, 64989},  {100.0, 363112, 3578, 3350, 116219, 1954, 63761},
-        {101.2, 397469, 2904, 3048, 117388, 1955, 66019}, {104.6, 419180, 2822, 2857, 118734, 1956, 67857},
-        {108.4, 442769, 2936, 2798, 120445, 1957, 68169}, {110.8, 444546, 4681, 2637, 121950, 1958, 66513},
-        {112.6, 482704, 3813, 2552, 123366, 1959, 68655}, {114.2, 502601, 3931, 2514, 125368, 1960, 69564},
-        {115.7, 518173, 4806, 2572, 127852, 1961, 69331}, {116.9, 554894, 4007, 2827, 130081, 1962, 70551}};
+    constexpr double rows[16][7] = {{83.0, 234289, 2356, 1590, 107608, 1947, 60323},  {88.5, 259426, 2325, 1456, 108632, 1948, 61122},
+                                    {88.2, 258054, 3682, 1616, 109773, 1949, 60171},  {89.5, 284599, 3351, 1650, 110929, 1950, 61187},
+                                    {96.2, 328975, 2099, 3099, 112075, 1951, 63221},  {98.1, 346999, 1932, 3594, 113270, 1952, 63639},
+                                    {99.0, 365385, 1870, 3547, 115094, 1953, 64989},  {100.0, 363112, 3578, 3350, 116219, 1954, 63761},
+                                    {101.2, 397469, 2904, 3048, 117388, 1955, 66019}, {104.6, 419180, 2822, 2857, 118734, 1956, 67857},
+                                    {108.4, 442769, 2936, 2798, 120445, 1957, 68169}, {110.8, 444546, 4681, 2637, 121950, 1958, 66513},
+                                    {112.6, 482704, 3813, 2552, 123366, 1959, 68655}, {114.2, 502601, 3931, 2514, 125368, 1960, 69564},
+                                    {115.7, 518173, 4806, 2572, 127852, 1961, 69331}, {116.9, 554894, 4007, 2827, 130081, 1962, 70551}};
     // Decimal data are the definition; ten times x1 makes them integers, and its coefficient a tenth.
     Records data{.psi = Eigen::MatrixXd(7, 16), .y = Vector<double>(16), .names = {}};
     for (Index k = 0; k < 16; ++k) {
@@ -362,11 +359,10 @@ TEST(Certified, LongleyToThirtyDigits) {
     }
     CertifiedSolution const exact = certified({.size = 7, .prior = std::nullopt}, data, {16}).front();
     ASSERT_EQ(exact.status(), Status::certified);
-    EXPECT_EQ(exact.theta_strings(), (std::vector<std::string>{
-                                         "-3.48225863459581832527689742876e6", "1.50618722713732949699884679430e0",
-                                         "-3.58191792925910166168577525360e-2", "-2.02022980381682508565347406204e0",
-                                         "-1.03322686717359197549469146328e0", "-5.11041056535807144706642656987e-2",
-                                         "1.82915146461355184522976668424e3"}));
+    EXPECT_EQ(exact.theta_strings(), (std::vector<std::string>{"-3.48225863459581832527689742876e6", "1.50618722713732949699884679430e0",
+                                                               "-3.58191792925910166168577525360e-2", "-2.02022980381682508565347406204e0",
+                                                               "-1.03322686717359197549469146328e0", "-5.11041056535807144706642656987e-2",
+                                                               "1.82915146461355184522976668424e3"}));
 }
 
 TEST(Certified, TheSameFromEveryThread) {

@@ -163,13 +163,13 @@ TEST(SurelyPositive, NeverClaimsWhatIsNotSo) {
         Index const d = 1 + random.below(9);
         double const nudge = std::ldexp(random.uniform(), 4 - int(random.below(56)));
         Matrix<double> A = near_singular(random, d, nudge);
-        if (trial % 2)    // fractions that do not divide evenly, and columns of every scale
+        if (trial % 2)  // fractions that do not divide evenly, and columns of every scale
             for (Index i = 0; i < d; ++i) {
                 double const scale = std::ldexp(1 + random.uniform() / 3, int(random.below(400)) - 200);
                 A.row(i) *= scale;
                 A.col(i) *= scale;
             }
-        if (trial % 5 == 0) A(0, d - 1) += std::ldexp(random.uniform(), -50) * A(0, d - 1);    // asymmetry
+        if (trial % 5 == 0) A(0, d - 1) += std::ldexp(random.uniform(), -50) * A(0, d - 1);  // asymmetry
         bool const claim = surely_positive(plain(A)), truth = verdict(plain(A)) == Definiteness::positive;
         EXPECT_TRUE(truth || !claim) << A;
         claimed += claim;
@@ -203,7 +203,8 @@ TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
     EXPECT_GT(claimed, 100);
 }
 
-/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for delta > (d + 1) u d + 2 u:
+/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for delta > (d + 1) u d +
+/// 2 u:
 /// half of it proves nothing, twice as much (and what the factorisation itself rounds away) is enough.
 TEST(SurelyPositive, AsksForTheLeastEigenvalueOfItsBound) {
     constexpr double u = 0x1p-53;
@@ -229,7 +230,7 @@ TEST(SurelyPositive, AlmostAlwaysSeesHealth) {
                 for (double& x : psi) x = random.uniform();
                 A += psi * psi.transpose();
             }
-            for (Index i = 0; i < d; ++i) {    // P often has columns of very different scale
+            for (Index i = 0; i < d; ++i) {  // P often has columns of very different scale
                 double const scale = std::pow(10.0, double(random.below(80)) - 40);
                 A.row(i) *= scale;
                 A.col(i) *= scale;

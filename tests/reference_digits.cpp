@@ -17,15 +17,11 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 /// Three parameters, integers throughout:  M = Psi Psi' = [[2,1,0],[1,3,1],[0,1,2]],  det M = 8,  theta = (3, -4, 12).
 Records integers() {
     Records data{.psi = Eigen::MatrixXd(3, 5), .y = {}, .names = {}};
-    data.psi << 1, 1, 0, 0, 0,
-                0, 1, 1, 1, 0,
-                0, 0, 0, 1, 1;
+    data.psi << 1, 1, 0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1;
     data.y = data.psi.transpose() * (Vector<double>(3) << 3, -4, 12).finished();
     return data;
 }
-CertifiedSolution solution(int digits = 30) {
-    return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front();
-}
+CertifiedSolution solution(int digits = 30) { return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front(); }
 
 Vector<Reference> theta(double a, double b, double c) {
     Vector<Reference> x(3);
@@ -65,7 +61,7 @@ TEST(ThetaDigits, SeeAsFarAsTheyWereAsked) {
     Vector<Reference> close = theta(3, -4, 12);
     EXPECT_GE(solution().theta_digits(close), 30);
     EXPECT_GE(solution().theta_digits_worst(close), 30);
-    close(0) += ldexp(Reference(3), -250);    // -log10(3/13 2^-250)
+    close(0) += ldexp(Reference(3), -250);  // -log10(3/13 2^-250)
     double const truth = 250 * std::log10(2.0) - std::log10(3.0 / 13);
     EXPECT_NEAR(solution(90).theta_digits(close), truth, 1e-8);
     EXPECT_NEAR(solution(90).theta_digits_worst(close), 250 * std::log10(2.0), 1e-8);
@@ -97,7 +93,7 @@ TEST(CovarianceDigits, OfExactFormsAreAllThereAre) {
     Vector<Reference> D(3);
     D << Reference(2), Reference(5) / 2, Reference(8) / 5;
     constexpr int asked = 90;
-    double const rounded = 75;    // 2^-256 and a little: L and D hold fifths
+    double const rounded = 75;  // 2^-256 and a little: L and D hold fifths
     EXPECT_GE(digits_of(Quantity::covariance, Form::plain, covariance(), {}, asked), asked);
     EXPECT_GE(digits_of(Quantity::information, Form::plain, information(), {}, asked), asked);
     EXPECT_GE(digits_of(Quantity::information, Form::factor, L, D, asked), rounded);
@@ -119,7 +115,7 @@ TEST(CovarianceDigits, OfExactFormsAreAllThereAre) {
 }
 
 TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
-    Matrix<Reference> P = covariance();    // ||8 P||_F^2 = 25 + 16 + 25 + 4 * 4 + 2 = 84
+    Matrix<Reference> P = covariance();  // ||8 P||_F^2 = 25 + 16 + 25 + 4 * 4 + 2 = 84
     double const norm = std::sqrt(84.0) / 8;
     P(0, 1) += Reference(1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
@@ -128,14 +124,14 @@ TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     EXPECT_NEAR(digits_of(Quantity::information, Form::plain, shrunk), 9, 1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::factor, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
-    Matrix<Reference> asymmetric = information();    // dP = -P E P, E = 1e-8 e_0 e_2'
+    Matrix<Reference> asymmetric = information();  // dP = -P E P, E = 1e-8 e_0 e_2'
     asymmetric(0, 2) += Reference(1e-8);
     double const change = std::sqrt(25 + 4 + 1.0) * std::sqrt(25 + 4 + 1.0) / 64;
     EXPECT_NEAR(digits_of(Quantity::information, Form::plain, asymmetric), 8 - std::log10(change / norm), 1e-6);
     // an indefinite matrix is as far away as it is
     EXPECT_NEAR(digits_of(Quantity::information, Form::plain, Matrix<Reference>(-information())), -std::log10(2.0), 1e-9);
-    EXPECT_NEAR(digits_of(Quantity::information, Form::factor, Matrix<Reference>::Identity(3, 3),
-                          theta(1e-100, 1, 1)), -100 + std::log10(norm), 1e-6);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::factor, Matrix<Reference>::Identity(3, 3), theta(1e-100, 1, 1)),
+                -100 + std::log10(norm), 1e-6);
 }
 
 TEST(CovarianceDigits, AtTheEdges) {
@@ -147,7 +143,7 @@ TEST(CovarianceDigits, AtTheEdges) {
     Matrix<Reference> triangle = Matrix<Reference>::Identity(3, 3);
     triangle(1, 1) = 0;
     EXPECT_TRUE(std::isnan(digits_of(Quantity::information, Form::factor, triangle)));
-    M(2, 2) += ldexp(Reference(1), -250);    // nonsingular by very little: P is enormous, not undefined
+    M(2, 2) += ldexp(Reference(1), -250);  // nonsingular by very little: P is enormous, not undefined
     EXPECT_LT(digits_of(Quantity::information, Form::plain, M), -70);
     M(0, 0) = inf;
     EXPECT_TRUE(std::isnan(digits_of(Quantity::covariance, Form::plain, M)));
@@ -178,7 +174,7 @@ TEST(Condition, OfKnownMatrices) {
     data.psi << 3, 0, 0, 0, 1e-5, 0;
     EXPECT_NEAR(condition(data, 1) / 3e5, 1, 1e-11);
     EXPECT_NEAR(condition(data, 0.25) / 1.5e5, 1, 1e-11) << "the older row weighs half of the next";
-    data.psi << 1, 1, 0, 1, 1 + 0x1p-40, 0;    // singular values from s1^2 + s2^2 and s1 s2 = 2^-40
+    data.psi << 1, 1, 0, 1, 1 + 0x1p-40, 0;  // singular values from s1^2 + s2^2 and s1 s2 = 2^-40
     EXPECT_NEAR(condition(data, 1) / (4 * 0x1p40), 1, 1e-11);
     data.psi << 1, 1, 2, 1, 1, 2;
     EXPECT_EQ(condition(data, 1), inf);

@@ -34,11 +34,11 @@ ToZero one_parameter(double off) {
     Records data{.psi = Eigen::MatrixXd::Constant(1, 1, 1), .y = Vector<double>::Constant(1, -1 + off), .names = {}};
     return {{.size = 1, .prior = Prior<double>{.variance = 3, .theta = Vector<double>::Constant(1, 3)}}, data};
 }
-ToZero two_parameters(double lambda, double off) {    // P0^-1 = [2 -1; -1 5] / 9
+ToZero two_parameters(double lambda, double off) {  // P0^-1 = [2 -1; -1 5] / 9
     Matrix<double> const P0 = (Matrix<double>(2, 2) << 5, 1, 1, 2).finished();
     Vector<double> const s = Eigen::Vector2d(-3, 4), theta = P0 * s;
     Records data{.psi = Eigen::MatrixXd::Identity(2, 2), .y = -s, .names = {}};
-    data.y[0] *= lambda;    // two rows: the prior weighs lambda^2, the first row lambda
+    data.y[0] *= lambda;  // two rows: the prior weighs lambda^2, the first row lambda
     data.y[1] *= lambda * lambda;
     data.y[1] += off;
     return {{.size = 2, .forgetting = lambda, .prior = Prior<double>{.theta = theta, .covariance = P0}}, data};

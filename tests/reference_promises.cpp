@@ -12,11 +12,12 @@ using namespace balls;
 void set_ball(arb_ptr ball, double middle, double radius) {
     arb_set_d(ball, middle);
     Float const r(radius);
-    arf_get_mag(arb_radref(ball), r);    // rounded up
+    arf_get_mag(arb_radref(ball), r);  // rounded up
 }
 
 /// theta = (t, s), P = [p q; q p], all radii but those given zero.
-CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q, double rad_q, int digits = 10) {
+CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q, double rad_q,
+                                       int digits = 10) {
     CertifiedSolution::Enclosure x{BallMatrix(2, 1), BallMatrix(2, 2), 128, digits};
     set_ball(x.theta(0, 0), t, rad_t);
     set_ball(x.theta(1, 0), s, rad_s);
@@ -66,14 +67,16 @@ TEST(ReferencePromise, IsOfTheDigitsAskedFor) {
     }
 }
 
-CertifiedSolution by_hand(CertifiedSolution::Enclosure const& x) { return CertifiedSolution(7, 2, std::make_shared<CertifiedSolution::Enclosure const>(x)); }
+CertifiedSolution by_hand(CertifiedSolution::Enclosure const& x) {
+    return CertifiedSolution(7, 2, std::make_shared<CertifiedSolution::Enclosure const>(x));
+}
 
 TEST(ReferencePromise, RadiiAreRelativeInTheNormAndNeverTooSmall) {
     CertifiedSolution const e = by_hand(enclosure(3, 0x1p-20, 4, 0x1p-20, 6, 0x1p-10, -8, 0x1p-11));
-    double const theta = std::sqrt(2.0) * 0x1p-20 / 5;                                                   // of ||theta|| = 5
+    double const theta = std::sqrt(2.0) * 0x1p-20 / 5;  // of ||theta|| = 5
     EXPECT_GE(e.radius(), theta);
     EXPECT_LE(e.radius(), theta * (1 + 1e-5));
-    double const P = std::sqrt(2 * 0x1p-20 + 2 * 0x1p-22) / std::sqrt(200.0);                            // of ||P||_F = sqrt(2 36 + 2 64)
+    double const P = std::sqrt(2 * 0x1p-20 + 2 * 0x1p-22) / std::sqrt(200.0);  // of ||P||_F = sqrt(2 36 + 2 64)
     EXPECT_GE(e.covariance_radius(), P);
     EXPECT_LE(e.covariance_radius(), P * (1 + 1e-3));
     EXPECT_EQ(by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)).radius(), 0);
@@ -88,7 +91,7 @@ TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
     EXPECT_NEAR(sharp.theta_digits_worst(estimate), -std::log10(0.125), 1e-14);
     EXPECT_LE(wide.theta_digits(estimate), -std::log10(1.0 / std::hypot(3, 4.5)));
     EXPECT_LE(wide.theta_digits_worst(estimate), -std::log10(1.0 / 4.5));
-    Matrix<Reference> P{{Reference(6), Reference(-8)}, {Reference(-8), Reference(7)}};                   // one entry off by 1 of sqrt(200)
+    Matrix<Reference> P{{Reference(6), Reference(-8)}, {Reference(-8), Reference(7)}};  // one entry off by 1 of sqrt(200)
     using S = Stored<Reference>;
     EXPECT_NEAR(sharp.covariance_digits({S::Quantity::covariance, S::Form::plain, P}), 0.5 * std::log10(200.0), 1e-14);
     P(0, 0) = 7, P(1, 1) = 6;
@@ -96,7 +99,8 @@ TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
 }
 
 TEST(ReferencePromise, ChangesAreRelativeToTheSecond) {
-    CertifiedSolution const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)), b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)), zero = by_hand(enclosure(0, 0, 0, 0, 1, 0, 0, 0));
+    CertifiedSolution const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)), b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)),
+                            zero = by_hand(enclosure(0, 0, 0, 0, 1, 0, 0, 0));
     EXPECT_DOUBLE_EQ(relative_change(a, b), 4.0 / 3);
     EXPECT_DOUBLE_EQ(relative_change(b, a), 0.8);
     EXPECT_DOUBLE_EQ(relative_change(a, b, Vector<double>{{2.0, 0.5}}), 2.0 / 6);
@@ -144,13 +148,14 @@ TEST(ReferencePromise, HoldsOfWhatIsCertified) {
                             for (int n = 0; n < digits; ++n) arf_mul(out, out, ten, ARF_PREC_EXACT, ARF_RND_DOWN);
                             return out;
                         };
-                        Float floor, tiny(1e-40);    // a component so much smaller than the largest is held to that; one here is zero
+                        Float floor, tiny(1e-40);  // a component so much smaller than the largest is held to that; one here is zero
                         arf_mul(floor, largest_theta, tiny, ARF_PREC_EXACT, ARF_RND_DOWN);
                         for (Index i = 0; i < 2; ++i) {
                             arf_abs(size, arb_midref(theta(i, 0)));
                             arf_max(size, size, floor);
                             EXPECT_LE(arf_cmp(scaled(arb_radref(theta(i, 0))), size), 0) << k << " " << digits;
-                            for (Index j = 0; j < 2; ++j) EXPECT_LE(arf_cmp(scaled(arb_radref(P(i, j))), largest_P), 0) << k << " " << digits;
+                            for (Index j = 0; j < 2; ++j)
+                                EXPECT_LE(arf_cmp(scaled(arb_radref(P(i, j))), largest_P), 0) << k << " " << digits;
                         }
                         EXPECT_LE(e.radius(), std::pow(10.0, -digits));
                         EXPECT_LE(e.covariance_radius(), 2 * std::pow(10.0, -digits));

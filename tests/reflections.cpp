@@ -32,12 +32,12 @@ std::vector<double> folded(Index size, Index rows, double unit) {
     for (Index j = 0; j < size; ++j)
         for (Index i = j; i < size; ++i) out.push_back(static_cast<double>(L(i, j)));
     for (T const& x : Vector<T>(filter.theta())) out.push_back(static_cast<double>(x));
-    for (double& x : out) x = std::isnan(x) ? -1 : x;    // equal to itself
+    for (double& x : out) x = std::isnan(x) ? -1 : x;  // equal to itself
     return out;
 }
 template <class T>
 std::vector<double> folded_by(Isa isa, Index size, Index rows, double unit) {
-    Isa const before = std::exchange(kernels::isa, std::min(isa, kernels::isa));    // no more than the machine has
+    Isa const before = std::exchange(kernels::isa, std::min(isa, kernels::isa));  // no more than the machine has
     std::vector<double> out = folded<T>(size, rows, unit);
     kernels::isa = before;
     return out;
@@ -45,7 +45,7 @@ std::vector<double> folded_by(Isa isa, Index size, Index rows, double unit) {
 
 template <class T>
 void check() {
-    for (double unit : {1.0, 0x1p-70, 0x1p60})    // squares that underflow in float, or overflow, go another way
+    for (double unit : {1.0, 0x1p-70, 0x1p60})  // squares that underflow in float, or overflow, go another way
         for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
             for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
                 std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);

@@ -31,7 +31,7 @@ TEST(Roots, RealOnesAreTheNearestDoubles) {
     for (int trial = 0; trial < 40; ++trial) {
         std::vector<double> p{1};
         int const n = 1 + trial % 8;
-        for (int i = 0; i < n; ++i) {    // about (z - 1)(z + 2)(z - 3) ..., with rounded coefficients
+        for (int i = 0; i < n; ++i) {  // about (z - 1)(z + 2)(z - 3) ..., with rounded coefficients
             double const root = (i % 2 ? -1 : 1) * (i + 0.5 + 0.4 * seed.uniform());
             std::vector<double> product(p.size() + 1, 0.0);
             for (size_t k = 0; k < p.size(); ++k) product[k] += p[k], product[k + 1] -= root * p[k];
@@ -57,7 +57,7 @@ TEST(Roots, AtZeroAndFarApart) {
     EXPECT_EQ(roots({}), std::vector<Complex>{});
     EXPECT_EQ(roots({0, 0}), (std::vector<Complex>{0, 0}));
     EXPECT_EQ(roots({-3, 2, 0}), (std::vector<Complex>{2, 1, 0}));
-    auto const far = roots({-0x1p500, 1});    // z = 2^500 and nearly 2^-500
+    auto const far = roots({-0x1p500, 1});  // z = 2^500 and nearly 2^-500
     EXPECT_EQ(far[0], Complex(0x1p500));
     EXPECT_EQ(far[1], Complex(0x1p-500));
     EXPECT_EQ(roots({0, -0x1p-1000}), (std::vector<Complex>{0x1p-500, -0x1p-500}));

@@ -54,7 +54,7 @@ TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
             EXPECT_EQ(step.innovation, as_dense.innovation);
             EXPECT_EQ(step.gamma, as_dense.gamma);
             Step<double> const ud_step = ud.update(dense, data.y[k]);
-            if (k >= 60) {    // before, the prior's 2^14 is in everything
+            if (k >= 60) {  // before, the prior's 2^14 is in everything
                 EXPECT_NEAR(step.gamma, ud_step.gamma, 1e-9);
                 EXPECT_EQ(name_of(step.health), "sound");
             }
@@ -98,13 +98,13 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     for (Index k = 0; k < 500; ++k) EXPECT_EQ(name_of(cholesky.update(column(data.psi, k), data.y[k]).health), "sound");
     some.update_block(SparseRows(data.psi.leftCols(500)), data.y.head(500));
 
-#ifndef __SANITIZE_ADDRESS__    // which keeps what is freed
+#ifndef __SANITIZE_ADDRESS__  // which keeps what is freed
     EXPECT_LE(resident() - before, 200) << "MB";
 #endif
-    EXPECT_LE(distance(cholesky.theta(), some.theta()), 1e8);    // 500 rows: the prior's 1e6, squared by one of them
+    EXPECT_LE(distance(cholesky.theta(), some.theta()), 1e8);  // 500 rows: the prior's 1e6, squared by one of them
     Vector<double> truth(size);
     for (Index i = 0; i < size; ++i) truth[i] = double(1 + i % 7);
-    EXPECT_LE((qr.theta() - truth).norm() / truth.norm(), 0.1);    // two rows a parameter, noise of 1/8
+    EXPECT_LE((qr.theta() - truth).norm() / truth.norm(), 0.1);  // two rows a parameter, noise of 1/8
     EXPECT_EQ(qr.gain().size(), size);
     EXPECT_EQ(cholesky.gain().size(), size);
 }

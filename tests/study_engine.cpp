@@ -29,17 +29,28 @@ std::string text_of(std::filesystem::path const& path) {
 
 /// Draws a few numbers; longer trials finish after shorter ones that started later. Fails at trial `fails`, 0: never.
 Study toy(int fails = 0) {
-    return {.name = "toy", .question = "Do bytes depend on threads?", .source = "none", .formula = "", .interpretation = "",
-            .factors = [](Budget) { return std::vector<Factor>{{"word", {"a", "b"}}, {"n", counted(20)}}; },
+    return {.name = "toy",
+            .question = "Do bytes depend on threads?",
+            .source = "none",
+            .formula = "",
+            .interpretation = "",
+            .factors =
+                [](Budget) {
+                    return std::vector<Factor>{{"word", {"a", "b"}}, {"n", counted(20)}};
+                },
             .measures = {"draw", "sum"},
-            .measure = [fails](Trial const& trial, TrialOutput& out) {
-                if (trial.number("n") == fails) throw std::runtime_error("the machine was switched off");
-                Seed seed = trial.seed({"n"});
-                double sum = 0;
-                for (int k = 0; k < 1000 * (21 - int(trial.number("n"))); ++k) sum += seed.bell();
-                for (int row = 0; row < 3; ++row) out({double(row), sum});
-            },
-            .plots = {}, .claims = {{"there are 120 rows", [](Table const& t) { return Finding{t.rows().size() == 120, ""}; }}}};
+            .measure =
+                [fails](Trial const& trial, TrialOutput& out) {
+                    if (trial.number("n") == fails) throw std::runtime_error("the machine was switched off");
+                    Seed seed = trial.seed({"n"});
+                    double sum = 0;
+                    for (int k = 0; k < 1000 * (21 - int(trial.number("n"))); ++k) sum += seed.bell();
+                    for (int row = 0; row < 3; ++row) out({double(row), sum});
+                },
+            .plots = {},
+            .claims = {{"there are 120 rows", [](Table const& t) {
+                            return Finding{t.rows().size() == 120, ""};
+                        }}}};
 }
 Outcome run(Study const& study, RunOptions options) { return std::move(run_studies({&study}, options, {}).front()); }
 
@@ -63,7 +74,7 @@ TEST(StudyEngine, AnInterruptedRunGoesOnAndEndsWithTheSameBytes) {
     run(whole, {.out = folder.path / "whole"});
     RunOptions const options{.out = folder.path / "resumed"};
     EXPECT_THROW(run(broken, options), std::runtime_error);
-    {    // a line that was being written
+    {  // a line that was being written
         std::ofstream file(folder.path / "resumed" / ".trials" / "toy", std::ios::app);
         file << "0123456789abcdef 7|a,8,0,";
     }

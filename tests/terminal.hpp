@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 struct Screen {
-    int code;           ///< as a shell gives it: 128 and the signal's number for who died of one
+    int code;  ///< as a shell gives it: 128 and the signal's number for who died of one
     std::string text;
 };
 
@@ -27,7 +27,7 @@ inline Screen on_a_terminal(std::string const& command, std::function<std::strin
     }
     Screen screen{-1, {}};
     char part[4096];
-    for (ssize_t n; (n = ::read(terminal, part, sizeof part)) > 0;) {    // an error where the last of the terminal's writers is gone
+    for (ssize_t n; (n = ::read(terminal, part, sizeof part)) > 0;) {  // an error where the last of the terminal's writers is gone
         screen.text.append(part, size_t(n));
         std::string const keys = type ? type(screen.text) : "";
         if (keys.empty()) continue;

@@ -71,7 +71,8 @@ public:
             z_.setConstant(undefined<double>());
             theta_ = z_;
         }
-        bool const sound = finite && theta_.allFinite() && gain().allFinite() && Eigen::Map<Vector<double> const>(R_.valuePtr(), R_.nonZeros()).allFinite();
+        bool const sound = finite && theta_.allFinite() && gain().allFinite() &&
+                           Eigen::Map<Vector<double> const>(R_.valuePtr(), R_.nonZeros()).allFinite();
         return sound ? Health::sound : Health::nonfinite;
     }
 

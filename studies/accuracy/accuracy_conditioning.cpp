@@ -11,7 +11,7 @@ namespace rlslab {
 namespace {
 
 constexpr Index size = 6, rows = 60;
-constexpr double noise = 1e-10;    // consistent data but for this: Wedin's kappa^2 |residual| stays out of sight
+constexpr double noise = 1e-10;  // consistent data but for this: Wedin's kappa^2 |residual| stays out of sight
 
 /// The prior's variance is kappa^2: as much information as the weakest direction of the data holds.
 void measure(Trial const& trial, TrialOutput& out) {
@@ -52,61 +52,73 @@ extern Study const accuracy_conditioning;
 Study const accuracy_conditioning{
     .name = "accuracy_conditioning",
     .question = "How many digits of theta and P does each variant keep as the regressors become ill conditioned?",
-    .source = "Golub & Wilkinson 1966, Läuchli 1961 (cited, not read); docs/theory.md 43, 48, 50; the setting and the slopes: an earlier "
-              "experiment (docs/literature.md 3.6)",
-    .formula = R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{ (Joseph's products)})tex",
-    .interpretation = "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 two: what is "
-               "stored has the condition number kappa^2. Joseph's form written as products costs nearly three (study joseph_condition "
-               "says why); expanded to a rank-two update it costs two like the rest. All of it happens in the same way in float, double "
-               "and quad, until no digit is left; there the P of the forms that store it may be wrong by many orders of magnitude while a "
-               "factor's stays near its size. In float the rounding of the data caps their own condition number near 10^7, and the "
-               "reference has it too. The slope of Joseph's form in docs/literature.md 3.6, in double from 2.8 to 3.5, has the same size "
-               "here: 2.8 in double (study joseph_condition), 2.94 in quad over seven decades.",
-    .factors = [](Budget budget) {
-        bool const full = budget == Budget::full;
-        return std::vector<Factor>{{"arithmetic", {"float", "double", "quad"}},
-                                   {"variant", row_forms()},
-                                   {"kappa", powers(10, 0, 12, full ? 0.25 : 0.5)},
-                                   {"replicate", counted(full ? 12 : 6)}};
-    },
+    .source =
+        "Golub & Wilkinson 1966, Läuchli 1961 (cited, not read); docs/theory.md 43, 48, 50; the setting and the slopes: an earlier "
+        "experiment (docs/literature.md 3.6)",
+    .formula =
+        R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad
+              p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{ (Joseph's products)})tex",
+    .interpretation =
+        "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 two: what is "
+        "stored has the condition number kappa^2. Joseph's form written as products costs nearly three (study joseph_condition "
+        "says why); expanded to a rank-two update it costs two like the rest. All of it happens in the same way in float, double "
+        "and quad, until no digit is left; there the P of the forms that store it may be wrong by many orders of magnitude while a "
+        "factor's stays near its size. In float the rounding of the data caps their own condition number near 10^7, and the "
+        "reference has it too. The slope of Joseph's form in docs/literature.md 3.6, in double from 2.8 to 3.5, has the same size "
+        "here: 2.8 in double (study joseph_condition), 2.94 in quad over seven decades.",
+    .factors =
+        [](Budget budget) {
+            bool const full = budget == Budget::full;
+            return std::vector<Factor>{{"arithmetic", {"float", "double", "quad"}},
+                                       {"variant", row_forms()},
+                                       {"kappa", powers(10, 0, 12, full ? 0.25 : 0.5)},
+                                       {"replicate", counted(full ? 12 : 6)}};
+        },
     .measures = {"theta_error", "covariance_error"},
     .measure = measure,
-    .plots = {{.title = "Error of P", .x = "kappa", .y = "covariance_error", .panel = "arithmetic",
-        .x_label = "condition number of the regressors",
+    .plots = {{.title = "Error of P",
+               .x = "kappa",
+               .y = "covariance_error",
+               .panel = "arithmetic",
+               .x_label = "condition number of the regressors",
                .y_label = "relative error of P"},
-              {.title = "Error of theta", .x = "kappa", .y = "theta_error", .panel = "arithmetic",
-                  .x_label = "condition number of the regressors",
+              {.title = "Error of theta",
+               .x = "kappa",
+               .y = "theta_error",
+               .panel = "arithmetic",
+               .x_label = "condition number of the regressors",
                .y_label = "relative error of theta"}},
-    .claims = {
-        {"factor forms, P: slope 1 +- 0.15 from kappa = 100 while u kappa <= 1/100",
-         [](Table const& t) { return slopes(t, factors, "covariance_error", 1, 0.85, 1.15); }},
-        {"factor forms, theta: slope 1 +- 0.15 over the same range",
-         [](Table const& t) { return slopes(t, factors, "theta_error", 1, 0.85, 1.15); }},
-        {"factor forms, P in float, where only three decades lie between the floor and saturation: slope 0.65 ... 1.15",
-         [](Table const& t) {
-             return within(in_range(t, "float", 24, 1).where("variant", factors), {"variant"}, slope("kappa", "covariance_error"),
-                 0.65, 1.15);
-         }},
-        {"forms that store P, joseph_rank_two among them, P: slope 2 +- 0.2 from kappa = 100 while u kappa^2 <= 1/100",
-         [](Table const& t) { return slopes(t, plain, "covariance_error", 2, 1.8, 2.2); }},
-        {"information, P: slope 2 +- 0.2 over the same range",
-         [](Table const& t) { return slopes(t, {"information"}, "covariance_error", 2, 1.8, 2.2); }},
-        {"information, theta: slope 2 +- 0.2 over the same range",
-         [](Table const& t) { return slopes(t, {"information"}, "theta_error", 2, 1.8, 2.2); }},
-        {"Joseph's products, P in quad: slope at least 2.7, below 3.1, from kappa = 1000 while u kappa^3 <= 1/100",
-         [](Table const& t) {
-             return within(in_range(t, "quad", 113, 3).where("variant", "joseph"), {}, slope("kappa", "covariance_error"), 2.7, 3.1);
-         }},
-        {"in double at kappa = 1e6 Joseph's products lose 2.3 ... 5 digits of P more than symmetric",
-         [](Table const& t) {
-             Table const at = t.where("arithmetic", "double").where("kappa",
-                 [](double kappa) { return std::abs(kappa / 1e6 - 1) < 1e-6; });
-             double const ratio = median("covariance_error")(at.where("variant",
-                 "joseph")) / median("covariance_error")(at.where("variant", "symmetric"));
-             double const digits = correctly::log10(ratio);
-             return Finding{digits > 2.3 && digits < 5, fmt::format("{:.2f} digits", digits)};
-         }},
-    },
+    .claims =
+        {
+            {"factor forms, P: slope 1 +- 0.15 from kappa = 100 while u kappa <= 1/100",
+             [](Table const& t) { return slopes(t, factors, "covariance_error", 1, 0.85, 1.15); }},
+            {"factor forms, theta: slope 1 +- 0.15 over the same range",
+             [](Table const& t) { return slopes(t, factors, "theta_error", 1, 0.85, 1.15); }},
+            {"factor forms, P in float, where only three decades lie between the floor and saturation: slope 0.65 ... 1.15",
+             [](Table const& t) {
+                 return within(in_range(t, "float", 24, 1).where("variant", factors), {"variant"}, slope("kappa", "covariance_error"), 0.65,
+                               1.15);
+             }},
+            {"forms that store P, joseph_rank_two among them, P: slope 2 +- 0.2 from kappa = 100 while u kappa^2 <= 1/100",
+             [](Table const& t) { return slopes(t, plain, "covariance_error", 2, 1.8, 2.2); }},
+            {"information, P: slope 2 +- 0.2 over the same range",
+             [](Table const& t) { return slopes(t, {"information"}, "covariance_error", 2, 1.8, 2.2); }},
+            {"information, theta: slope 2 +- 0.2 over the same range",
+             [](Table const& t) { return slopes(t, {"information"}, "theta_error", 2, 1.8, 2.2); }},
+            {"Joseph's products, P in quad: slope at least 2.7, below 3.1, from kappa = 1000 while u kappa^3 <= 1/100",
+             [](Table const& t) {
+                 return within(in_range(t, "quad", 113, 3).where("variant", "joseph"), {}, slope("kappa", "covariance_error"), 2.7, 3.1);
+             }},
+            {"in double at kappa = 1e6 Joseph's products lose 2.3 ... 5 digits of P more than symmetric",
+             [](Table const& t) {
+                 Table const at =
+                     t.where("arithmetic", "double").where("kappa", [](double kappa) { return std::abs(kappa / 1e6 - 1) < 1e-6; });
+                 double const ratio = median("covariance_error")(at.where("variant", "joseph")) /
+                                      median("covariance_error")(at.where("variant", "symmetric"));
+                 double const digits = correctly::log10(ratio);
+                 return Finding{digits > 2.3 && digits < 5, fmt::format("{:.2f} digits", digits)};
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -30,8 +30,8 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 /// The forms whose theta is corrected by its own innovation, but for `conventional`, whose asymmetry is a matter of its own.
-std::vector<std::string> const corrected{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson",
-    "ud", "inverse_qr"};
+std::vector<std::string> const corrected{
+    "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr"};
 
 /// After the prior is forgotten, which a large one costs the covariance forms tens of u.
 constexpr double settled = 256;
@@ -45,7 +45,9 @@ Number growth_of(std::string y) {
         return slope("rows", "rms")(means);
     };
 }
-Table after(Table const& t, double from) { return t.where("rows", [=](double k) { return k >= from; }); }
+Table after(Table const& t, double from) {
+    return t.where("rows", [=](double k) { return k >= from; });
+}
 
 }  // namespace
 
@@ -53,61 +55,78 @@ extern Study const accuracy_steps;
 Study const accuracy_steps{
     .name = "accuracy_steps",
     .question = "How do the errors grow with the number of rows when nothing is forgotten?",
-    .source = "Ardalan 1986 (abstract read: exponential divergence may occur); A note on the error propagation analysis of recursive "
-              "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the law is "
-              "derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
-    .formula = R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
-    .interpretation = "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c of "
-               "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P does not "
-               "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr and carlson "
-               "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the earlier "
-               "experiment (docs/literature.md 3.8) ended. In float beyond 10^5 rows, N u > 1/100, rows vanish beside what is summed, and "
-               "the information forms grow faster than the root, their theta with them. extended_qr's theta is not corrected by its own "
-               "innovation.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                   {"variant", row_forms()},
-                                   {"replicate", counted(budget == Budget::full ? 6 : 20)}};
-    },
+    .source =
+        "Ardalan 1986 (abstract read: exponential divergence may occur); A note on the error propagation analysis of recursive "
+        "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the law is "
+        "derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
+    .formula =
+        R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad
+              \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
+    .interpretation =
+        "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c of "
+        "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P does not "
+        "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr and carlson "
+        "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the earlier "
+        "experiment (docs/literature.md 3.8) ended. In float beyond 10^5 rows, N u > 1/100, rows vanish beside what is summed, and "
+        "the information forms grow faster than the root, their theta with them. extended_qr's theta is not corrected by its own "
+        "innovation.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}}, {"variant", row_forms()}, {"replicate", counted(budget == Budget::full ? 6 : 20)}};
+        },
     .measures = {"rows", "theta_error", "covariance_error"},
     .measure = measure,
-    .plots = {{.title = "Error of theta", .x = "rows", .y = "theta_error", .panel = "arithmetic", .x_label = "rows",
-               .y_label = "relative error of theta / u", .guides = {{"0.46 sqrt(N/3)", [](double n) { return 0.46 * std::sqrt(n / 3); }}}},
-              {.title = "Error of P", .x = "rows", .y = "covariance_error", .panel = "arithmetic", .x_label = "rows",
-               .y_label = "relative error of P / u", .guides = {{"N/4", [](double n) { return n / 4; }}}}},
-    .claims = {
-        {"theta of the forms that correct it: the rms error grows with exponent 0.5 +- 0.1 from 256 rows on, in float and double",
-         [](Table const& t) { return within(t.where("variant", corrected), {"arithmetic"}, growth_of("theta_error"), 0.4, 0.6); }},
-        {"its size from 1024 rows on: c = rms / (u sqrt(N/3)) in 0.25 ... 0.75 at every power of two",
-         [](Table const& t) {
-             Number const c = [](Table const& at) { return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3); };
-             return within(after(t.where("variant", corrected), 1024), {"arithmetic", "rows"}, c, 0.25, 0.75);
-         }},
-        {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 N u",
-         [](Table const& t) {
-             Number const share = [](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); };
-             std::vector<std::string> others = corrected;
-             for (char const* form : {"qr", "gentleman", "extended_qr", "information"}) others.emplace_back(form);
-             return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0, 0.25);
-         }},
-        {"the conventional form's P: exponent 1.00 +- 0.05 in double",
-         [](Table const& t) {
-             return within(t.where("arithmetic", "double").where("variant", "conventional"), {}, growth_of("covariance_error"), 0.95,
-                 1.05);
-         }},
-        {"inverse_qr's P in float: exponent 1.2 +- 0.2, the more the less of the run is past the drift's onset",
-         [](Table const& t) {
-             return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 1.0, 1.4);
-         }},
-        {"P in double of the forms without a drift: at most sqrt(N) u from 1024 rows on, but for the constant 2",
-         [](Table const& t) {
-             Number const share = [](Table const& at) { return root_mean_square("covariance_error")(at) / std::sqrt(median("rows")(at)); };
-             Table const rows = after(t.where("arithmetic", "double"), 1024);
-             return within(rows.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud",
-                 "qr", "gentleman", "information"}),
-                           {"variant", "rows"}, share, 0, 2);
-         }},
-    },
+    .plots = {{.title = "Error of theta",
+               .x = "rows",
+               .y = "theta_error",
+               .panel = "arithmetic",
+               .x_label = "rows",
+               .y_label = "relative error of theta / u",
+               .guides = {{"0.46 sqrt(N/3)", [](double n) { return 0.46 * std::sqrt(n / 3); }}}},
+              {.title = "Error of P",
+               .x = "rows",
+               .y = "covariance_error",
+               .panel = "arithmetic",
+               .x_label = "rows",
+               .y_label = "relative error of P / u",
+               .guides = {{"N/4", [](double n) { return n / 4; }}}}},
+    .claims =
+        {
+            {"theta of the forms that correct it: the rms error grows with exponent 0.5 +- 0.1 from 256 rows on, in float and double",
+             [](Table const& t) { return within(t.where("variant", corrected), {"arithmetic"}, growth_of("theta_error"), 0.4, 0.6); }},
+            {"its size from 1024 rows on: c = rms / (u sqrt(N/3)) in 0.25 ... 0.75 at every power of two",
+             [](Table const& t) {
+                 Number const c = [](Table const& at) { return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3); };
+                 return within(after(t.where("variant", corrected), 1024), {"arithmetic", "rows"}, c, 0.25, 0.75);
+             }},
+            {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 N u",
+             [](Table const& t) {
+                 Number const share = [](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); };
+                 std::vector<std::string> others = corrected;
+                 for (char const* form : {"qr", "gentleman", "extended_qr", "information"}) others.emplace_back(form);
+                 return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0, 0.25);
+             }},
+            {"the conventional form's P: exponent 1.00 +- 0.05 in double",
+             [](Table const& t) {
+                 return within(t.where("arithmetic", "double").where("variant", "conventional"), {}, growth_of("covariance_error"), 0.95,
+                               1.05);
+             }},
+            {"inverse_qr's P in float: exponent 1.2 +- 0.2, the more the less of the run is past the drift's onset",
+             [](Table const& t) {
+                 return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 1.0, 1.4);
+             }},
+            {"P in double of the forms without a drift: at most sqrt(N) u from 1024 rows on, but for the constant 2",
+             [](Table const& t) {
+                 Number const share = [](Table const& at) {
+                     return root_mean_square("covariance_error")(at) / std::sqrt(median("rows")(at));
+                 };
+                 Table const rows = after(t.where("arithmetic", "double"), 1024);
+                 return within(rows.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud",
+                                                      "qr", "gentleman", "information"}),
+                               {"variant", "rows"}, share, 0, 2);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -35,9 +35,9 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
 /// Every length for every variant on the same data, from the longest down: what is needed is the shortest from which on all do.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
-    Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;    // few, or ten to twenty memories of 0.99
+    Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;  // few, or ten to twenty memories of 0.99
     Records given = graded(size, rows, kappa, trial.seed({"lambda", "kappa", "replicate"}));
-    double const scale = lambda == 1 ? 8 : 32;    // about sqrt(rows): from singular values of all rows to deviations; exact
+    double const scale = lambda == 1 ? 8 : 32;  // about sqrt(rows): from singular values of all rows to deviations; exact
     given.psi *= scale, given.y *= scale;
     int const stride = trial.full() ? 1 : 2;
     std::vector<int> lengths;
@@ -46,42 +46,45 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int const p : lengths) {
         PrecisionScope const precision(p);
         Arithmetic const& arithmetic = *variable_precision_catalogue().front().arithmetic;
-        Problem<double> const problem = as_stored({.size = size, .forgetting = lambda,
-            .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
+        Problem<double> const problem =
+            as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
         for (Entry const& entry : variable_precision_catalogue())
             for (Cell const& name : row_forms())
-                if (entry.variant == std::get<std::string>(name)) kept[std::string(entry.variant)].push_back(digits(entry, problem,
-                    records, exact));
+                if (entry.variant == std::get<std::string>(name))
+                    kept[std::string(entry.variant)].push_back(digits(entry, problem, records, exact));
     }
     for (Cell const& name : row_forms()) {
         std::vector<double> const& of = kept[std::get<std::string>(name)];
         double needed = INFINITY, half = INFINITY;
         for (size_t i = 0; i < of.size() && of[i] >= three_digits; ++i) needed = lengths[i];
         for (size_t i = 0; i < of.size() && of[i] >= lengths[i] * correctly::log10(2) / 2; ++i) half = lengths[i];
-        for (size_t i = of.size(); i-- > 0;)    // ascending, as a figure wants them
-            out({std::get<std::string>(name), correctly::log2(kappa), double(lengths[i]), of[i], std::min(1.0,
-                of[i] / (lengths[i] * correctly::log10(2))),
-                 needed, half});
+        for (size_t i = of.size(); i-- > 0;)  // ascending, as a figure wants them
+            out({std::get<std::string>(name), correctly::log2(kappa), double(lengths[i]), of[i],
+                 std::min(1.0, of[i] / (lengths[i] * correctly::log10(2))), needed, half});
     }
 }
 
 /// Beyond 2^8, where conditioning and not the memory decides; where bits are known.
 Table steep(Table const& t, std::vector<std::string> const& variants, std::string const& column) {
     return t.where("variant", variants).where("log2_kappa", [](double x) { return x >= 8; }).where(column, [](double p) {
-        return p <= longest; });
+        return p <= longest;
+    });
 }
 std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
 std::vector<std::string> const plain{"conventional_two_sided", "symmetric", "joseph_rank_two", "information"};
 
 /// needed - slope log2 kappa over the same rows.
 Finding offset(Table const& t, std::vector<std::string> const& variants, double slope_, double from, double to) {
-    return within(steep(t, variants, "needed"), {"lambda", "variant"}, [=](Table const& g) {
-        std::vector<double> c = g.numbers("needed"), x = g.numbers("log2_kappa");
-        for (size_t i = 0; i < c.size(); ++i) c[i] -= slope_ * x[i];
-        return median(c);
-    }, from, to);
+    return within(
+        steep(t, variants, "needed"), {"lambda", "variant"},
+        [=](Table const& g) {
+            std::vector<double> c = g.numbers("needed"), x = g.numbers("log2_kappa");
+            for (size_t i = 0; i < c.size(); ++i) c[i] -= slope_ * x[i];
+            return median(c);
+        },
+        from, to);
 }
 
 }  // namespace
@@ -90,63 +93,95 @@ extern Study const choose;
 Study const choose{
     .name = "choose",
     .question = "Which variant can be trusted with how many bits?",
-    .source = "the orders kappa, kappa^2 and beyond: Golub & Wilkinson 1966, Björck 1967, part II (cited, not read), "
-              "docs/literature.md 3.6, docs/theory.md 48; the map is measured here",
-    .formula = R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
+    .source =
+        "the orders kappa, kappa^2 and beyond: Golub & Wilkinson 1966, Björck 1967, part II (cited, not read), "
+        "docs/literature.md 3.6, docs/theory.md 48; the map is measured here",
+    .formula =
+        R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c
+              && \text{P or its inverse stored plainly} \\
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
-    .interpretation = "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
+    .interpretation =
+        "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
         "never seen indefinite; "
-               "below its line it is not to be trusted. kappa is the condition of the regressors. The factor forms pay one bit for "
-               "each bit of "
-               "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor form to "
-               "kappa = 10^5, symmetric to 10^3, "
-               "joseph to a few hundred. At small kappa the lines are flat: there the memory decides, and the square roots of lambda "
-               "cost the root forms "
-               "three bits. With forgetting the conventional form ends at some step in any arithmetic; after these twenty memories it "
-               "needs 43 bits even "
-               "for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke down.",
-    .factors = [](Budget) {
-        return std::vector<Factor>{{"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(3)}};
-    },
+        "below its line it is not to be trusted. kappa is the condition of the regressors. The factor forms pay one bit for "
+        "each bit of "
+        "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor form to "
+        "kappa = 10^5, symmetric to 10^3, "
+        "joseph to a few hundred. At small kappa the lines are flat: there the memory decides, and the square roots of lambda "
+        "cost the root forms "
+        "three bits. With forgetting the conventional form ends at some step in any arithmetic; after these twenty memories it "
+        "needs 43 bits even "
+        "for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke down.",
+    .factors =
+        [](Budget) {
+            return std::vector<Factor>{{"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(3)}};
+        },
     .admits = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("replicate") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},
     .measure = measure,
-    .plots = {{.title = "Bits needed for three right digits", .x = "kappa", .y = "needed", .panel = "lambda", .log = "x",
-               .x_label = "condition number kappa", .y_label = "bits of significand"},
-              {.title = "Share of the digits kept, lambda = 0.99", .x = "log2_kappa", .y = "kept", .series = "bits", .panel = "variant",
-                  .log = "",
-               .x_label = "log2 kappa", .y_label = "share of the digits kept",
-               .where = {{"lambda", {"0.99"}}, {"variant", {"conventional", "symmetric", "joseph", "ud"}},
-                         {"bits", {"5", "9", "13", "17", "21", "25", "29", "33", "37", "41", "45", "49", "53"}}}, .cells = true},
-              {.title = "Bits needed to keep half of the digits", .x = "kappa", .y = "half", .panel = "lambda", .log = "x",
-               .x_label = "condition number kappa", .y_label = "bits of significand"}},
-    .claims = {
-        {"factor forms, taken together: 1.0 +- 0.25 bits for each bit of kappa",
-         [](Table const& t) { return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.75, 1.25); }},
-        {"P or its inverse stored plainly: 2.0 +- 0.4 bits for each bit of kappa",
-         [](Table const& t) { return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"),
-             1.6, 2.4); }},
-        {"Joseph's products: 2.9 +- 0.6 bits for each bit of kappa",
-         [](Table const& t) { return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.3, 3.5); }},
-        {"factor forms: log2 kappa + c with c from 6 to 11",
-         [](Table const& t) { return offset(t, factors, 1, 6, 11); }},
-        {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
-         [](Table const& t) { return offset(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, 2, 1, 7); }},
-        {"to keep half of the digits takes twice the slopes: 2.0 +- 0.5 (factor forms together)",
-         [](Table const& t) { return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.5, 2.5); }},
-        {"and 2.5 to 5 (symmetric, conventional_two_sided, joseph_rank_two together): 4, but less where what needs more than 53 bits "
-         "is missing",
-         [](Table const& t) {
-             return within(steep(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, "half"), {"lambda"},
-                 linear_slope("log2_kappa", "half"), 2.5, 5);
-         }},
-        {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1",
-         [](Table const& t) {
-             return within(t.where("lambda", 0.99).where("kappa", 1.0), {"replicate"}, [](Table const& g) {
-                 return median("needed")(g.where("variant", "conventional")) - median("needed")(g.where("variant", "symmetric"));
-             }, 10, 53);
-         }},
-    },
+    .plots = {{.title = "Bits needed for three right digits",
+               .x = "kappa",
+               .y = "needed",
+               .panel = "lambda",
+               .log = "x",
+               .x_label = "condition number kappa",
+               .y_label = "bits of significand"},
+              {.title = "Share of the digits kept, lambda = 0.99",
+               .x = "log2_kappa",
+               .y = "kept",
+               .series = "bits",
+               .panel = "variant",
+               .log = "",
+               .x_label = "log2 kappa",
+               .y_label = "share of the digits kept",
+               .where = {{"lambda", {"0.99"}},
+                         {"variant", {"conventional", "symmetric", "joseph", "ud"}},
+                         {"bits", {"5", "9", "13", "17", "21", "25", "29", "33", "37", "41", "45", "49", "53"}}},
+               .cells = true},
+              {.title = "Bits needed to keep half of the digits",
+               .x = "kappa",
+               .y = "half",
+               .panel = "lambda",
+               .log = "x",
+               .x_label = "condition number kappa",
+               .y_label = "bits of significand"}},
+    .claims =
+        {
+            {"factor forms, taken together: 1.0 +- 0.25 bits for each bit of kappa",
+             [](Table const& t) {
+                 return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.75, 1.25);
+             }},
+            {"P or its inverse stored plainly: 2.0 +- 0.4 bits for each bit of kappa",
+             [](Table const& t) {
+                 return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"), 1.6, 2.4);
+             }},
+            {"Joseph's products: 2.9 +- 0.6 bits for each bit of kappa",
+             [](Table const& t) {
+                 return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.3, 3.5);
+             }},
+            {"factor forms: log2 kappa + c with c from 6 to 11", [](Table const& t) { return offset(t, factors, 1, 6, 11); }},
+            {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
+             [](Table const& t) {
+                 return offset(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, 2, 1, 7);
+             }},
+            {"to keep half of the digits takes twice the slopes: 2.0 +- 0.5 (factor forms together)",
+             [](Table const& t) { return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.5, 2.5); }},
+            {"and 2.5 to 5 (symmetric, conventional_two_sided, joseph_rank_two together): 4, but less where what needs more than 53 bits "
+             "is missing",
+             [](Table const& t) {
+                 return within(steep(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, "half"), {"lambda"},
+                               linear_slope("log2_kappa", "half"), 2.5, 5);
+             }},
+            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1",
+             [](Table const& t) {
+                 return within(
+                     t.where("lambda", 0.99).where("kappa", 1.0), {"replicate"},
+                     [](Table const& g) {
+                         return median("needed")(g.where("variant", "conventional")) - median("needed")(g.where("variant", "symmetric"));
+                     },
+                     10, 53);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -44,7 +44,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table from_prior(Table const& t, double from = 1, double to = 1e40) {    // a hair wide: powers are computed
+Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // a hair wide: powers are computed
     return t.where("start", "prior").where("amount", [=](double c2) { return from / 1.01 < c2 && c2 < to * 1.01; });
 }
 /// The least median error from any c^2 I, over the median error from the batch of 2 d rows: what the batch start gains.
@@ -74,39 +74,57 @@ Study const initialisation{
     .formula = R"tex(\begin{aligned}&\text{prior: } P_0 = c^2 I,\ \theta_0 = 0\\
 &\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\quad
         \theta_m = P_m \sum_{k\le m}\lambda^{m-k}\psi_k y_k\end{aligned})tex",
-    .interpretation = "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
-               "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the batch "
-               "estimate of the first rows, rounded once to double, pays neither: it gives the covariance forms four to six decades "
-               "that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 or more they are as good, and a "
-               "little better, for no rounded P is handed over. A longer batch helps the covariance forms a little more.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"lambda", {1.0, 0.99}}, {"start", {"prior", "batch"}},
-                                   {"amount", joined({1.0 * size, 2.0 * size, 4.0 * size, 10.0 * size, 20.0 * size}, powers(10, 4, 30))},
-                                   {"replicate", counted(budget == Budget::full ? 80 : 15)}};
-    },
-    .admits = [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },    // rows, or c^2
+    .interpretation =
+        "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
+        "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the batch "
+        "estimate of the first rows, rounded once to double, pays neither: it gives the covariance forms four to six decades "
+        "that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 or more they are as good, and a "
+        "little better, for no rounded P is handed over. A longer batch helps the covariance forms a little more.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{
+                {"lambda", {1.0, 0.99}},
+                {"start", {"prior", "batch"}},
+                {"amount", joined({1.0 * size, 2.0 * size, 4.0 * size, 10.0 * size, 20.0 * size}, powers(10, 4, 30))},
+                {"replicate", counted(budget == Budget::full ? 80 : 15)}};
+        },
+    .admits = [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },  // rows, or c^2
     .measures = {"variant", "outcome", "theta", "covariance"},
     .measure = measure,
-    .plots = {{.title = "Start from c² I: error of theta after 300 rows", .x = "amount", .y = "theta", .panel = "lambda",
-               .x_label = "prior variance c²", .y_label = "relative error of theta", .where = {{"start", {"prior"}}}},
-              {.title = "Start from a batch: error of theta after 300 rows", .x = "amount", .y = "theta", .panel = "lambda",
-               .x_label = "rows in the batch", .y_label = "relative error of theta", .where = {{"start", {"batch"}}}}},
-    .claims = {
-        {"from c^2 I every variant has the same bias, 1/c^2: slope -1.00 +- 0.02 over 1e8 ... 1e11",
-         [](Table const& t) { return within(from_prior(t, 1e8, 1e11), {"variant", "lambda"}, slope("amount", "theta"), -1.02, -0.98); }},
-        {"covariance forms: a batch of 2d rows gains at least 1e3 over the best c^2, in theta and in P",
-         [](Table const& t) { return gains(t, plain, 1e3, 1e8); }},
-        {"Potter: at least 30",
-         [](Table const& t) { return gains(t, {"potter"}, 30, 1e5); }},
-        {"triangular, UD and QR forms gain nothing: the best c^2 has between 1/20 and 4 of the batch start's error",
-         [](Table const& t) { return gains(t, rooted, 0.05, 4); }},
-        {"nor does the information form, whose u kappa^2 is that of its solve: between 1/4 and 4",
-         [](Table const& t) { return gains(t, {"information"}, 0.25, 4); }},
-        {"after a batch start every variant ends positive definite, whatever the length of the batch",
-         [](Table const& t) { return everywhere(t.where("start", "batch"), "outcome", "sound"); }},
-        {"from c^2 = 1e20 I the conventional form ends indefinite, always",
-         [](Table const& t) { return everywhere(from_prior(t, 1e20, 1e20).where("variant", "conventional"), "outcome", "indefinite"); }},
-    },
+    .plots = {{.title = "Start from c² I: error of theta after 300 rows",
+               .x = "amount",
+               .y = "theta",
+               .panel = "lambda",
+               .x_label = "prior variance c²",
+               .y_label = "relative error of theta",
+               .where = {{"start", {"prior"}}}},
+              {.title = "Start from a batch: error of theta after 300 rows",
+               .x = "amount",
+               .y = "theta",
+               .panel = "lambda",
+               .x_label = "rows in the batch",
+               .y_label = "relative error of theta",
+               .where = {{"start", {"batch"}}}}},
+    .claims =
+        {
+            {"from c^2 I every variant has the same bias, 1/c^2: slope -1.00 +- 0.02 over 1e8 ... 1e11",
+             [](Table const& t) {
+                 return within(from_prior(t, 1e8, 1e11), {"variant", "lambda"}, slope("amount", "theta"), -1.02, -0.98);
+             }},
+            {"covariance forms: a batch of 2d rows gains at least 1e3 over the best c^2, in theta and in P",
+             [](Table const& t) { return gains(t, plain, 1e3, 1e8); }},
+            {"Potter: at least 30", [](Table const& t) { return gains(t, {"potter"}, 30, 1e5); }},
+            {"triangular, UD and QR forms gain nothing: the best c^2 has between 1/20 and 4 of the batch start's error",
+             [](Table const& t) { return gains(t, rooted, 0.05, 4); }},
+            {"nor does the information form, whose u kappa^2 is that of its solve: between 1/4 and 4",
+             [](Table const& t) { return gains(t, {"information"}, 0.25, 4); }},
+            {"after a batch start every variant ends positive definite, whatever the length of the batch",
+             [](Table const& t) { return everywhere(t.where("start", "batch"), "outcome", "sound"); }},
+            {"from c^2 = 1e20 I the conventional form ends indefinite, always",
+             [](Table const& t) {
+                 return everywhere(from_prior(t, 1e20, 1e20).where("variant", "conventional"), "outcome", "indefinite");
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -41,10 +41,8 @@ struct Array {
             s[j] = form == "rotations" ? float(a / wide_b) : a / b;
             h[j] = a * a / (b * (b + before));
         }
-        if (form == "sweep")
-            sweep<double>(c, s, h);
-        else
-            sweep<float>(c, s, h);
+        if (form == "sweep") sweep<double>(c, s, h);
+        else sweep<float>(c, s, h);
     }
     template <class T>
     void sweep(float const* c, float const* s, float const* h) {
@@ -92,7 +90,9 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table late(Table const& t) { return t.where("rows", [](double n) { return n > 16000; }); }
+Table late(Table const& t) {
+    return t.where("rows", [](double n) { return n > 16000; });
+}
 
 }  // namespace
 
@@ -100,67 +100,81 @@ extern Study const inverse_qr_drift;
 Study const inverse_qr_drift{
     .name = "inverse_qr_drift",
     .question = "Which step of the inverse QR array makes its P drift in float when nothing is forgotten?",
-    .source = "the drift: an earlier experiment (docs/literature.md 3.8; docs/literature.md 5, question 5); its cause is derived "
-              "(docs/theory.md 45) and measured here, and was not found in any published text",
+    .source =
+        "the drift: an earlier experiment (docs/literature.md 3.8; docs/literature.md 5, question 5); its cause is derived "
+        "(docs/theory.md 45) and measured here, and was not found in any published text",
     .formula = R"tex(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
 \Rightarrow \qquad E\,\delta b_j = -\tfrac{u}{2}, \quad c_1 = \frac{1}{b_1} \text{ too large by } \tfrac{u}{2}, \quad
     \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})tex",
-    .interpretation = "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little (x^2/8), so "
-               "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some 10^3 rows on. "
-               "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error of P grows by "
-               "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it is u/2 per "
-               "row: the 0.5 u of the earlier experiment (docs/literature.md 3.8), whose program did that. The sweep in double changes "
-               "nothing; 1 - c_j computed as a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same sets in where "
-               "a^2 falls below 3e-8, first for few rows: study accuracy_steps sees it grow as N^1.5 from 10^5 rows on.",
-    .factors = [](Budget budget) {
-        std::vector<Cell> forms{"inverse_qr", "carlson", "potter", "ud", "symmetric", "joseph", "qr"};
-        for (std::string const& step : steps_of_array) forms.emplace_back(step);
-        return std::vector<Factor>{{"form", forms}, {"replicate", counted(budget == Budget::full ? 6 : 4)}};
-    },
+    .interpretation =
+        "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little (x^2/8), so "
+        "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some 10^3 rows on. "
+        "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error of P grows by "
+        "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it is u/2 per "
+        "row: the 0.5 u of the earlier experiment (docs/literature.md 3.8), whose program did that. The sweep in double changes "
+        "nothing; 1 - c_j computed as a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same sets in where "
+        "a^2 falls below 3e-8, first for few rows: study accuracy_steps sees it grow as N^1.5 from 10^5 rows on.",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> forms{"inverse_qr", "carlson", "potter", "ud", "symmetric", "joseph", "qr"};
+            for (std::string const& step : steps_of_array) forms.emplace_back(step);
+            return std::vector<Factor>{{"form", forms}, {"replicate", counted(budget == Budget::full ? 6 : 4)}};
+        },
     .measures = {"rows", "error", "per_row", "first", "last"},
     .measure = measure,
-    .plots = {{.title = "Error of P in float, the variants", .x = "rows", .y = "error", .series = "form", .x_label = "rows",
-        .y_label = "relative error of P / u",
+    .plots = {{.title = "Error of P in float, the variants",
+               .x = "rows",
+               .y = "error",
+               .series = "form",
+               .x_label = "rows",
+               .y_label = "relative error of P / u",
                .where = {{"form", {"inverse_qr", "carlson", "potter", "ud", "symmetric", "joseph", "qr"}}},
                .guides = {{"N/4", [](double n) { return n / 4; }}}},
-              {.title = "The array form with one step changed", .x = "rows", .y = "error", .series = "form", .x_label = "rows",
-                  .y_label = "relative error of P / u",
-               .where = {{"form", steps_of_array}}, .guides = {{"N/4", [](double n) { return n / 4; }}, {"N/2",
-                   [](double n) { return n / 2; }}}}},
-    .claims = {
-        {"inverse_qr drifts linearly: 0.20 ... 0.30 u per row from 16384 rows on, u / (2 sqrt(4)) = 0.25 u by the formula",
-         [](Table const& t) { return within(late(t).where("form", "inverse_qr"), {"rows"}, median("per_row"), 0.20, 0.30); }},
-        {"P_11 alone is too large by 0.5 u per row: 0.38 ... 0.55 at 32768 rows",
-         [](Table const& t) {
-             Table const at = t.where("form", "inverse_qr").where("rows", 32768.0);
-             double const drift = median("first")(at) / 32768;
-             return Finding{0.38 < drift && drift < 0.55, fmt::format("{:.3f} u per row", drift)};
-         }},
-        {"one rotation after another, every quotient biased: 0.38 ... 0.60 u per row from 32768 rows on, on its way to 0.5",
-         [](Table const& t) {
-             Table const rows = t.where("form", "givens").where("rows", [](double n) { return n > 32000; });
-             return within(rows, {"rows"}, median("per_row"), 0.38, 0.60);
-         }},
-        {"it is not the sweep: in double it leaves 0.20 ... 0.30 u per row",
-         [](Table const& t) { return within(late(t).where("form", "sweep"), {"rows"}, median("per_row"), 0.20, 0.30); }},
-        {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, with the quotients in double too at most 0.03",
-         [](Table const& t) {
-             Table const at = t.where("rows", [](double n) { return n > 16000 && n < 33000; });    // further on P loses rows in every form
-             Finding const norms = within(at.where("form", "norms"), {"rows"}, median("per_row"), 0, 0.08);
-             Finding const rotations = within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
-             return Finding{norms.holds && rotations.holds, norms.measured + "; " + rotations.measured};
-         }},
-        {"1 - c_j = a_j^2 / (b_j (b_j + b_{j-1})) removes it, all in float: at most 0.015 u per row at 16384 and 32768 rows",
-         [](Table const& t) {
-             Table const at = t.where("form", "complement").where("rows", [](double n) { return n > 16000 && n < 33000; });
-             return within(at, {"rows"}, median("per_row"), 0, 0.015);
-         }},
-        {"symmetric and potter have no such drift: at most 0.015 u per row at 16384 and 32768 rows",
-         [](Table const& t) {
-             Table const at = t.where("form", {"symmetric", "potter"}).where("rows", [](double n) { return n > 16000 && n < 33000; });
-             return within(at, {"form", "rows"}, median("per_row"), 0, 0.015);
-         }},
-    },
+              {.title = "The array form with one step changed",
+               .x = "rows",
+               .y = "error",
+               .series = "form",
+               .x_label = "rows",
+               .y_label = "relative error of P / u",
+               .where = {{"form", steps_of_array}},
+               .guides = {{"N/4", [](double n) { return n / 4; }}, {"N/2", [](double n) { return n / 2; }}}}},
+    .claims =
+        {
+            {"inverse_qr drifts linearly: 0.20 ... 0.30 u per row from 16384 rows on, u / (2 sqrt(4)) = 0.25 u by the formula",
+             [](Table const& t) { return within(late(t).where("form", "inverse_qr"), {"rows"}, median("per_row"), 0.20, 0.30); }},
+            {"P_11 alone is too large by 0.5 u per row: 0.38 ... 0.55 at 32768 rows",
+             [](Table const& t) {
+                 Table const at = t.where("form", "inverse_qr").where("rows", 32768.0);
+                 double const drift = median("first")(at) / 32768;
+                 return Finding{0.38 < drift && drift < 0.55, fmt::format("{:.3f} u per row", drift)};
+             }},
+            {"one rotation after another, every quotient biased: 0.38 ... 0.60 u per row from 32768 rows on, on its way to 0.5",
+             [](Table const& t) {
+                 Table const rows = t.where("form", "givens").where("rows", [](double n) { return n > 32000; });
+                 return within(rows, {"rows"}, median("per_row"), 0.38, 0.60);
+             }},
+            {"it is not the sweep: in double it leaves 0.20 ... 0.30 u per row",
+             [](Table const& t) { return within(late(t).where("form", "sweep"), {"rows"}, median("per_row"), 0.20, 0.30); }},
+            {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, with the quotients in "
+             "double too at most 0.03",
+             [](Table const& t) {
+                 Table const at =
+                     t.where("rows", [](double n) { return n > 16000 && n < 33000; });  // further on P loses rows in every form
+                 Finding const norms = within(at.where("form", "norms"), {"rows"}, median("per_row"), 0, 0.08);
+                 Finding const rotations = within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
+                 return Finding{norms.holds && rotations.holds, norms.measured + "; " + rotations.measured};
+             }},
+            {"1 - c_j = a_j^2 / (b_j (b_j + b_{j-1})) removes it, all in float: at most 0.015 u per row at 16384 and 32768 rows",
+             [](Table const& t) {
+                 Table const at = t.where("form", "complement").where("rows", [](double n) { return n > 16000 && n < 33000; });
+                 return within(at, {"rows"}, median("per_row"), 0, 0.015);
+             }},
+            {"symmetric and potter have no such drift: at most 0.015 u per row at 16384 and 32768 rows",
+             [](Table const& t) {
+                 Table const at = t.where("form", {"symmetric", "potter"}).where("rows", [](double n) { return n > 16000 && n < 33000; });
+                 return within(at, {"form", "rows"}, median("per_row"), 0, 0.015);
+             }},
+        },
 };
 
 }  // namespace rlslab

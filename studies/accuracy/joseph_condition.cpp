@@ -41,8 +41,8 @@ Stored<Reference> joseph_with(InDouble step, Problem<double> const& problem, Rec
         if (step == InDouble::A) A = A.unaryExpr(in_double).eval();
         Matrix<Quad> AP = step == InDouble::first_product ? multiplied_in_double(A, P) : Matrix<Quad>(A.lazyProduct(P));
         if (step == InDouble::AP) AP = AP.unaryExpr(in_double).eval();
-        Matrix<Quad> const APA = step == InDouble::second_product ? multiplied_in_double(AP,
-            A.transpose()) : Matrix<Quad>(AP.lazyProduct(A.transpose()));
+        Matrix<Quad> const APA =
+            step == InDouble::second_product ? multiplied_in_double(AP, A.transpose()) : Matrix<Quad>(AP.lazyProduct(A.transpose()));
         Matrix<Quad> const sum = APA + K.lazyProduct(K.transpose());
         P = sum.unaryExpr(in_double);
     }
@@ -67,12 +67,12 @@ Amplification amplification(Entry const& exact, Problem<double> const& problem, 
         double const gamma = filter->update(data.sample(k), data.y[k]).gamma;
         P.push_back(covariance_of(filter->stored()));
         double const tau = length(filter->gain()) * length(data.psi.col(k).cast<Reference>());
-        subtracted.push_back(length(filter->gain()) * length(filter->gain()) / gamma);    // |K||f|, f = s K
+        subtracted.push_back(length(filter->gain()) * length(filter->gain()) / gamma);  // |K||f|, f = s K
         norm.push_back((tau + std::sqrt(tau * tau + 4 * gamma)) / 2);
     }
     double const last = frobenius(P.back()), u = 0x1p-53;
     auto const transport = [&](Index k) -> double {
-        Matrix<Reference> const backwards = P[size_t(k)].householderQr().solve(P.back());    // (P_N P_k^-1)'
+        Matrix<Reference> const backwards = P[size_t(k)].householderQr().solve(P.back());  // (P_N P_k^-1)'
         return frobenius(backwards);
     };
     Amplification out;
@@ -110,7 +110,9 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 /// From where the floor is left to where half the digits of the worst form are gone.
-Table in_range(Table const& t) { return t.where("kappa", [](double kappa) { return kappa > 999 && kappa < 1.01e6; }); }
+Table in_range(Table const& t) {
+    return t.where("kappa", [](double kappa) { return kappa > 999 && kappa < 1.01e6; });
+}
 Number share_of(std::string bound) {
     return [bound](Table const& t) {
         std::vector<double> ratios;
@@ -126,73 +128,91 @@ extern Study const joseph_condition;
 Study const joseph_condition{
     .name = "joseph_condition",
     .question = "Which rounding costs Joseph's products one more power of the condition number?",
-    .source = "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the explanation is "
-              "derived (docs/theory.md 43) and measured here, and was not found in any published text",
-    .formula = R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
+    .source =
+        "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the explanation is "
+        "derived (docs/theory.md 43) and measured here, and was not found in any published text",
+    .formula =
+        R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad
+              |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
 \|A\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
 \|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1} \end{aligned})tex",
-    .interpretation = "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
-               "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The experiment does "
-               "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, rounding A P "
-               "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in double brings "
-               "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local guide u |A|^2 "
-               "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end of the run "
-               "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of the "
-               "2.8 to 3.5 of docs/literature.md 3.6.",
-    .factors = [](Budget budget) {
-        bool const full = budget == Budget::full;
-        return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 48 : 8)}};
-    },
+    .interpretation =
+        "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
+        "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The experiment does "
+        "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, rounding A P "
+        "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in double brings "
+        "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local guide u |A|^2 "
+        "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end of the run "
+        "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of the "
+        "2.8 to 3.5 of docs/literature.md 3.6.",
+    .factors =
+        [](Budget budget) {
+            bool const full = budget == Budget::full;
+            return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 48 : 8)}};
+        },
     .measures = {"form", "error", "norm", "local", "products", "plain"},
     .measure = measure,
-    .plots = {{.title = "Error of P: the variants", .x = "kappa", .y = "error", .series = "form",
-        .x_label = "condition number of the regressors", .y_label = "relative error of P",
+    .plots = {{.title = "Error of P: the variants",
+               .x = "kappa",
+               .y = "error",
+               .series = "form",
+               .x_label = "condition number of the regressors",
+               .y_label = "relative error of P",
                .where = {{"form", {"joseph", "joseph_rank_two", "symmetric", "conventional_two_sided"}}}},
-              {.title = "Joseph's update in quad but for one step", .x = "kappa", .y = "error", .series = "form",
-                  .x_label = "condition number of the regressors",
-               .y_label = "relative error of P", .where = {{"form", {"joseph", "P_stored", "A_rounded", "AP_rounded", "first_product",
-                   "second_product"}}}},
-              {.title = "The greatest |I - K psi'| of the run", .x = "kappa", .y = "norm", .series = "form",
-                  .x_label = "condition number of the regressors",
-               .y_label = "max |I - K psi'|_2", .where = {{"form", {"joseph"}}}, .guides = {{"kappa / 25",
-                   [](double kappa) { return kappa / 25; }}}}},
-    .claims = {
-        {"joseph: slope 2.5 ... 3.1 over 1e3 <= kappa <= 1e6",
-         [](Table const& t) { return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "error"), 2.5, 3.1); }},
-        {"symmetric, conventional_two_sided, joseph_rank_two: slope 2 +- 0.2 over the same range",
-         [](Table const& t) {
-             return within(in_range(t).where("form", {"symmetric", "conventional_two_sided", "joseph_rank_two"}), {"form"},
-                 slope("kappa", "error"), 1.8, 2.2);
-         }},
-        {"in quad on a stored P, A or A P rounded as a whole: slope 2 +- 0.2 all the same",
-         [](Table const& t) {
-             return within(in_range(t).where("form", {"P_stored", "A_rounded", "AP_rounded"}), {"form"}, slope("kappa", "error"), 1.8,
-                 2.2);
-         }},
-        {"either product added up in double: slope 2.5 ... 3.1, with nothing else of Joseph's form in double",
-         [](Table const& t) {
-             return within(in_range(t).where("form", {"first_product", "second_product"}), {"form"}, slope("kappa", "error"), 2.5, 3.1);
-         }},
-        {"max |I - K psi'|_2 grows like kappa: slope 1 +- 0.1 over 1e2 <= kappa <= 1e7",
-         [](Table const& t) {
-             Table const rows = t.where("form", "joseph").where("kappa", [](double kappa) { return kappa > 99; });
-             return within(rows, {}, slope("kappa", "norm"), 0.9, 1.1);
-         }},
-        {"the transported guide: slope 2.6 ... 3.1, and joseph's median error is 1/300 ... 1/3 of it at every kappa of the range",
-         [](Table const& t) {
-             Table const rows = in_range(t).where("form", "joseph");
-             Finding const a = within(rows, {}, slope("kappa", "products"), 2.6, 3.1), b = within(rows, {"kappa"},
-                 share_of("products"), 1.0 / 300, 1.0 / 3);
-             return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
-         }},
-        {"the local guide u |A|^2 |P| has slope 2 +- 0.15 and is too small: at kappa = 1e6 joseph's median error is 100 times as large and more",
-         [](Table const& t) {
-             Table const rows = in_range(t).where("form", "joseph");
-             Finding const a = within(rows, {}, slope("kappa", "local"), 1.85, 2.15);
-             Finding const b = within(rows.where("kappa", [](double kappa) { return kappa > 9e5; }), {}, share_of("local"), 100, 1e5);
-             return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
-         }},
-    },
+              {.title = "Joseph's update in quad but for one step",
+               .x = "kappa",
+               .y = "error",
+               .series = "form",
+               .x_label = "condition number of the regressors",
+               .y_label = "relative error of P",
+               .where = {{"form", {"joseph", "P_stored", "A_rounded", "AP_rounded", "first_product", "second_product"}}}},
+              {.title = "The greatest |I - K psi'| of the run",
+               .x = "kappa",
+               .y = "norm",
+               .series = "form",
+               .x_label = "condition number of the regressors",
+               .y_label = "max |I - K psi'|_2",
+               .where = {{"form", {"joseph"}}},
+               .guides = {{"kappa / 25", [](double kappa) { return kappa / 25; }}}}},
+    .claims =
+        {
+            {"joseph: slope 2.5 ... 3.1 over 1e3 <= kappa <= 1e6",
+             [](Table const& t) { return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "error"), 2.5, 3.1); }},
+            {"symmetric, conventional_two_sided, joseph_rank_two: slope 2 +- 0.2 over the same range",
+             [](Table const& t) {
+                 return within(in_range(t).where("form", {"symmetric", "conventional_two_sided", "joseph_rank_two"}), {"form"},
+                               slope("kappa", "error"), 1.8, 2.2);
+             }},
+            {"in quad on a stored P, A or A P rounded as a whole: slope 2 +- 0.2 all the same",
+             [](Table const& t) {
+                 return within(in_range(t).where("form", {"P_stored", "A_rounded", "AP_rounded"}), {"form"}, slope("kappa", "error"), 1.8,
+                               2.2);
+             }},
+            {"either product added up in double: slope 2.5 ... 3.1, with nothing else of Joseph's form in double",
+             [](Table const& t) {
+                 return within(in_range(t).where("form", {"first_product", "second_product"}), {"form"}, slope("kappa", "error"), 2.5, 3.1);
+             }},
+            {"max |I - K psi'|_2 grows like kappa: slope 1 +- 0.1 over 1e2 <= kappa <= 1e7",
+             [](Table const& t) {
+                 Table const rows = t.where("form", "joseph").where("kappa", [](double kappa) { return kappa > 99; });
+                 return within(rows, {}, slope("kappa", "norm"), 0.9, 1.1);
+             }},
+            {"the transported guide: slope 2.6 ... 3.1, and joseph's median error is 1/300 ... 1/3 of it at every kappa of the range",
+             [](Table const& t) {
+                 Table const rows = in_range(t).where("form", "joseph");
+                 Finding const a = within(rows, {}, slope("kappa", "products"), 2.6, 3.1),
+                               b = within(rows, {"kappa"}, share_of("products"), 1.0 / 300, 1.0 / 3);
+                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+             }},
+            {"the local guide u |A|^2 |P| has slope 2 +- 0.15 and is too small: at kappa = 1e6 joseph's median error is 100 times as large "
+             "and more",
+             [](Table const& t) {
+                 Table const rows = in_range(t).where("form", "joseph");
+                 Finding const a = within(rows, {}, slope("kappa", "local"), 1.85, 2.15);
+                 Finding const b = within(rows.where("kappa", [](double kappa) { return kappa > 9e5; }), {}, share_of("local"), 100, 1e5);
+                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+             }},
+        },
 };
 
 }  // namespace rlslab

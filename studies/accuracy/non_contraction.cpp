@@ -45,7 +45,7 @@ std::pair<Matrix<Rational>, Vector<Rational>> data_of(Trial const& trial) {
         for (Index i = 0; i < d; ++i) B(i, j) = int(seed.next() % 31) - 15;
         psi[j] = int(seed.next() % 31) - 15;
     }
-    psi[0] += 16;    // so that psi is not zero
+    psi[0] += 16;  // so that psi is not zero
     P = B.lazyProduct(B.transpose());
     for (Index j = 0; j < d; ++j) P(j, j) += Rational(1, 16);
     return {P, psi};
@@ -71,8 +71,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Reference const norm = norm_of(A.unaryExpr([](Rational const& x) { return Reference(x); }).cast<Reference>());
     Reference const deviation = abs(formula / norm - 1);
     out({static_cast<double>(norm), static_cast<double>(formula), static_cast<double>(deviation), static_cast<double>(gamma),
-        contracts ? "exact" : "broken",
-         KK * pp == Kp * Kp ? "eigenvector" : "none"});    // K parallel to psi
+         contracts ? "exact" : "broken", KK * pp == Kp * Kp ? "eigenvector" : "none"});  // K parallel to psi
 }
 
 }  // namespace
@@ -81,59 +80,72 @@ extern Study const non_contraction;
 Study const non_contraction{
     .name = "non_contraction",
     .question = "Can one exact step enlarge an error of theta when nothing is forgotten?",
-    .source = "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not contractive, against "
-              "Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived (docs/theory.md 24, 25; "
-              "docs/literature.md 3.8)",
-    .formula = R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
+    .source =
+        "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not contractive, against "
+        "Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived (docs/theory.md 24, 25; "
+        "docs/literature.md 3.8)",
+    .formula =
+        R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
+P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
+= \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
-    .interpretation = "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
-               "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
-               "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, "
-               "so that V = delta'P^-1 delta does not grow. "
-               "The condition number of P is then the most a whole run can enlarge an error by, its square root to be precise: "
-               "there is no exponential growth (study accuracy_steps).",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"data", {"counterexample", "random"}},
-                                   {"a", budget == Budget::full ? counted(2000) : joined(counted(200), {1000.0})}};
-    },
-    .admits = [](Trial const& trial) {
-        double const a = trial.number("a");
-        return trial.text("data") == "random" || a == 2 || a == 5 || a == 10 || a == 20 || a == 50 || a == 100 || a == 1000;
-    },
+    .interpretation =
+        "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
+        "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
+        "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, "
+        "so that V = delta'P^-1 delta does not grow. "
+        "The condition number of P is then the most a whole run can enlarge an error by, its square root to be precise: "
+        "there is no exponential growth (study accuracy_steps).",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"data", {"counterexample", "random"}},
+                                       {"a", budget == Budget::full ? counted(2000) : joined(counted(200), {1000.0})}};
+        },
+    .admits =
+        [](Trial const& trial) {
+            double const a = trial.number("a");
+            return trial.text("data") == "random" || a == 2 || a == 5 || a == 10 || a == 20 || a == 50 || a == 100 || a == 1000;
+        },
     .measures = {"norm", "formula", "deviation", "gamma", "identity", "psi"},
     .measure = measure,
-    .plots = {{.title = "The counterexample", .x = "a", .y = "norm", .series = "data", .x_label = "a", .y_label = "|I - K psi'|_2",
-        .where = {{"data", {"counterexample"}}},
+    .plots = {{.title = "The counterexample",
+               .x = "a",
+               .y = "norm",
+               .series = "data",
+               .x_label = "a",
+               .y_label = "|I - K psi'|_2",
+               .where = {{"data", {"counterexample"}}},
                .guides = {{"a/3", [](double a) { return a / 3; }}}}},
-    .claims = {
-        {"the example's norms are 3.46292442, 33.34666 and 333.33467 for a = 10, 100, 1000, to all digits given",
-         [](Table const& t) {
-             Finding out{true, ""};
-             for (auto const& [a, norm, last] : {std::tuple{10.0, 3.46292442, 5e-9}, {100.0, 33.34666, 5e-6}, {1000.0, 333.33467, 5e-6}}) {
-                 double const measured = t.where("data", "counterexample").where("a", a).number("norm");
-                 out.holds = out.holds && std::abs(measured - norm) <= last;
-                 out.measured += fmt::format("{}{:.8f}", out.measured.empty() ? "" : ", ", measured);
-             }
-             return out;
-         }},
-        {"the formula is the norm to 1e-13 (to 1e-70 in 257 bits) in every case",
-         [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }},
-        {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
-         [](Table const& t) {
-             Number const excess = [](Table const& rows) { return least("norm")(rows) - 1; };
-             Finding out = within(t.where("psi", "none"), {}, excess, 1e-12, 1e9);
-             Table const chance = t.where("psi", "eigenvector");
-             for (double const norm : chance.numbers("norm")) out.holds = out.holds && norm == 1;
-             out.measured = fmt::format("by at least {}; {} eigenvectors", out.measured, chance.rows().size());
-             return out;
-         }},
-        {"and still V = delta'P^-1 delta never grows: (I - K psi')P = P_k exactly, 0 < gamma < 1",
-         [](Table const& t) {
-             Finding const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
-             return Finding{a.holds && b.holds, a.measured + "; gamma at most " + b.measured};
-         }},
-    },
+    .claims =
+        {
+            {"the example's norms are 3.46292442, 33.34666 and 333.33467 for a = 10, 100, 1000, to all digits given",
+             [](Table const& t) {
+                 Finding out{true, ""};
+                 for (auto const& [a, norm, last] :
+                      {std::tuple{10.0, 3.46292442, 5e-9}, {100.0, 33.34666, 5e-6}, {1000.0, 333.33467, 5e-6}}) {
+                     double const measured = t.where("data", "counterexample").where("a", a).number("norm");
+                     out.holds = out.holds && std::abs(measured - norm) <= last;
+                     out.measured += fmt::format("{}{:.8f}", out.measured.empty() ? "" : ", ", measured);
+                 }
+                 return out;
+             }},
+            {"the formula is the norm to 1e-13 (to 1e-70 in 257 bits) in every case",
+             [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }},
+            {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
+             [](Table const& t) {
+                 Number const excess = [](Table const& rows) { return least("norm")(rows) - 1; };
+                 Finding out = within(t.where("psi", "none"), {}, excess, 1e-12, 1e9);
+                 Table const chance = t.where("psi", "eigenvector");
+                 for (double const norm : chance.numbers("norm")) out.holds = out.holds && norm == 1;
+                 out.measured = fmt::format("by at least {}; {} eigenvectors", out.measured, chance.rows().size());
+                 return out;
+             }},
+            {"and still V = delta'P^-1 delta never grows: (I - K psi')P = P_k exactly, 0 < gamma < 1",
+             [](Table const& t) {
+                 Finding const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
+                 return Finding{a.holds && b.holds, a.measured + "; gamma at most " + b.measured};
+             }},
+        },
 };
 
 }  // namespace rlslab

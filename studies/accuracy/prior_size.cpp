@@ -11,8 +11,8 @@ namespace rlslab {
 namespace {
 
 constexpr Index size = 5, rows = 50;
-constexpr double kappa = 100;     // squared, 1e4: where c^2 begins to be large
-constexpr double noise = 1e-4;    // without any, the rows after the first five would have nothing to correct
+constexpr double kappa = 100;   // squared, 1e4: where c^2 begins to be large
+constexpr double noise = 1e-4;  // without any, the rows after the first five would have nothing to correct
 
 /// One row a variant: against the minimiser with this prior (rounding alone) and against least squares (bias too).
 void measure(Trial const& trial, TrialOutput& out) {
@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table in(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants, double from, double to) {
-    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };    // a hair wide: powers are computed
+    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // a hair wide: powers are computed
     return t.where("arithmetic", arithmetic).where("variant", variants).where("c2", inside);
 }
 
@@ -74,50 +74,65 @@ Study const prior_size{
     .name = "prior_size",
     .question = "How large should the prior variance c^2 be?",
     .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
-    .formula = R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
-                 P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
-    .interpretation = "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the right the "
-               "variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first rows and keep u c^2 of "
-               "them as an error of P, so their valley is narrow and ends at half of double's digits. Potter's full root does the "
-               "same with numbers of the size of c and loses half as fast. Triangular roots, UD and the QR forms have no valley: any "
-               "c^2 from 1e20 to 1e40 gives all they can. The covariance forms saturate at 1e-3 to 1e-1 on these data. The places of "
-               "the valleys depend on the data's scale and condition.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                   {"c2", powers(10, 0, 40)},
-                                   {"replicate", counted(budget == Budget::full ? 45 : 9)}};
-    },
-    .admits = [](Trial const& t) { return t.text("arithmetic") == "double" || t.number("c2") < 2e30; },    // float ends at 3e38
+    .formula =
+        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|}
+              \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
+              P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
+    .interpretation =
+        "Rows of condition 100. Left of each valley the prior's bias dominates, the same for every variant; to the right the "
+        "variant's own rounding. The covariance forms subtract numbers of the size of c^2 in the first rows and keep u c^2 of "
+        "them as an error of P, so their valley is narrow and ends at half of double's digits. Potter's full root does the "
+        "same with numbers of the size of c and loses half as fast. Triangular roots, UD and the QR forms have no valley: any "
+        "c^2 from 1e20 to 1e40 gives all they can. The covariance forms saturate at 1e-3 to 1e-1 on these data. The places of "
+        "the valleys depend on the data's scale and condition.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}}, {"c2", powers(10, 0, 40)}, {"replicate", counted(budget == Budget::full ? 45 : 9)}};
+        },
+    .admits = [](Trial const& t) { return t.text("arithmetic") == "double" || t.number("c2") < 2e30; },  // float ends at 3e38
     .measures = {"variant", "outcome", "bias", "rounding", "total"},
     .measure = measure,
-    .plots = {{.title = "Error of theta against least squares without a prior", .x = "c2", .y = "total", .panel = "arithmetic",
-               .x_label = "prior variance c²", .y_label = "relative error of theta",
+    .plots = {{.title = "Error of theta against least squares without a prior",
+               .x = "c2",
+               .y = "total",
+               .panel = "arithmetic",
+               .x_label = "prior variance c²",
+               .y_label = "relative error of theta",
                .guides = {{"κ²/c²", [](double c2) { return kappa * kappa / c2; }}}},
-              {.title = "Rounding alone: against the minimiser with the same prior", .x = "c2", .y = "rounding", .panel = "arithmetic",
-               .x_label = "prior variance c²", .y_label = "relative error of theta",
+              {.title = "Rounding alone: against the minimiser with the same prior",
+               .x = "c2",
+               .y = "rounding",
+               .panel = "arithmetic",
+               .x_label = "prior variance c²",
+               .y_label = "relative error of theta",
                .guides = {{"∝ c²", [](double c2) { return 1e-21 * c2; }}, {"∝ c", [](double c2) { return 1e-20 * std::sqrt(c2); }}}}},
-    .claims = {
-        {"the bias falls as 1/c^2: slope -1.00 +- 0.02 from c^2 = 1e6 on",
-         [](Table const& t) { return within(in(t, "double", {"qr"}, 1e6, 1e40), {}, slope("c2", "bias"), -1.02, -0.98); }},
-        {"covariance forms: rounding rises as c^2, slope 1.0 +- 0.15 over c^2 = 1e8 ... 1e16 in double",
-         [](Table const& t) { return within(in(t, "double", plain, 1e8, 1e16), {"variant"}, slope("c2", "rounding"), 0.85, 1.15); }},
-        {"Potter's full root: rounding rises as c, slope 0.5 +- 0.05 over c^2 = 1e14 ... 1e30 in double",
-         [](Table const& t) { return within(in(t, "double", {"potter"}, 1e14, 1e30), {}, slope("c2", "rounding"), 0.45, 0.55); }},
-        {"triangular, UD and QR forms: the median rounding stays within a factor of 8 from c^2 = 1e6 to 1e40",
-         [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, spread, 1, 8); }},
-        {"so they have no best c^2, only a least: from 1e20 to 1e40 the median error against least squares stays below 1e-14",
-         [](Table const& t) { return within(in(t, "double", rooted, 1e20, 1e40), {"variant", "c2"}, median("total"), 0, 1e-14); }},
-        {"the information form likewise, at the u kappa^2 = 1e-12 of normal equations: between 1e-14 and 1e-12",
-         [](Table const& t) { return within(in(t, "double", {"information"}, 1e20, 1e40), {"c2"}, median("total"), 1e-14, 1e-12); }},
-        {"covariance forms in double: the best c^2 lies in 1e11 ... 1e14 and leaves about half of the digits, an error of 3e-10 ... 3e-8",
-         [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1e11, 1e14, 3e-10, 3e-8); }},
-        {"Potter in double: the best c^2 lies in 1e15 ... 1e17 and leaves an error of 1e-13 ... 1e-11",
-         [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 1e15, 1e17, 1e-13, 1e-11); }},
-        {"covariance forms in float: the best c^2 lies in 1e6 ... 1e9 and leaves an error of 1e-5 ... 1e-3",
-         [](Table const& t) { return valley(in(t, "float", plain, 1, 1e30), 1e6, 1e9, 1e-5, 1e-3); }},
-        {"every triangular, UD, QR form keeps P positive definite at every c^2",
-         [](Table const& t) { return everywhere(t.where("variant", rooted), "outcome", "sound"); }},
-    },
+    .claims =
+        {
+            {"the bias falls as 1/c^2: slope -1.00 +- 0.02 from c^2 = 1e6 on",
+             [](Table const& t) { return within(in(t, "double", {"qr"}, 1e6, 1e40), {}, slope("c2", "bias"), -1.02, -0.98); }},
+            {"covariance forms: rounding rises as c^2, slope 1.0 +- 0.15 over c^2 = 1e8 ... 1e16 in double",
+             [](Table const& t) { return within(in(t, "double", plain, 1e8, 1e16), {"variant"}, slope("c2", "rounding"), 0.85, 1.15); }},
+            {"Potter's full root: rounding rises as c, slope 0.5 +- 0.05 over c^2 = 1e14 ... 1e30 in double",
+             [](Table const& t) { return within(in(t, "double", {"potter"}, 1e14, 1e30), {}, slope("c2", "rounding"), 0.45, 0.55); }},
+            {"triangular, UD and QR forms: the median rounding stays within a factor of 8 from c^2 = 1e6 to 1e40",
+             [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, spread, 1, 8); }},
+            {"so they have no best c^2, only a least: from 1e20 to 1e40 the median error against least squares stays below 1e-14",
+             [](Table const& t) {
+                 return within(in(t, "double", rooted, 1e20, 1e40), {"variant", "c2"}, median("total"), 0, 1e-14);
+             }},
+            {"the information form likewise, at the u kappa^2 = 1e-12 of normal equations: between 1e-14 and 1e-12",
+             [](Table const& t) { return within(in(t, "double", {"information"}, 1e20, 1e40), {"c2"}, median("total"), 1e-14, 1e-12); }},
+            {"covariance forms in double: the best c^2 lies in 1e11 ... 1e14 and leaves about half of the digits, an error of 3e-10 ... "
+             "3e-8",
+             [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1e11, 1e14, 3e-10, 3e-8); }},
+            {"Potter in double: the best c^2 lies in 1e15 ... 1e17 and leaves an error of 1e-13 ... 1e-11",
+             [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 1e15, 1e17, 1e-13, 1e-11); }},
+            {"covariance forms in float: the best c^2 lies in 1e6 ... 1e9 and leaves an error of 1e-5 ... 1e-3",
+             [](Table const& t) { return valley(in(t, "float", plain, 1, 1e30), 1e6, 1e9, 1e-5, 1e-3); }},
+            {"every triangular, UD, QR form keeps P positive definite at every c^2",
+             [](Table const& t) { return everywhere(t.where("variant", rooted), "outcome", "sound"); }},
+        },
 };
 
 }  // namespace rlslab

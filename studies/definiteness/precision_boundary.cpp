@@ -24,8 +24,8 @@ Entry const& of_any_length(std::string const& variant) {
 /// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.
 bool survives(Entry const& entry, int bits, double lambda, Records const& given) {
     PrecisionScope const precision(bits);
-    Problem<double> const problem = as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}},
-        *entry.arithmetic);
+    Problem<double> const problem =
+        as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     Records const records = as_stored(given, *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows();
@@ -63,9 +63,10 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 /// The bits of `variant` less what `law` says of the same row.
 Finding off(Table const& t, std::vector<std::string> const& variants, std::function<double(Table const&)> const& law, double from,
-    double to) {
-    return within(t.where("variant", variants), {"variant", "pole", "lambda"}, [=](Table const& row) {
-        return row.number("bits") - law(row); }, from, to);
+            double to) {
+    return within(
+        t.where("variant", variants), {"variant", "pole", "lambda"}, [=](Table const& row) { return row.number("bits") - law(row); }, from,
+        to);
 }
 /// What another variant needs for the same data.
 Number needs(Table const& t, std::string const& variant) {
@@ -80,67 +81,98 @@ extern Study const precision_boundary;
 Study const precision_boundary{
     .name = "precision_boundary",
     .question = "How many bits does it take to survive?",
-    .source = "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); docs/theory.md 48; the "
-              "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
+    .source =
+        "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); docs/theory.md 48; the "
+        "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
     .formula = R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
         p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
-    .interpretation = "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
-               "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
-               "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The conventional form "
-               "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are more than ln "
-               "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: which bit is "
-               "the first depends on the data and on the order of operations.",
-    .factors = [](Budget budget) {
-        if (budget == Budget::quick)
-            return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"lambda", {0.9, 0.97, 0.99}},
-                                       {"variant", {"conventional", "symmetric", "joseph", "joseph_rank_two", "carlson", "ud"}}};
-        return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"lambda", {0.9, 0.97, 0.99, 0.997}}, {"variant", row_forms()}};
-    },
+    .interpretation =
+        "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
+        "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
+        "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The conventional form "
+        "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are more than ln "
+        "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: which bit is "
+        "the first depends on the data and on the order of operations.",
+    .factors =
+        [](Budget budget) {
+            if (budget == Budget::quick)
+                return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}},
+                                           {"lambda", {0.9, 0.97, 0.99}},
+                                           {"variant", {"conventional", "symmetric", "joseph", "joseph_rank_two", "carlson", "ud"}}};
+            return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"lambda", {0.9, 0.97, 0.99, 0.997}}, {"variant", row_forms()}};
+        },
     .measures = {"bits", "relapses", "log2_memory", "log2_kappa_P"},
     .measure = measure,
-    .plots = {{.title = "Bits needed against memory", .x = "log2_memory", .y = "bits", .panel = "pole", .log = "", .x_label = "log2 of "
-        "1/(1 - lambda)",
-               .y_label = "bits needed", .guides = {{"log2 memory + 2", [](double m) { return m + 2; }}}},
-              {.title = "Bits needed against conditioning", .x = "log2_kappa_P", .y = "bits", .panel = "lambda", .log = "",
-               .x_label = "log2 kappa_P", .y_label = "bits needed", .guides = {{"log2 kappa_P + 4", [](double c) { return c + 4; }}}}},
-    .claims = {
-        {"symmetric: within 2.5 bits of max(log2(1/(1 - lambda)) + 1, log2 kappa_P + 4)",
-         [](Table const& t) {
-             return off(t, {"symmetric"}, [](Table const& r) { return std::max(r.number("log2_memory") + 1,
-                 r.number("log2_kappa_P") + 4); }, -2.5, 2.5);
-         }},
-        {"symmetric: within 2 bits of the sum of both, log2(2/(1 - lambda) + 16 kappa_P)",
-         [](Table const& t) {
-             return off(t, {"symmetric"}, [](Table const& r) {
-                 return correctly::log2(2 * correctly::exp2(r.number("log2_memory")) + 16 * correctly::exp2(r.number("log2_kappa_P"))); }, -2, 2);
-         }, "measured here"},
-        {"ud and carlson: log2(1/(1 - lambda)) and at most 2 bits more, at least 1 less, whatever kappa_P",
-         [](Table const& t) { return off(t, {"ud", "carlson"}, [](Table const& r) { return r.number("log2_memory"); }, -1, 2); }},
-        {"ud and carlson: from white input (kappa_P = 1) to pole 0.99 (670) at most 2 bits of change, less than 1 on average over lambda",
-         [](Table const& t) {
-             auto const of = [&](std::vector<std::string> const& by, double to) {
-                 return within(t.where("variant", {"ud", "carlson"}), by, [](Table const& g) {
-                     std::vector<double> const white = g.where("pole", 0.0).numbers("bits"), coloured = g.where("pole",
-                         0.99).numbers("bits");
-                     double sum = 0;
-                     for (size_t i = 0; i < white.size(); ++i) sum += coloured[i] - white[i];
-                     return sum / double(white.size());
-                 }, -to, to);
-             };
-             Finding const each = of({"variant", "lambda"}, 2), mean = of({"variant"}, 0.99);
-             return Finding{each.holds && mean.holds, each.measured + "; on average " + mean.measured};
-         }},
-        {"joseph on coloured input: 0 to 3 bits more than symmetric",
-         [](Table const& t) { return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3); }},
-        {"joseph_rank_two: within 1 bit of symmetric",
-         [](Table const& t) { return off(t, {"joseph_rank_two"}, needs(t, "symmetric"), -1, 1); }, "measured here"},
-        {"conventional fails at every length tried: 4 to 30, 40, 50 and 53 bits",
-         [](Table const& t) {
-             return within(t.where("variant", "conventional"), {"pole", "lambda"}, least("bits"), INFINITY, INFINITY);
-         }},
-        {"survival is monotone but for the luck of single bits: of the two lengths beyond the first that survives at most one fails",
-         [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); }, "measured here"},
-    },
+    .plots = {{.title = "Bits needed against memory",
+               .x = "log2_memory",
+               .y = "bits",
+               .panel = "pole",
+               .log = "",
+               .x_label = "log2 of "
+                          "1/(1 - lambda)",
+               .y_label = "bits needed",
+               .guides = {{"log2 memory + 2", [](double m) { return m + 2; }}}},
+              {.title = "Bits needed against conditioning",
+               .x = "log2_kappa_P",
+               .y = "bits",
+               .panel = "lambda",
+               .log = "",
+               .x_label = "log2 kappa_P",
+               .y_label = "bits needed",
+               .guides = {{"log2 kappa_P + 4", [](double c) { return c + 4; }}}}},
+    .claims =
+        {
+            {"symmetric: within 2.5 bits of max(log2(1/(1 - lambda)) + 1, log2 kappa_P + 4)",
+             [](Table const& t) {
+                 return off(
+                     t, {"symmetric"}, [](Table const& r) { return std::max(r.number("log2_memory") + 1, r.number("log2_kappa_P") + 4); },
+                     -2.5, 2.5);
+             }},
+            {"symmetric: within 2 bits of the sum of both, log2(2/(1 - lambda) + 16 kappa_P)",
+             [](Table const& t) {
+                 return off(
+                     t, {"symmetric"},
+                     [](Table const& r) {
+                         return correctly::log2(2 * correctly::exp2(r.number("log2_memory")) +
+                                                16 * correctly::exp2(r.number("log2_kappa_P")));
+                     },
+                     -2, 2);
+             },
+             "measured here"},
+            {"ud and carlson: log2(1/(1 - lambda)) and at most 2 bits more, at least 1 less, whatever kappa_P",
+             [](Table const& t) {
+                 return off(
+                     t, {"ud", "carlson"}, [](Table const& r) { return r.number("log2_memory"); }, -1, 2);
+             }},
+            {"ud and carlson: from white input (kappa_P = 1) to pole 0.99 (670) at most 2 bits of change, less than 1 on average over "
+             "lambda",
+             [](Table const& t) {
+                 auto const of = [&](std::vector<std::string> const& by, double to) {
+                     return within(
+                         t.where("variant", {"ud", "carlson"}), by,
+                         [](Table const& g) {
+                             std::vector<double> const white = g.where("pole", 0.0).numbers("bits"),
+                                                       coloured = g.where("pole", 0.99).numbers("bits");
+                             double sum = 0;
+                             for (size_t i = 0; i < white.size(); ++i) sum += coloured[i] - white[i];
+                             return sum / double(white.size());
+                         },
+                         -to, to);
+                 };
+                 Finding const each = of({"variant", "lambda"}, 2), mean = of({"variant"}, 0.99);
+                 return Finding{each.holds && mean.holds, each.measured + "; on average " + mean.measured};
+             }},
+            {"joseph on coloured input: 0 to 3 bits more than symmetric",
+             [](Table const& t) { return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3); }},
+            {"joseph_rank_two: within 1 bit of symmetric",
+             [](Table const& t) { return off(t, {"joseph_rank_two"}, needs(t, "symmetric"), -1, 1); }, "measured here"},
+            {"conventional fails at every length tried: 4 to 30, 40, 50 and 53 bits",
+             [](Table const& t) {
+                 return within(t.where("variant", "conventional"), {"pole", "lambda"}, least("bits"), INFINITY, INFINITY);
+             }},
+            {"survival is monotone but for the luck of single bits: of the two lengths beyond the first that survives at most one fails",
+             [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); }, "measured here"},
+        },
 };
 
 }  // namespace rlslab

@@ -20,7 +20,7 @@ void watch(Trial const& trial, TrialOutput& out) {
     V const v{{1, 2, 3}}, normal = trial.text("rows") == "psi'v = 0" ? v : V(P0.lazyProduct(v));
     int const cases = trial.full() ? 100 : 10, steps = 12;
     std::vector<int> holds(steps + 1);
-    Q variance = 0;    // of the first case, to draw
+    Q variance = 0;  // of the first case, to draw
     std::vector<double> course;
     Seed seed = trial.seed({"lambda", "prior", "rows"});
     for (int n = 0; n < cases; ++n) {
@@ -56,32 +56,45 @@ Study const unexcited_direction{
     .source = "derived (docs/theory.md 40; docs/literature.md 2, F15, first stated without the condition on P0)",
     .formula = R"tex(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
 P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
-    .interpretation = "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
-               "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
-               "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "
-               "correlations, and the law fails at once.",
-    .factors = [](Budget) {
-        std::vector<Cell> names;
-        for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
-        return std::vector<Factor>{
-            {"lambda", {1.0, 0.9}}, {"prior", {"c^2 I", "full"}}, {"rows", {"psi'v = 0", "psi'P0 v = 0"}}, {"variant", names}};
-    },
+    .interpretation =
+        "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
+        "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
+        "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "
+        "correlations, and the law fails at once.",
+    .factors =
+        [](Budget) {
+            std::vector<Cell> names;
+            for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
+            return std::vector<Factor>{
+                {"lambda", {1.0, 0.9}}, {"prior", {"c^2 I", "full"}}, {"rows", {"psi'v = 0", "psi'P0 v = 0"}}, {"variant", names}};
+        },
     .measures = {"steps", "share", "variance"},
     .measure = measure,
-    .plots = {{.title = "v'P v over v'P0 v, full P0, λ = 0.9", .x = "steps", .y = "variance", .panel = "rows", .log = "y",
-               .x_label = "rows", .y_label = "variance, 1 at the start", .where = {{"prior", {"full"}}, {"lambda", {"0.9"}}},
+    .plots = {{.title = "v'P v over v'P0 v, full P0, λ = 0.9",
+               .x = "steps",
+               .y = "variance",
+               .panel = "rows",
+               .log = "y",
+               .x_label = "rows",
+               .y_label = "variance, 1 at the start",
+               .where = {{"prior", {"full"}}, {"lambda", {"0.9"}}},
                .guides = {{"λ^-k", [](double k) { return correctly::pow(0.9, -k); }}}}},
-    .claims = {
-        {"psi'P0 v = 0: v'P_k v = lambda^-k v'P0 v with == after every row, for every P0 and variant",
-         [](Table const& t) { return within(t.where("rows", "psi'P0 v = 0"), {"prior", "lambda", "variant"}, least("share"), 1, 1); }},
-        {"psi'v = 0 is enough where P0 = c^2 I",
-         [](Table const& t) { return within(of(t, "c^2 I", "psi'v = 0"), {"lambda", "variant"}, least("share"), 1, 1); }},
-        {"and not enough with a full P0: after two rows the law holds in no case",
-         [](Table const& t) {
-             Table const rows = of(t, "full", "psi'v = 0").where("steps", [](double k) { return k >= 2; });
-             return within(rows, {"lambda", "variant"}, greatest("share"), 0, 0);
-         }},
-    },
+    .claims =
+        {
+            {"psi'P0 v = 0: v'P_k v = lambda^-k v'P0 v with == after every row, for every P0 and variant",
+             [](Table const& t) {
+                 return within(t.where("rows", "psi'P0 v = 0"), {"prior", "lambda", "variant"}, least("share"), 1, 1);
+             }},
+            {"psi'v = 0 is enough where P0 = c^2 I",
+             [](Table const& t) {
+                 return within(of(t, "c^2 I", "psi'v = 0"), {"lambda", "variant"}, least("share"), 1, 1);
+             }},
+            {"and not enough with a full P0: after two rows the law holds in no case",
+             [](Table const& t) {
+                 Table const rows = of(t, "full", "psi'v = 0").where("steps", [](double k) { return k >= 2; });
+                 return within(rows, {"lambda", "variant"}, greatest("share"), 0, 0);
+             }},
+        },
 };
 
 }  // namespace rlslab

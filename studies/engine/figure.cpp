@@ -72,8 +72,15 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
     std::vector<Figure> out;
     for (Plot const& plot : study.plots) {
         bool const log_x = plot.log.find('x') != std::string::npos, log_y = plot.log.find('y') != std::string::npos;
-        Figure figure{fmt::format("{}-{}", study.name, out.size() + 1), plot.title, plot.x_label.empty() ? plot.x : plot.x_label,
-                      plot.y_label.empty() ? plot.y : plot.y_label, log_x, log_y, plot.cells, {}, plot.series};
+        Figure figure{fmt::format("{}-{}", study.name, out.size() + 1),
+                      plot.title,
+                      plot.x_label.empty() ? plot.x : plot.x_label,
+                      plot.y_label.empty() ? plot.y : plot.y_label,
+                      log_x,
+                      log_y,
+                      plot.cells,
+                      {},
+                      plot.series};
         Table rows = table;
         for (auto const& [column, values] : plot.where) rows = rows.where(column, values);
         // The same mark for the same series in every panel.
@@ -81,15 +88,15 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
         std::vector<std::string> const by = plot.panel.empty() ? std::vector<std::string>{} : std::vector{plot.panel};
         for (auto const& [name, here] : rows.groups(by)) {
             Panel panel{name, {}, {}};
-            if (plot.cells)
-                panel.curves.push_back(cells(here, plot));
+            if (plot.cells) panel.curves.push_back(cells(here, plot));
             else
                 for (size_t place = 0; place < all_series.size(); ++place) {
                     Table const one = here.where(plot.series, all_series[place]);
                     if (one.empty()) continue;
                     bool const word = std::holds_alternative<std::string>(all_series[place]);
                     std::string const series = as_text(all_series[place]);
-                    panel.curves.push_back(curve(word ? series : plot.series + " " + series, look_of(series, place), one, plot, log_x, log_y));
+                    panel.curves.push_back(
+                        curve(word ? series : plot.series + " " + series, look_of(series, place), one, plot, log_x, log_y));
                 }
             for (size_t place = 0; place < plot.guides.size(); ++place)
                 panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y, plot.floor));

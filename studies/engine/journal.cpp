@@ -52,7 +52,7 @@ Journal::Journal(std::filesystem::path path, std::string const& key) : path_(std
     std::ifstream in(path_, std::ios::binary);
     if (std::getline(in, line) && line == head)
         while (std::getline(in, line) && !in.eof() && read(line, finished_)) kept += line + '\n';
-    replace_file(path_, kept);    // without the line that was being written
+    replace_file(path_, kept);  // without the line that was being written
     file_.open(path_, std::ios::binary | std::ios::app);
 }
 

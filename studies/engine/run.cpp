@@ -55,8 +55,11 @@ std::uint64_t identity() {
 
 /// Nothing in it depends on the machine, the number of threads or the folder: nor do the bytes of a table.
 std::vector<std::string> provenance(Study const& study, RunOptions const& options) {
-    return {fmt::format("study: {}", study.name), fmt::format("question: {}", study.question), fmt::format("source: {}", study.source),
-            fmt::format("revision: {} {}", RLSLAB_VERSION, revision), fmt::format("compiler: {}", compiler),
+    return {fmt::format("study: {}", study.name),
+            fmt::format("question: {}", study.question),
+            fmt::format("source: {}", study.source),
+            fmt::format("revision: {} {}", RLSLAB_VERSION, revision),
+            fmt::format("compiler: {}", compiler),
             fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget), options.seed)};
 }
 
@@ -153,8 +156,8 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
             try {
                 run->study->measure(run->trials[k], measured);
             } catch (std::exception const& failure) {
-                throw std::runtime_error(fmt::format("study {}, trial {}: {}", run->study->name, csv_line(run->trials[k].values()),
-                                                     failure.what()));
+                throw std::runtime_error(
+                    fmt::format("study {}, trial {}: {}", run->study->name, csv_line(run->trials[k].values()), failure.what()));
             }
             std::lock_guard const lock(one_at_a_time);
             run->lines[k] = measured.lines();
@@ -169,7 +172,9 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
 }
 
 std::string verdict_lines(Outcome const& outcome, bool colour) {
-    auto const painted = [&](std::string_view text, int code) { return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text); };
+    auto const painted = [&](std::string_view text, int code) {
+        return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+    };
     std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
     for (size_t i = 0; i < outcome.findings.size(); ++i) {
         Finding const& finding = outcome.findings[i];
@@ -181,17 +186,22 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
 
 std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const& options) {
     using Json = nlohmann::ordered_json;
-    Json out = {{"version", RLSLAB_VERSION}, {"revision", revision}, {"budget", name_of(options.budget)}, {"seed", options.seed},
+    Json out = {{"version", RLSLAB_VERSION},
+                {"revision", revision},
+                {"budget", name_of(options.budget)},
+                {"seed", options.seed},
                 {"studies", Json::array()}};
     for (Outcome const& outcome : outcomes) {
         Json claims = Json::array();
         for (size_t i = 0; i < outcome.findings.size(); ++i) {
             Claim const& claim = outcome.study->claims[i];
-            claims.push_back({{"claim", claim.text}, {"source", claim.source.empty() ? outcome.study->source : claim.source},
-                              {"holds", outcome.findings[i].holds}, {"measured", outcome.findings[i].measured}});
+            claims.push_back({{"claim", claim.text},
+                              {"source", claim.source.empty() ? outcome.study->source : claim.source},
+                              {"holds", outcome.findings[i].holds},
+                              {"measured", outcome.findings[i].measured}});
         }
-        out["studies"].push_back({{"name", outcome.study->name}, {"question", outcome.study->question}, {"holds", outcome.holds()},
-                                  {"claims", claims}});
+        out["studies"].push_back(
+            {{"name", outcome.study->name}, {"question", outcome.study->question}, {"holds", outcome.holds()}, {"claims", claims}});
     }
     return out.dump(2) + '\n';
 }

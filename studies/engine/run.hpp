@@ -12,17 +12,17 @@ namespace rlslab {
 struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
-    int threads = 0;                          ///< 0: all cores
-    std::filesystem::path out;                ///< where tables, verdicts, figures and the report go; created if missing
+    int threads = 0;            ///< 0: all cores
+    std::filesystem::path out;  ///< where tables, verdicts, figures and the report go; created if missing
     std::vector<Entry> const* entries = &catalogue();
 };
 
 struct Outcome {
     Study const* study;
     Table table;
-    std::vector<Finding> findings;            ///< one for each claim
-    std::vector<std::string> provenance;      ///< "key: value", as above the CSV's header
-    size_t trials, resumed;                   ///< how many there are, and how many came from an interrupted run
+    std::vector<Finding> findings;        ///< one for each claim
+    std::vector<std::string> provenance;  ///< "key: value", as above the CSV's header
+    size_t trials, resumed;               ///< how many there are, and how many came from an interrupted run
     bool holds() const;
 };
 

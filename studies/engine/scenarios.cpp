@@ -37,7 +37,7 @@ Records answered(Matrix<double> psi, Seed seed, double noise) {
     Index const rows = psi.cols();
     Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
     for (Index k = 0; k < rows; ++k) {
-        double sum = 0;    // in order: Eigen's sum depends on the instruction set
+        double sum = 0;  // in order: Eigen's sum depends on the instruction set
         for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
         out.y[k] = sum + noise * seed.bell();
     }
@@ -76,7 +76,7 @@ Records white(Index size, Index rows, Seed seed, double noise) {
 
 Records delay_line(Index size, Index rows, double pole, Seed seed, double noise) {
     double const drive = std::sqrt(1 - pole * pole);
-    double x = seed.bell();    // of the stationary variance at once
+    double x = seed.bell();  // of the stationary variance at once
     std::vector<double> line(size_t(size + rows));
     for (double& tap : line) tap = x = pole * x + drive * seed.bell();
     Matrix<double> psi(size, rows);
@@ -127,7 +127,8 @@ Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
         for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
         X = FD.lazyProduct(stored.F.transpose());
     }
-    if (stored.quantity == Stored<Reference>::Quantity::information) X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
+    if (stored.quantity == Stored<Reference>::Quantity::information)
+        X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
     return X;
 }
 

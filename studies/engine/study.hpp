@@ -68,11 +68,11 @@ struct Guide {
 struct Plot {
     std::string title, x, y;
     std::string series = "variant", panel = {};
-    std::string log = "xy";                                               ///< which axes are logarithmic
-    std::string x_label = {}, y_label = {};                               ///< the columns' names if empty
-    std::vector<std::pair<std::string, std::vector<std::string>>> where = {};    ///< only rows with one of these values
+    std::string log = "xy";                                                    ///< which axes are logarithmic
+    std::string x_label = {}, y_label = {};                                    ///< the columns' names if empty
+    std::vector<std::pair<std::string, std::vector<std::string>>> where = {};  ///< only rows with one of these values
     std::vector<Guide> guides = {};
-    double floor = 0;                                                     ///< smaller numbers are not drawn
+    double floor = 0;  ///< smaller numbers are not drawn
     /// Cells instead of lines: `series` runs along y, and y's value is the shade of the cell.
     bool cells = false;
 };
@@ -86,18 +86,18 @@ struct Finding {
 struct Claim {
     std::string text;
     std::function<Finding(Table const&)> holds;
-    std::string source = {};    ///< where the claim is from; the study's if empty
+    std::string source = {};  ///< where the claim is from; the study's if empty
 };
 
 struct Study {
-    std::string name;                                   ///< as on the command line
-    std::string question;                               ///< one sentence
-    std::string source;                                 ///< who says so, and how sure it is (docs/literature.md 0)
-    std::string formula;                                ///< LaTeX; lines apart by \\ .
-    std::string interpretation;                                ///< what one sees, and where it differs from what was published
+    std::string name;            ///< as on the command line
+    std::string question;        ///< one sentence
+    std::string source;          ///< who says so, and how sure it is (docs/literature.md 0)
+    std::string formula;         ///< LaTeX; lines apart by \\ .
+    std::string interpretation;  ///< what one sees, and where it differs from what was published
     std::function<std::vector<Factor>(Budget)> factors;
-    std::function<bool(Trial const&)> admits = {};       ///< combinations that make sense; all if empty
-    std::vector<std::string> measures;                  ///< the columns behind the factors
+    std::function<bool(Trial const&)> admits = {};  ///< combinations that make sense; all if empty
+    std::vector<std::string> measures;              ///< the columns behind the factors
     std::function<void(Trial const&, TrialOutput&)> measure;
     std::vector<Plot> plots;
     std::vector<Claim> claims;

@@ -35,10 +35,8 @@ void Table::add_line(std::string_view line) {
         std::string_view const text = line.substr(from, to - from);
         double number = 0;
         auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-        if (!text.empty() && error == std::errc() && end == text.data() + text.size())
-            row.emplace_back(number);
-        else
-            row.emplace_back(std::string(text));
+        if (!text.empty() && error == std::errc() && end == text.data() + text.size()) row.emplace_back(number);
+        else row.emplace_back(std::string(text));
         if (to == line.size()) break;
         from = to + 1;
     }

@@ -10,12 +10,12 @@ namespace rlslab {
 namespace {
 
 constexpr Index size = 4;
-double const exact_root = (1 - 0x1p-11) * (1 - 0x1p-11);    ///< a lambda whose root is a number in float and double
+double const exact_root = (1 - 0x1p-11) * (1 - 0x1p-11);  ///< a lambda whose root is a number in float and double
 constexpr int samples = 20;
 
 /// -(lambda'/lambda - 1) / (1 - lambda) / u of lambda' = fl(sqrt(lambda))^2, with nothing rounded but the root.
 double predicted(double lambda, Arithmetic const& arithmetic) {
-    double const root = arithmetic.round(std::sqrt(lambda));    // float: 53 bits are enough to round a root twice
+    double const root = arithmetic.round(std::sqrt(lambda));  // float: 53 bits are enough to round a root twice
     Reference const wide = lambda, realised = Reference(root) * Reference(root);
     return static_cast<double>((1 - realised / wide) / (1 - wide)) / arithmetic.unit_roundoff();
 }
@@ -46,14 +46,20 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 std::vector<std::string> const roots{"potter", "carlson", "inverse_qr", "qr"};
 Table in_double(Table const& t) { return t.where("arithmetic", "double"); }
-Table large(Table const& t, bool is) { return t.where("predicted", [=](double p) { return (std::abs(p) > 100) == is; }); }
+Table large(Table const& t, bool is) {
+    return t.where("predicted", [=](double p) { return (std::abs(p) > 100) == is; });
+}
 double mean(Table const& t, std::string const& column) {
     double sum = 0;
     for (double const x : t.numbers(column)) sum += x / double(t.rows().size());
     return sum;
 }
-Number ratio() { return [](Table const& t) { return mean(t, "bias") / mean(t, "predicted"); }; }
-Number mean_of(std::string column) { return [column](Table const& t) { return mean(t, column); }; }
+Number ratio() {
+    return [](Table const& t) { return mean(t, "bias") / mean(t, "predicted"); };
+}
+Number mean_of(std::string column) {
+    return [column](Table const& t) { return mean(t, column); };
+}
 
 }  // namespace
 
@@ -61,58 +67,69 @@ extern Study const sqrt_lambda_bias;
 Study const sqrt_lambda_bias{
     .name = "sqrt_lambda_bias",
     .question = "What does the rounding of sqrt(lambda) do to the forms that use it?",
-    .source = "derived (docs/theory.md 39); measured in an earlier experiment (docs/literature.md 3.7); no published text that mentions "
-              "it was found",
+    .source =
+        "derived (docs/theory.md 39); measured in an earlier experiment (docs/literature.md 3.7); no published text that mentions "
+        "it was found",
     .formula = R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
 \frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
-    .interpretation = "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - lambda) "
-               "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and inverse_qr have "
-               "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and "
-               "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has none. ud, "
-               "gentleman and the forms of P and P^-1 use lambda itself. extended_qr carries the inverse factor without correction, and "
-               "drifts around the law. In float carlson and inverse_qr have a drift of their own on top (study inverse_qr_drift).",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                   {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
-                                   {"variant", {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman",
-                                       "symmetric", "joseph", "information"}},
-                                   {"replicate", counted(budget == Budget::full ? 12 : 2)}};
-    },
+    .interpretation =
+        "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - lambda) "
+        "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and inverse_qr have "
+        "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and "
+        "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has none. ud, "
+        "gentleman and the forms of P and P^-1 use lambda itself. extended_qr carries the inverse factor without correction, and "
+        "drifts around the law. In float carlson and inverse_qr have a drift of their own on top (study inverse_qr_drift).",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}},
+                {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
+                {"variant",
+                 {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman", "symmetric", "joseph", "information"}},
+                {"replicate", counted(budget == Budget::full ? 12 : 2)}};
+        },
     .measures = {"memory", "predicted", "bias", "excess"},
     .measure = measure,
-    .plots = {{.title = "Bias of tr P against the law", .x = "predicted", .y = "bias", .panel = "arithmetic", .log = "",
-               .x_label = "predicted bias / u", .y_label = "mean relative error of tr P / u", .guides = {{"the law",
-                   [](double p) { return p; }}}}},
-    .claims = {
-        {"double, predicted bias beyond 100 u: potter, carlson, inverse_qr and qr have it to 10 %",
-         [](Table const& t) {
-             return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9, 1.1);
-         }},
-        {"double, predicted bias of 27 u (lambda = 0.99): the same within 6 u",
-         [](Table const& t) {
-             return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"}, mean_of("excess"), -6, 6);
-         }},
-        {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
-         [](Table const& t) {
-             return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"}, mean_of("bias"), -20, 20);
-         }},
-        {"forms that use lambda itself: at most 15 u at every lambda in double",
-         [](Table const& t) {
-             Table const others = in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
-             return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
-         }},
-        {"float, predicted bias beyond 100 u: potter and qr have it to 10 %",
-         [](Table const& t) {
-             Table const rows = large(t.where("arithmetic", "float"), true).where("variant", {"potter", "qr"});
-             return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
-         }},
-        {"extended_qr strays from the law: single runs by more than 40 u in double, where the four others stay within 40",
-         [](Table const& t) {
-             Number const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
-             double const own = stray(in_double(t).where("variant", "extended_qr")), others = stray(in_double(t).where("variant", roots));
-             return Finding{own > 40 && others < 40, fmt::format("{:.0f} u, the others {:.0f} u", own, others)};
-         }},
-    },
+    .plots = {{.title = "Bias of tr P against the law",
+               .x = "predicted",
+               .y = "bias",
+               .panel = "arithmetic",
+               .log = "",
+               .x_label = "predicted bias / u",
+               .y_label = "mean relative error of tr P / u",
+               .guides = {{"the law", [](double p) { return p; }}}}},
+    .claims =
+        {
+            {"double, predicted bias beyond 100 u: potter, carlson, inverse_qr and qr have it to 10 %",
+             [](Table const& t) {
+                 return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9, 1.1);
+             }},
+            {"double, predicted bias of 27 u (lambda = 0.99): the same within 6 u",
+             [](Table const& t) {
+                 return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"}, mean_of("excess"), -6, 6);
+             }},
+            {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
+             [](Table const& t) {
+                 return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"}, mean_of("bias"), -20, 20);
+             }},
+            {"forms that use lambda itself: at most 15 u at every lambda in double",
+             [](Table const& t) {
+                 Table const others = in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
+                 return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
+             }},
+            {"float, predicted bias beyond 100 u: potter and qr have it to 10 %",
+             [](Table const& t) {
+                 Table const rows = large(t.where("arithmetic", "float"), true).where("variant", {"potter", "qr"});
+                 return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
+             }},
+            {"extended_qr strays from the law: single runs by more than 40 u in double, where the four others stay within 40",
+             [](Table const& t) {
+                 Number const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
+                 double const own = stray(in_double(t).where("variant", "extended_qr")),
+                              others = stray(in_double(t).where("variant", roots));
+                 return Finding{own > 40 && others < 40, fmt::format("{:.0f} u, the others {:.0f} u", own, others)};
+             }},
+        },
 };
 
 }  // namespace rlslab

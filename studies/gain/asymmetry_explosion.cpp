@@ -51,66 +51,87 @@ extern Study const asymmetry_explosion;
 Study const asymmetry_explosion{
     .name = "asymmetry_explosion",
     .question = "When does the conventional form's asymmetry destroy it?",
-    .source = "Verhaegen 1989, Haykin's Tri rule (cited, not read); derived (docs/theory.md 28, law ii; docs/theory.md 37); an earlier "
-              "experiment (docs/literature.md 3.2)",
+    .source =
+        "Verhaegen 1989, Haykin's Tri rule (cited, not read); derived (docs/theory.md 28, law ii; docs/theory.md 37); an earlier "
+        "experiment (docs/literature.md 3.2)",
     .formula = R"tex(k_* = \frac{\ln(1/u)}{-\ln \lambda})tex",
-    .interpretation = "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an asymmetry of "
-               "order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma leaves (0, 1]. That is "
-               "the law's k*, from 0.75 of it up: with lambda near 1 more steps' errors add up, so the end comes earlier. Computing the "
-               "row psi'P on its own, mirroring one triangle, or Joseph's products keep the asymmetry at a few u and last for all 60 "
-               "000 steps, as do the factor forms. (With lambda = 0.9 P itself fluctuates by more than the growth over the run, so the "
-               "rate is claimed from 0.95 on.)",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"arithmetic", {"float", "double"}},
-                                   {"variant", joined(covariance_forms(), {"potter", "ud", "inverse_qr"})},
-                                   {"lambda", {0.9, 0.95, 0.98, 0.99, 0.995}},
-                                   {"replicate", counted(budget == Budget::full ? 10 : 2)}};
-    },
+    .interpretation =
+        "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an asymmetry of "
+        "order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma leaves (0, 1]. That is "
+        "the law's k*, from 0.75 of it up: with lambda near 1 more steps' errors add up, so the end comes earlier. Computing the "
+        "row psi'P on its own, mirroring one triangle, or Joseph's products keep the asymmetry at a few u and last for all 60 "
+        "000 steps, as do the factor forms. (With lambda = 0.9 P itself fluctuates by more than the growth over the run, so the "
+        "rate is claimed from 0.95 on.)",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
+                                       {"variant", joined(covariance_forms(), {"potter", "ud", "inverse_qr"})},
+                                       {"lambda", {0.9, 0.95, 0.98, 0.99, 0.995}},
+                                       {"replicate", counted(budget == Budget::full ? 10 : 2)}};
+        },
     .measures = {"record", "steps", "ratio", "asymmetry", "outcome"},
     .measure = measure,
-    .plots = {{.title = "First step that is not sound, conventional form", .x = "lambda", .y = "steps", .series = "arithmetic", .log = "y",
-               .x_label = "forgetting factor", .y_label = "steps", .where = {{"record", {"end"}}, {"variant", {"conventional"}}},
+    .plots = {{.title = "First step that is not sound, conventional form",
+               .x = "lambda",
+               .y = "steps",
+               .series = "arithmetic",
+               .log = "y",
+               .x_label = "forgetting factor",
+               .y_label = "steps",
+               .where = {{"record", {"end"}}, {"variant", {"conventional"}}},
                .guides = {{"ln(1/u) / -ln λ, float", [](double l) { return correctly::log(0x1p-24) / correctly::log(l); }},
                           {"double", [](double l) { return correctly::log(0x1p-53) / correctly::log(l); }}}},
-              {.title = "Asymmetry of P on the way, λ = 0.99", .x = "ratio", .y = "asymmetry", .panel = "arithmetic", .log = "y",
-               .x_label = "steps / k*", .y_label = "‖P - P'‖ / ‖P + P'‖",
+              {.title = "Asymmetry of P on the way, λ = 0.99",
+               .x = "ratio",
+               .y = "asymmetry",
+               .panel = "arithmetic",
+               .log = "y",
+               .x_label = "steps / k*",
+               .y_label = "‖P - P'‖ / ‖P + P'‖",
                .where = {{"record", {"course"}}, {"lambda", {"0.99"}}, {"variant", {"conventional", "conventional_two_sided", "joseph"}}}}},
-    .claims = {
-        {"conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in every run",
-         [](Table const& t) {
-             Table const rows = ends(t).where("variant", "conventional").where("steps", [](double k) { return k < horizon; });
-             if (rows.rows().size() != ends(t).where("variant", "conventional").rows().size()) return Finding{false, "some run survived"};
-             Finding const low = within(rows, {"arithmetic", "lambda"}, least("ratio"), 0.6, 1.1);
-             Finding const high = within(rows, {"arithmetic", "lambda"}, greatest("ratio"), 0.6, 1.1);
-             return Finding{low.holds && high.holds, "least " + low.measured + "; greatest " + high.measured};
-         }},
-        {"all other forms survive 60 000 steps, and P is positive definite then (decided exactly)",
-         [](Table const& t) {
-             std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud",
-                                                   "inverse_qr"};
-             return everywhere(ends(t).where("variant", others), "outcome", "sound");
-         }},
-        {"conventional_two_sided and joseph keep their asymmetry below 16 u at every step looked at",
-         [](Table const& t) {
-             Table const rows = t.where("variant", {"conventional_two_sided", "joseph"});
-             Number const most = greatest("asymmetry");
-             Finding const in_float = within(rows.where("arithmetic", "float"), {"variant"}, most, 0x1p-30, 0x1p-20);
-             Finding const in_double = within(rows.where("arithmetic", "double"), {"variant"}, most, 0x1p-60, 0x1p-49);
-             return Finding{in_float.holds && in_double.holds, in_float.measured + "; " + in_double.measured};
-         }},
-        {"symmetric and joseph_rank_two have none at all",
-         [](Table const& t) { return everywhere(t.where("variant", {"symmetric", "joseph_rank_two"}), "asymmetry", 0.0); }},
-        {"conventional: the logarithm of its asymmetry grows by -ln lambda a step, to 10 % (lambda >= 0.95, from 0.2 to 0.6 of k*)",
-         [](Table const& t) {
-             Table const course = t.where("record", "course").where("variant", "conventional");
-             Table const middle = course.where("lambda", [](double l) { return l > 0.94; })
-                                      .where("ratio", [](double r) { return 0.2 < r && r < 0.6; });
-             return within(middle, {"arithmetic", "lambda"}, [](Table const& rows) {
-                 auto const k = rows.numbers("steps"), a = rows.numbers("asymmetry"), lambda = rows.numbers("lambda");
-                 return correctly::log(a.back() / a.front()) / (k.back() - k.front()) / -correctly::log(lambda[0]);
-             }, 0.9, 1.1);
-         }},
-    },
+    .claims =
+        {
+            {"conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in every run",
+             [](Table const& t) {
+                 Table const rows = ends(t).where("variant", "conventional").where("steps", [](double k) { return k < horizon; });
+                 if (rows.rows().size() != ends(t).where("variant", "conventional").rows().size())
+                     return Finding{false, "some run survived"};
+                 Finding const low = within(rows, {"arithmetic", "lambda"}, least("ratio"), 0.6, 1.1);
+                 Finding const high = within(rows, {"arithmetic", "lambda"}, greatest("ratio"), 0.6, 1.1);
+                 return Finding{low.holds && high.holds, "least " + low.measured + "; greatest " + high.measured};
+             }},
+            {"all other forms survive 60 000 steps, and P is positive definite then (decided exactly)",
+             [](Table const& t) {
+                 std::vector<std::string> const others{
+                     "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud", "inverse_qr"};
+                 return everywhere(ends(t).where("variant", others), "outcome", "sound");
+             }},
+            {"conventional_two_sided and joseph keep their asymmetry below 16 u at every step looked at",
+             [](Table const& t) {
+                 Table const rows = t.where("variant", {"conventional_two_sided", "joseph"});
+                 Number const most = greatest("asymmetry");
+                 Finding const in_float = within(rows.where("arithmetic", "float"), {"variant"}, most, 0x1p-30, 0x1p-20);
+                 Finding const in_double = within(rows.where("arithmetic", "double"), {"variant"}, most, 0x1p-60, 0x1p-49);
+                 return Finding{in_float.holds && in_double.holds, in_float.measured + "; " + in_double.measured};
+             }},
+            {"symmetric and joseph_rank_two have none at all",
+             [](Table const& t) {
+                 return everywhere(t.where("variant", {"symmetric", "joseph_rank_two"}), "asymmetry", 0.0);
+             }},
+            {"conventional: the logarithm of its asymmetry grows by -ln lambda a step, to 10 % (lambda >= 0.95, from 0.2 to 0.6 of k*)",
+             [](Table const& t) {
+                 Table const course = t.where("record", "course").where("variant", "conventional");
+                 Table const middle =
+                     course.where("lambda", [](double l) { return l > 0.94; }).where("ratio", [](double r) { return 0.2 < r && r < 0.6; });
+                 return within(
+                     middle, {"arithmetic", "lambda"},
+                     [](Table const& rows) {
+                         auto const k = rows.numbers("steps"), a = rows.numbers("asymmetry"), lambda = rows.numbers("lambda");
+                         return correctly::log(a.back() / a.front()) / (k.back() - k.front()) / -correctly::log(lambda[0]);
+                     },
+                     0.9, 1.1);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -5,7 +5,7 @@
 namespace rlslab {
 namespace {
 
-constexpr Index size = 4, start = 200;    // P has long forgotten its prior's shape by the step of the error
+constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
 
 /// y is wrong by one at step `start`; P and K do not depend on y, so that theta alone is in error, by K.
 void measure(Trial const& trial, TrialOutput& out) {
@@ -22,7 +22,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     V const error = wrong->theta() - right->theta();
     Matrix<Reference> const P0 = covariance_of(right->stored());
     using S = Stored<Reference>;
-    V const seen = covariance_of({S::Quantity::information, S::Form::plain, P0}).lazyProduct(error);    // P0^-1 dtheta
+    V const seen = covariance_of({S::Quantity::information, S::Form::plain, P0}).lazyProduct(error);  // P0^-1 dtheta
     for (int k = 0; k <= last; ++k) {
         if (k > 0)
             for (auto const* filter : {&wrong, &right}) (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
@@ -42,25 +42,37 @@ Study const estimate_error_memory{
     .question = "How long does the estimate remember one error?",
     .source = "Ljung & Ljung 1985 (cited, not read); derived (docs/theory.md 28, law iv)",
     .formula = R"tex(\delta\theta_k = \lambda^k P_k P_0^{-1}\, \delta\theta_0)tex",
-    .interpretation = "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
-               "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in the estimate "
-               "they differ by their rounding and by nothing else.",
-    .factors = [](Budget budget) {
-        std::vector<Cell> const replicates = counted(budget == Budget::full ? 10 : 2);
-        return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"variant", row_forms()}, {"replicate", replicates}};
-    },
+    .interpretation =
+        "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
+        "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in the estimate "
+        "they differ by their rounding and by nothing else.",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> const replicates = counted(budget == Budget::full ? 10 : 2);
+            return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"variant", row_forms()}, {"replicate", replicates}};
+        },
     .measures = {"steps", "size", "from_law"},
     .measure = measure,
-    .plots = {{.title = "Error of theta after one wrong output", .x = "steps", .y = "size", .panel = "lambda", .log = "y",
-               .x_label = "steps since the error", .y_label = "size, 1 at the error"}},
-    .claims = {
-        {"the law holds to 1e-3 as asked, indeed to 1e-60, for every variant that takes one row at a time",
-         [](Table const& t) { return within(t, {"variant", "lambda"}, greatest("from_law"), 0, 1e-60); }},
-        {"after 400 steps with lambda = 0.98 the error is below 3e-3",
-         [](Table const& t) { return within(t.where("lambda", 0.98).where("steps", 400.0), {}, greatest("size"), 0, 3e-3); }},
-        {"with lambda = 1 it is 200/600 of what it was, to 25 %",
-         [](Table const& t) { return within(t.where("lambda", 1.0).where("steps", 400.0), {"replicate"}, median("size"), 0.25, 0.42); }},
-    },
+    .plots = {{.title = "Error of theta after one wrong output",
+               .x = "steps",
+               .y = "size",
+               .panel = "lambda",
+               .log = "y",
+               .x_label = "steps since the error",
+               .y_label = "size, 1 at the error"}},
+    .claims =
+        {
+            {"the law holds to 1e-3 as asked, indeed to 1e-60, for every variant that takes one row at a time",
+             [](Table const& t) {
+                 return within(t, {"variant", "lambda"}, greatest("from_law"), 0, 1e-60);
+             }},
+            {"after 400 steps with lambda = 0.98 the error is below 3e-3",
+             [](Table const& t) { return within(t.where("lambda", 0.98).where("steps", 400.0), {}, greatest("size"), 0, 3e-3); }},
+            {"with lambda = 1 it is 200/600 of what it was, to 25 %",
+             [](Table const& t) {
+                 return within(t.where("lambda", 1.0).where("steps", 400.0), {"replicate"}, median("size"), 0.25, 0.42);
+             }},
+        },
 };
 
 }  // namespace rlslab

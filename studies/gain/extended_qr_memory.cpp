@@ -9,7 +9,7 @@ namespace {
 
 using T = Reference;
 using M = Matrix<T>;
-constexpr Index size = 4, start = 200;    // P has long forgotten its prior's shape by the step of the error
+constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
 
 /// The variant's recursion, open to errors in its state: the rows of [sqrt(lambda) R, W / sqrt(lambda); psi', 0] rotated.
 struct Pair {
@@ -42,8 +42,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         Vector<T> const psi = records.psi.col(k - 1).cast<T>();
         filter.update(psi, T(records.y[k - 1]));
         right.update(psi, root_lambda);
-        if (k > start)
-            wrong.update(psi, root_lambda);
+        if (k > start) wrong.update(psi, root_lambda);
         else if (k == start) {
             wrong = right;
             M& state = in_R ? wrong.R : wrong.W;
@@ -57,7 +56,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         M const law = in_R ? M(R0.transpose().lazyProduct(E) + E.transpose().lazyProduct(R0)) * pow(T(trial.number("lambda")), k - start)
                            : M(right.W.lazyProduct(R0.transpose()).lazyProduct(E));
         M const found = in_R ? M(wrong.R.transpose().lazyProduct(wrong.R) - right.R.transpose().lazyProduct(right.R)) : now;
-        M const W = filter.stored().F.transpose();    // stored as P = F F'
+        M const W = filter.stored().F.transpose();  // stored as P = F F'
         out({double(k - start), frobenius(now) / frobenius(E), frobenius(found - law) / frobenius(law),
              frobenius(W - right.W) / frobenius(W)});
     }
@@ -76,32 +75,43 @@ Study const extended_qr_memory{
     .source = "Yang & Böhme 1992 (cited, not read: extended forms accumulate error); derived (docs/theory.md 28, laws iii and v)",
     .formula = R"tex(W = R^{-\top}: \quad \delta W_k = R_k^{-\top} R_0^\top\, \delta W_0, \qquad
 \delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)tex",
-    .interpretation = "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "
-               "An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda = 1 both shrink as "
-               "1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and relative to R it fades as 1/k. "
-               "The recursion is written out here because the filter does not let its state be touched; the undisturbed pair is the "
-               "filter's own W to more than 70 digits.",
-    .factors = [](Budget budget) {
-        std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 5);
-        return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"error_in", {"R", "W"}}, {"replicate", replicates}};
-    },
+    .interpretation =
+        "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the data. "
+        "An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda = 1 both shrink as "
+        "1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and relative to R it fades as 1/k. "
+        "The recursion is written out here because the filter does not let its state be touched; the undisturbed pair is the "
+        "filter's own W to more than 70 digits.",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 5);
+            return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"error_in", {"R", "W"}}, {"replicate", replicates}};
+        },
     .measures = {"steps", "size", "from_law", "from_filter"},
     .measure = measure,
-    .plots = {{.title = "Error in one of the two triangles", .x = "steps", .y = "size", .series = "error_in", .panel = "lambda", .log = "y",
-               .x_label = "steps since the error", .y_label = "size, 1 at the error"}},
-    .claims = {
-        {"errors in W follow R_k^-T R_0' dW_0, and errors in R'R lambda^k, to 1e-3 as asked, indeed to 1e-12",
-         [](Table const& t) { return within(t, {"error_in", "lambda"}, greatest("from_law"), 0, 1e-12); }},
-        {"lambda = 0.98: after 400 steps an error in W is between 0.5 and 2 times what it was, in every run",
-         [](Table const& t) { return within(after(t, "W", 0.98), {"replicate"}, median("size"), 0.5, 2); }},
-        {"and an error in R is below 2e-3", [](Table const& t) { return within(after(t, "R", 0.98), {}, greatest("size"), 0, 2e-3); }},
-        {"lambda = 1: after 400 steps both are 0.58 = sqrt(200/600) of what they were, to 25 % in every run",
-         [](Table const& t) {
-             return within(t.where("lambda", 1.0).where("steps", 400.0), {"error_in", "replicate"}, median("size"), 0.43, 0.73);
-         }},
-        {"the pair measured is the filter's: W agrees with extended_qr to 1e-70",
-         [](Table const& t) { return within(t, {"lambda"}, greatest("from_filter"), 0, 1e-70); }},
-    },
+    .plots = {{.title = "Error in one of the two triangles",
+               .x = "steps",
+               .y = "size",
+               .series = "error_in",
+               .panel = "lambda",
+               .log = "y",
+               .x_label = "steps since the error",
+               .y_label = "size, 1 at the error"}},
+    .claims =
+        {
+            {"errors in W follow R_k^-T R_0' dW_0, and errors in R'R lambda^k, to 1e-3 as asked, indeed to 1e-12",
+             [](Table const& t) {
+                 return within(t, {"error_in", "lambda"}, greatest("from_law"), 0, 1e-12);
+             }},
+            {"lambda = 0.98: after 400 steps an error in W is between 0.5 and 2 times what it was, in every run",
+             [](Table const& t) { return within(after(t, "W", 0.98), {"replicate"}, median("size"), 0.5, 2); }},
+            {"and an error in R is below 2e-3", [](Table const& t) { return within(after(t, "R", 0.98), {}, greatest("size"), 0, 2e-3); }},
+            {"lambda = 1: after 400 steps both are 0.58 = sqrt(200/600) of what they were, to 25 % in every run",
+             [](Table const& t) {
+                 return within(t.where("lambda", 1.0).where("steps", 400.0), {"error_in", "replicate"}, median("size"), 0.43, 0.73);
+             }},
+            {"the pair measured is the filter's: W agrees with extended_qr to 1e-70",
+             [](Table const& t) { return within(t, {"lambda"}, greatest("from_filter"), 0, 1e-70); }},
+        },
 };
 
 }  // namespace rlslab

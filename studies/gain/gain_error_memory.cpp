@@ -9,12 +9,10 @@
 namespace rlslab {
 namespace {
 
-constexpr Index size = 4, start = 200;    // P has long forgotten its prior's shape by the step of the error
+constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
 
 using M = Matrix<Reference>;
-M part(M const& A, std::string_view which) {
-    return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2);
-}
+M part(M const& A, std::string_view which) { return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2); }
 M inverse(M const& A) { return covariance_of({Stored<Reference>::Quantity::information, Stored<Reference>::Form::plain, A}); }
 
 /// A filter and its undisturbed twin, in 257 bits: what is measured is the recursion's and not the rounding's.
@@ -42,7 +40,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         M const P = covariance_of(right->stored()), now = covariance_of(wrong->stored()) - P;
         for (char const* which : {"symmetric", "antisymmetric"}) {
             M const before = part(E, which), after = part(now, which);
-            if (frobenius(before) < 1e-30 * frobenius(E)) continue;    // this form has no such part but for rounding
+            if (frobenius(before) < 1e-30 * frobenius(E)) continue;  // this form has no such part but for rounding
             Reference const forgotten = pow(Reference(lambda), k);
             M const law = forgotten * P.lazyProduct(X).lazyProduct(before).lazyProduct(X).lazyProduct(P);
             out({which, double(k), frobenius(after) / frobenius(before), frobenius(after - law) / frobenius(law),
@@ -64,57 +62,77 @@ Study const gain_error_memory{
     .source = "Ljung & Ljung 1985, Verhaegen 1989 (cited, not read); derived (docs/theory.md 28, laws i and ii)",
     .formula = R"tex(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
 \text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})tex",
-    .interpretation = "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
-               "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), and "
-               "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the antisymmetric "
-               "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not know: that is "
-               "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of 1e-40 from "
-               "the same gain, and no antisymmetric part.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"lambda", {1.0, 0.98}},
-                                   {"direction", {"along K", "any"}},
-                                   {"variant", covariance_forms()},
-                                   {"replicate", counted(budget == Budget::full ? 10 : 2)}};
-    },
+    .interpretation =
+        "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
+        "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), and "
+        "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the antisymmetric "
+        "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not know: that is "
+        "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of 1e-40 from "
+        "the same gain, and no antisymmetric part.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"lambda", {1.0, 0.98}},
+                                       {"direction", {"along K", "any"}},
+                                       {"variant", covariance_forms()},
+                                       {"replicate", counted(budget == Budget::full ? 10 : 2)}};
+        },
     .measures = {"part", "steps", "size", "from_law", "from_growth", "total"},
     .measure = measure,
-    .plots = {{.title = "Antisymmetric part of the error of P, λ = 0.98", .x = "steps", .y = "size", .log = "y",
-               .x_label = "steps since the error", .y_label = "size, 1 at the error",
+    .plots = {{.title = "Antisymmetric part of the error of P, λ = 0.98",
+               .x = "steps",
+               .y = "size",
+               .log = "y",
+               .x_label = "steps since the error",
+               .y_label = "size, 1 at the error",
                .where = {{"part", {"antisymmetric"}}, {"lambda", {"0.98"}}},
-               .guides = {{"λ^-k", [](double k) { return correctly::pow(0.98, -k); }}, {"λ^k", [](double k) { return correctly::pow(0.98, k); }}}},
-              {.title = "Symmetric part of the error of P", .x = "steps", .y = "size", .panel = "lambda", .log = "y",
-               .x_label = "steps since the error", .y_label = "size, 1 at the error",
+               .guides = {{"λ^-k", [](double k) { return correctly::pow(0.98, -k); }},
+                          {"λ^k", [](double k) { return correctly::pow(0.98, k); }}}},
+              {.title = "Symmetric part of the error of P",
+               .x = "steps",
+               .y = "size",
+               .panel = "lambda",
+               .log = "y",
+               .x_label = "steps since the error",
+               .y_label = "size, 1 at the error",
                .where = {{"part", {"symmetric"}}, {"direction", {"along K"}}}}},
-    .claims = {
-        {"law i holds to 1e-3 for a symmetric error in every form, for up to 400 steps",
-         [](Table const& t) {
-             Table const rows = t.where("part", "symmetric").where("direction", "along K");
-             return within(rows, {"variant", "lambda"}, greatest("from_law"), 0, 1e-3);
-         }},
-        {"indeed to 1e-12, and for errors in any direction, in all forms but the conventional",
-         [](Table const& t) { return within(t.where("variant", obedient), {"variant", "lambda"}, greatest("from_law"), 0, 1e-12); }},
-        {"conventional: the antisymmetric part follows lambda^-k to 5 %, indeed to 1e-12",
-         [](Table const& t) { return within(antisymmetric(t, "conventional"), {"lambda"}, greatest("from_growth"), 0, 1e-12); }},
-        {"so that after 400 steps with lambda = 0.98 it has grown to 3233 times",
-         [](Table const& t) {
-             return within(antisymmetric(t, "conventional").where("lambda", 0.98).where("steps", 400.0), {}, median("size"), 3232, 3234);
-         }},
-        {"while that of conventional_two_sided has decayed below 1e-2",
-         [](Table const& t) {
-             Table const rows = antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
-             return within(rows, {}, greatest("size"), 1e-6, 1e-2);
-         }},
-        {"with lambda = 1 the conventional form never forgets it: after 400 steps it is what it was, to 1e-12",
-         [](Table const& t) {
-             Table const rows = antisymmetric(t, "conventional").where("lambda", 1.0).where("steps", 400.0);
-             return within(rows, {}, greatest("from_growth"), 0, 1e-12);
-         }},
-        {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 times",
-         [](Table const& t) {
-             return within(t.where("part", "symmetric").where("variant", "conventional").where("direction", "any").where("lambda", 0.98)
-                               .where("steps", 400.0), {}, least("from_law"), 100, 1e12);
-         }},
-    },
+    .claims =
+        {
+            {"law i holds to 1e-3 for a symmetric error in every form, for up to 400 steps",
+             [](Table const& t) {
+                 Table const rows = t.where("part", "symmetric").where("direction", "along K");
+                 return within(rows, {"variant", "lambda"}, greatest("from_law"), 0, 1e-3);
+             }},
+            {"indeed to 1e-12, and for errors in any direction, in all forms but the conventional",
+             [](Table const& t) {
+                 return within(t.where("variant", obedient), {"variant", "lambda"}, greatest("from_law"), 0, 1e-12);
+             }},
+            {"conventional: the antisymmetric part follows lambda^-k to 5 %, indeed to 1e-12",
+             [](Table const& t) { return within(antisymmetric(t, "conventional"), {"lambda"}, greatest("from_growth"), 0, 1e-12); }},
+            {"so that after 400 steps with lambda = 0.98 it has grown to 3233 times",
+             [](Table const& t) {
+                 return within(antisymmetric(t, "conventional").where("lambda", 0.98).where("steps", 400.0), {}, median("size"), 3232,
+                               3234);
+             }},
+            {"while that of conventional_two_sided has decayed below 1e-2",
+             [](Table const& t) {
+                 Table const rows = antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
+                 return within(rows, {}, greatest("size"), 1e-6, 1e-2);
+             }},
+            {"with lambda = 1 the conventional form never forgets it: after 400 steps it is what it was, to 1e-12",
+             [](Table const& t) {
+                 Table const rows = antisymmetric(t, "conventional").where("lambda", 1.0).where("steps", 400.0);
+                 return within(rows, {}, greatest("from_growth"), 0, 1e-12);
+             }},
+            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 times",
+             [](Table const& t) {
+                 return within(t.where("part", "symmetric")
+                                   .where("variant", "conventional")
+                                   .where("direction", "any")
+                                   .where("lambda", 0.98)
+                                   .where("steps", 400.0),
+                               {}, least("from_law"), 100, 1e12);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -39,23 +39,30 @@ void examine(Trial const& trial, TrialOutput& out) {
     for (int n = 0; n < cases; ++n) {
         Index const d = 2 + Index(seed.next() % 3);
         M P0 = M::Identity(d, d);
-        for (Index i = 0; i < d; ++i) { V const b = fractions(d, seed); P0 += outer(b, b); }
+        for (Index i = 0; i < d; ++i) {
+            V const b = fractions(d, seed);
+            P0 += outer(b, b);
+        }
         F before({.size = d, .forgetting = lambda, .prior = Prior<Q>{.covariance = P0}});
-        for (int k = 0; k < 3; ++k) before.update(fractions(d, seed), Q(0));    // honest rows make P general
+        for (int k = 0; k < 3; ++k) before.update(fractions(d, seed), Q(0));  // honest rows make P general
         V const psi = fractions(d, seed), deltaK = fractions(d, seed);
         F honest = before, wrong = before;
         honest.update(psi, Q(0));
-        wrong.update(psi, Q(0), [&](auto& K) { for (Index i = 0; i < d; ++i) K[i] += deltaK[i]; });
+        wrong.update(psi, Q(0), [&](auto& K) {
+            for (Index i = 0; i < d; ++i) K[i] += deltaK[i];
+        });
         M const P = before.covariance(), deltaP = wrong.covariance() - honest.covariance();
         Q const excitation = form(psi, P);
         M first = -outer(deltaK, P.lazyProduct(psi)) / lambda;
-        if (F::name == "symmetric") first = M(first.selfadjointView<Eigen::Upper>());    // mirrored, as P is
+        if (F::name == "symmetric") first = M(first.selfadjointView<Eigen::Upper>());  // mirrored, as P is
         first_order += deltaP == first;
         second_order += deltaP == M((lambda + excitation) / lambda * outer(deltaK, deltaK));
         for (size_t r = 0; r < ratios.size(); ++r) {
             Q const eps = Q(std::lround(ratios[r] * 1000)) / 1000 * lambda / excitation;
             F longer = before;
-            longer.update(psi, Q(0), [&](auto& K) { for (Index i = 0; i < d; ++i) K[i] *= 1 + eps; });
+            longer.update(psi, Q(0), [&](auto& K) {
+                for (Index i = 0; i < d; ++i) K[i] *= 1 + eps;
+            });
             M const P_longer = longer.covariance();
             definite[r] += P_longer == P_longer.transpose() && is_positive_definite(P_longer);
         }
@@ -87,34 +94,44 @@ Study const gain_identities{
     .source = "Bucy & Joseph 1968 (cited, not read); derived (docs/theory.md 16, 17, 29, 30)",
     .formula = R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
-\text{with gain } (1 + \varepsilon) K: &\quad P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
-    .interpretation = "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
-               "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P positive "
-               "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is singular, one "
-               "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric form obeys "
-               "the first law with the triangle it computes mirrored. These are laws of the formulas; what rounding leaves of them is "
-               "another question (study gain_error).",
-    .factors = [](Budget) {
-        return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", covariance_forms()}};
-    },
+\text{with gain } (1 + \varepsilon) K: &\quad
+P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
+    .interpretation =
+        "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
+        "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P positive "
+        "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is singular, one "
+        "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric form obeys "
+        "the first law with the triangle it computes mirrored. These are laws of the formulas; what rounding leaves of them is "
+        "another question (study gain_error).",
+    .factors =
+        [](Budget) {
+            return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", covariance_forms()}};
+        },
     .measures = {"property", "ratio", "share"},
     .measure = measure,
-    .plots = {{.title = "Positive definite after a gain of (1 + ε) K", .x = "ratio", .y = "share", .panel = "lambda", .log = "",
-               .x_label = "ε / (λ / ψ'Pψ)", .y_label = "share of cases", .where = {{"property", {"definite"}}}}},
-    .claims = {
-        {"forms that subtract K psi'P: deltaP = -deltaK psi'P / lambda to exactly 0 in every case",
-         [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); }},
-        {"Joseph's forms: deltaP = s deltaK deltaK' / lambda to exactly 0 in every case",
-         [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); }},
-        {"the test can fail: no case of a form that subtracts obeys Joseph's law",
-         [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); }},
-        {"nor any of a Joseph form the first-order law", [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); }},
-        {"with gain (1 + eps) K, forms that subtract stay positive definite up to 0.999 of lambda / psi'P psi, in every case",
-         [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); }},
-        {"and from the threshold itself on, in no case", [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); }},
-        {"Joseph's forms stay positive definite at every eps, in every case",
-         [](Table const& t) { return share(t, "definite", josephs, -2, 2, 1); }},
-    },
+    .plots = {{.title = "Positive definite after a gain of (1 + ε) K",
+               .x = "ratio",
+               .y = "share",
+               .panel = "lambda",
+               .log = "",
+               .x_label = "ε / (λ / ψ'Pψ)",
+               .y_label = "share of cases",
+               .where = {{"property", {"definite"}}}}},
+    .claims =
+        {
+            {"forms that subtract K psi'P: deltaP = -deltaK psi'P / lambda to exactly 0 in every case",
+             [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); }},
+            {"Joseph's forms: deltaP = s deltaK deltaK' / lambda to exactly 0 in every case",
+             [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); }},
+            {"the test can fail: no case of a form that subtracts obeys Joseph's law",
+             [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); }},
+            {"nor any of a Joseph form the first-order law", [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); }},
+            {"with gain (1 + eps) K, forms that subtract stay positive definite up to 0.999 of lambda / psi'P psi, in every case",
+             [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); }},
+            {"and from the threshold itself on, in no case", [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); }},
+            {"Joseph's forms stay positive definite at every eps, in every case",
+             [](Table const& t) { return share(t, "definite", josephs, -2, 2, 1); }},
+        },
 };
 
 }  // namespace rlslab

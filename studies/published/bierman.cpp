@@ -22,9 +22,11 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const u = entry.arithmetic->unit_roundoff(), error = errors(*filter, certified(problem, records, {2}).front()).covariance;
     std::string const broken = breakdown(*filter, *entry.arithmetic);
     double const variance = static_cast<double>(covariance_of(filter->stored())(0, 0));
-    out({eps, error, error / u, error * eps / u, variance, variance < 0 ? "negative" : variance > 0 ? "positive" : "zero",
-         broken.empty() ? "sound" : broken,
-         entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
+    out({eps, error, error / u, error * eps / u, variance,
+         variance < 0   ? "negative"
+         : variance > 0 ? "positive"
+                        : "zero",
+         broken.empty() ? "sound" : broken, entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
 }
 
 std::vector<std::string> const triangular{"ud", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"};
@@ -44,73 +46,99 @@ extern Study const bierman;
 Study const bierman{
     .name = "bierman",
     .question = "At which epsilon does a variance turn negative in Bierman's example?",
-    .source = "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; an earlier "
-              "experiment (docs/literature.md 3.3)",
+    .source =
+        "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; an earlier "
+        "experiment (docs/literature.md 3.3)",
     .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
 P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2 \end{pmatrix}, \quad
 \beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
-    .interpretation = "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
-               "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form in exact "
-               "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every power of two, "
-               "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that they lose "
-               "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is lost, at powers "
-               "of two only. The other factor forms, and here even the normal equations, stay within 8 u.",
-    .factors = [](Budget) {
-        return std::vector<Factor>{{"arithmetic", {"float", "double"}}, {"eps", {"2^-k", "1.07 2^-k"}}, {"variant", row_forms()},
-                                   {"power", counted(48)}};
-    },
+    .interpretation =
+        "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
+        "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form in exact "
+        "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every power of two, "
+        "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that they lose "
+        "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is lost, at powers "
+        "of two only. The other factor forms, and here even the normal equations, stay within 8 u.",
+    .factors =
+        [](Budget) {
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}}, {"eps", {"2^-k", "1.07 2^-k"}}, {"variant", row_forms()}, {"power", counted(48)}};
+        },
     .admits = [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
     .measures = {"epsilon", "error", "error_u", "error_u_eps", "variance", "sign", "outcome", "square"},
     .measure = measure,
-    .plots = {{.title = "Error of P after the two rows, ε = 2^-k", .x = "epsilon", .y = "error", .panel = "arithmetic", .x_label = "ε",
-               .y_label = "relative error of P", .where = {{"eps", {"2^-k"}}}, .guides = {{"4ε", [](double e) { return 4 * e; }}}, .floor = 1e-20},
-              {.title = "The same with ε = 1.07 2^-k", .x = "epsilon", .y = "error", .panel = "arithmetic", .x_label = "ε",
-               .y_label = "relative error of P", .where = {{"eps", {"1.07 2^-k"}}}},
-              {.title = "First variance of P", .x = "epsilon", .y = "variance", .panel = "arithmetic",
-               .log = "x", .x_label = "ε", .y_label = "computed variance (exactly about 1 + 2ε)",
+    .plots = {{.title = "Error of P after the two rows, ε = 2^-k",
+               .x = "epsilon",
+               .y = "error",
+               .panel = "arithmetic",
+               .x_label = "ε",
+               .y_label = "relative error of P",
+               .where = {{"eps", {"2^-k"}}},
+               .guides = {{"4ε", [](double e) { return 4 * e; }}},
+               .floor = 1e-20},
+              {.title = "The same with ε = 1.07 2^-k",
+               .x = "epsilon",
+               .y = "error",
+               .panel = "arithmetic",
+               .x_label = "ε",
+               .y_label = "relative error of P",
+               .where = {{"eps", {"1.07 2^-k"}}}},
+              {.title = "First variance of P",
+               .x = "epsilon",
+               .y = "variance",
+               .panel = "arithmetic",
+               .log = "x",
+               .x_label = "ε",
+               .y_label = "computed variance (exactly about 1 + 2ε)",
                .where = {{"eps", {"2^-k"}}, {"variant", {"conventional", "symmetric", "joseph"}}}}},
-    .claims = {
-        {"double: conventional's first variance is positive up to eps = 2^-26 and negative from 2^-27 on",
-         [](Table const& t) { return flips(t, "double", 26, {"conventional"}); }},
-        {"float: positive up to eps = 2^-11 and negative from 2^-12 on",
-         [](Table const& t) { return flips(t, "float", 11, {"conventional"}); }},
-        {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
-         [](Table const& t) {
-             std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
-             Finding const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
-             return Finding{in_double.holds && in_float.holds, "double: " + in_double.measured + "; float: " + in_float.measured};
-         }},
-        {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md 3.3",
-         [](Table const& t) {
-             Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
-             double const before = rows.where("power", 26.0).number("variance"), after = rows.where("power", 27.0).number("variance");
-             bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
-             return Finding{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
-         }},
-        {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
-         [](Table const& t) {
-             Table const rows = t.where("variant", "joseph");
-             Finding const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
-             Finding const sound = everywhere(rows, "outcome", "sound");
-             return Finding{error.holds && sound.holds, error.measured + "; " + sound.measured};
-         }},
-        {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
-         [](Table const& t) {
-             Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
-             double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
-             return Finding{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
-         }},
-        {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
-         [](Table const& t) { return within(t.where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30); }},
-        {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
-         [](Table const& t) {
-             Table const rows = t.where("variant", "potter").where("eps", "2^-k").where("square", "lost");
-             Number const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
-             return within(rows, {"arithmetic", "power"}, in_eps, 0, 4);
-         }},
-        {"potter: error below 4 u / eps at every eps of either kind",
-         [](Table const& t) { return within(t.where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 4); }},
-    },
+    .claims =
+        {
+            {"double: conventional's first variance is positive up to eps = 2^-26 and negative from 2^-27 on",
+             [](Table const& t) { return flips(t, "double", 26, {"conventional"}); }},
+            {"float: positive up to eps = 2^-11 and negative from 2^-12 on",
+             [](Table const& t) { return flips(t, "float", 11, {"conventional"}); }},
+            {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
+             [](Table const& t) {
+                 std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
+                 Finding const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
+                 return Finding{in_double.holds && in_float.holds, "double: " + in_double.measured + "; float: " + in_float.measured};
+             }},
+            {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md "
+             "3.3",
+             [](Table const& t) {
+                 Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
+                 double const before = rows.where("power", 26.0).number("variance"), after = rows.where("power", 27.0).number("variance");
+                 bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
+                 return Finding{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
+             }},
+            {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
+             [](Table const& t) {
+                 Table const rows = t.where("variant", "joseph");
+                 Finding const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
+                 Finding const sound = everywhere(rows, "outcome", "sound");
+                 return Finding{error.holds && sound.holds, error.measured + "; " + sound.measured};
+             }},
+            {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
+             [](Table const& t) {
+                 Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
+                 double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
+                 return Finding{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
+             }},
+            {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
+             [](Table const& t) {
+                 return within(t.where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30);
+             }},
+            {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
+             [](Table const& t) {
+                 Table const rows = t.where("variant", "potter").where("eps", "2^-k").where("square", "lost");
+                 Number const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
+                 return within(rows, {"arithmetic", "power"}, in_eps, 0, 4);
+             }},
+            {"potter: error below 4 u / eps at every eps of either kind",
+             [](Table const& t) {
+                 return within(t.where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 4);
+             }},
+        },
 };
 
 }  // namespace rlslab

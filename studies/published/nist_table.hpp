@@ -38,15 +38,15 @@ inline Records shuffled(Records records, Seed seed) {
 /// Digits of the worst parameter at c^2 = 1e20 in file order: the recursive table of docs/literature.md 3.5, where a digit is left.
 using Row = std::map<std::string, double>;
 inline std::map<std::string, Row> const listed{
-    {"longley", {{"potter", 0.6}, {"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0},
-     {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
+    {"longley",
+     {{"potter", 0.6}, {"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0}, {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
     {"filip", {{"potter", 1.4}, {"carlson", 5.0}, {"ud", 5.0}, {"inverse_qr", 4.6}, {"qr", 7.3}, {"gentleman", 7.2}}},
-    {"wampler3", {{"potter", 0.4}, {"carlson", 9.7}, {"ud", 9.8}, {"inverse_qr", 9.6},
-     {"information", 6.6}, {"qr", 9.4}, {"gentleman", 9.5}}},
-    {"wampler4", {{"potter", -1.6}, {"carlson", 8.1}, {"ud", 7.8}, {"inverse_qr", 7.8},
-     {"information", 6.6}, {"qr", 7.8}, {"gentleman", 8.7}}},
-    {"wampler5", {{"potter", -3.6}, {"carlson", 6.4}, {"ud", 5.8}, {"inverse_qr", 5.6},
-     {"information", 6.6}, {"qr", 5.8}, {"gentleman", 6.7}}}};
+    {"wampler3",
+     {{"potter", 0.4}, {"carlson", 9.7}, {"ud", 9.8}, {"inverse_qr", 9.6}, {"information", 6.6}, {"qr", 9.4}, {"gentleman", 9.5}}},
+    {"wampler4",
+     {{"potter", -1.6}, {"carlson", 8.1}, {"ud", 7.8}, {"inverse_qr", 7.8}, {"information", 6.6}, {"qr", 7.8}, {"gentleman", 8.7}}},
+    {"wampler5",
+     {{"potter", -3.6}, {"carlson", 6.4}, {"ud", 5.8}, {"inverse_qr", 5.6}, {"information", 6.6}, {"qr", 5.8}, {"gentleman", 6.7}}}};
 
 /// An entry is met within 0.7 in file order, or lies among what other orders of the rows give.
 inline Finding table_is_met(Table const& t) {
@@ -67,7 +67,9 @@ inline Finding table_is_met(Table const& t) {
                         missed)};
 }
 
-inline Table prior_of(Table const& t, double c2) { return t.where("c2", [=](double c) { return std::abs(c / c2 - 1) < 0.01; }); }
+inline Table prior_of(Table const& t, double c2) {
+    return t.where("c2", [=](double c) { return std::abs(c / c2 - 1) < 0.01; });
+}
 /// Median digits of one set, less those of another.
 inline Number fall(std::string from, std::string to) {
     return [=](Table const& t) { return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to)); };

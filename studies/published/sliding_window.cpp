@@ -12,7 +12,7 @@ namespace rlslab {
 namespace {
 
 constexpr Index n = WindowFilter::n, window = 20, outlier = 40;
-constexpr Index times[] = {65, 90, 115, 165, 250, 500, 1000, 2000};    // rows seen; the outlier leaves with row 60
+constexpr Index times[] = {65, 90, 115, 165, 250, 500, 1000, 2000};  // rows seen; the outlier leaves with row 60
 
 Records in_window(Records const& all, Index end) {
     return {.psi = all.psi.middleCols(end - window, window), .y = all.y.segment(end - window, window), .names = {}};
@@ -30,7 +30,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         auto const row = [&](Index k) { return records.psi.col(k).data(); };
         bool const refactor = state.method == "refactor";
         Index first = 0;
-        if (state.method == "covariance") {    // starts from the first window's, rounded once
+        if (state.method == "covariance") {  // starts from the first window's, rounded once
             Matrix<Reference> const P = certified(problem, in_window(records, window), {window}).front().covariance();
             for (Index i = 0; i < n; ++i)
                 for (Index j = 0; j < n; ++j) state.A[i][j] = static_cast<double>(P(std::min(i, j), std::max(i, j)));
@@ -69,54 +69,77 @@ extern Study const sliding_window;
 Study const sliding_window{
     .name = "sliding_window",
     .question = "What does an outlier that has left the window leave behind?",
-    .source = "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are derived "
-              "(docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
+    .source =
+        "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are derived "
+        "(docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
     .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
                 \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim u)tex",
-    .interpretation = "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
-               "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In P the "
-               "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u 10^4q. Only a "
-               "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late to early "
-               "error has a median near 1, where the single draws of docs/literature.md 3.11 had 0.1 to 1. With lambda below 1 it decays "
-               "as lambda^k.",
-    .factors = [](Budget budget) {
-        std::vector<Cell> q;
-        for (double at = 0; at <= 8; at += 0.5) q.emplace_back(at);
-        return std::vector<Factor>{{"lambda", {1.0, 0.95}}, {"q", q}, {"replicate", counted(budget == Budget::full ? 100 : 25)}};
-    },
+    .interpretation =
+        "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
+        "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In P the "
+        "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u 10^4q. Only a "
+        "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late to early "
+        "error has a median near 1, where the single draws of docs/literature.md 3.11 had 0.1 to 1. With lambda below 1 it decays "
+        "as lambda^k.",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> q;
+            for (double at = 0; at <= 8; at += 0.5) q.emplace_back(at);
+            return std::vector<Factor>{{"lambda", {1.0, 0.95}}, {"q", q}, {"replicate", counted(budget == Budget::full ? 100 : 25)}};
+        },
     .measures = {"method", "t", "outcome", "error", "digits"},
     .measure = measure,
-    .plots = {{.title = "Error of P five steps after the outlier has left", .x = "q", .y = "error", .series = "method", .panel = "lambda",
-               .log = "y", .x_label = "outlier of size 10^q: q", .y_label = "relative error of P", .where = {{"t", {"65"}}},
+    .plots = {{.title = "Error of P five steps after the outlier has left",
+               .x = "q",
+               .y = "error",
+               .series = "method",
+               .panel = "lambda",
+               .log = "y",
+               .x_label = "outlier of size 10^q: q",
+               .y_label = "relative error of P",
+               .where = {{"t", {"65"}}},
                .guides = {{"u 10^{4q}", [](double q) { return 0x1p-53 * correctly::pow(10, 4 * q); }},
                           {"u 10^{2q}", [](double q) { return 0x1p-53 * correctly::pow(10, 2 * q); }}}},
-              {.title = "Error of P long after the outlier has left, 10^4", .x = "t", .y = "error", .series = "method", .panel = "lambda",
-               .x_label = "rows seen", .y_label = "relative error of P", .where = {{"q", {"4"}}}}},
-    .claims = {
-        {"covariance form: error ~ size^4, slope 4.0 +- 0.6 over q = 2 ... 4",
-         [](Table const& t) { return within(at(t, 65, 2, 4).where("method", "covariance"), {"lambda"}, power, 3.4, 4.6); }},
-        {"information form and both downdates of R: error ~ size^2, slope 2.0 +- 0.3 over q = 2 ... 6",
-         [](Table const& t) { return within(at(t, 65, 2, 6).where("method", squared), {"method", "lambda"}, power, 1.7, 2.3); }},
-        {"a factor from the window's own rows: slope 0.00 +- 0.01",
-         [](Table const& t) { return within(at(t, 65, 0, 8).where("method", "refactor"), {"lambda"}, power, -0.01, 0.01); }},
-        {"the covariance form has no digit left from q = 5 on: median error at least 0.1",
-         [](Table const& t) { return within(at(t, 65, 5, 8).where("method", "covariance"), {"q", "lambda"}, median("error"), 0.1, 1e3); }},
-        {"lambda = 1: the damage stays: the ratio of the errors at t = 2000 and 65 has a median of 0.25 to 4 over q = 2 ... 6",
-         [](Table const& t) { return within(t.where("lambda", 1.0).where("method", squared), {"method"}, persistence(2, 6), 0.25, 4); }},
-        {"and for the covariance form over q = 2 ... 4",
-         [](Table const& t) {
-             return within(t.where("lambda", 1.0).where("method", "covariance"), {"method"}, persistence(2, 4), 0.25, 4);
-         }},
-        {"lambda = 0.95: the damage decays as lambda^k: decades per step -log10 lambda = 0.0223 +- 20 % over t = 65 ... 165 at q = 4",
-         [](Table const& t) {
-             Table const early = t.where("lambda", 0.95).where("q", 4.0).where("t", [](double k) { return k <= 165; });
-             return within(early.where("method", squared), {"method"}, linear_slope("t", "digits"), 0.8 * 0.0223, 1.2 * 0.0223);
-         }},
-        {"so that at t = 1000 whatever did not break down stands below 1e-13 again, from q = 0 to 6",
-         [](Table const& t) {
-             return within(at(t.where("lambda", 0.95), 1000, 0, 6).where("outcome", "sound"), {"method"}, median("error"), 0, 1e-13);
-         }},
-    },
+              {.title = "Error of P long after the outlier has left, 10^4",
+               .x = "t",
+               .y = "error",
+               .series = "method",
+               .panel = "lambda",
+               .x_label = "rows seen",
+               .y_label = "relative error of P",
+               .where = {{"q", {"4"}}}}},
+    .claims =
+        {
+            {"covariance form: error ~ size^4, slope 4.0 +- 0.6 over q = 2 ... 4",
+             [](Table const& t) { return within(at(t, 65, 2, 4).where("method", "covariance"), {"lambda"}, power, 3.4, 4.6); }},
+            {"information form and both downdates of R: error ~ size^2, slope 2.0 +- 0.3 over q = 2 ... 6",
+             [](Table const& t) {
+                 return within(at(t, 65, 2, 6).where("method", squared), {"method", "lambda"}, power, 1.7, 2.3);
+             }},
+            {"a factor from the window's own rows: slope 0.00 +- 0.01",
+             [](Table const& t) { return within(at(t, 65, 0, 8).where("method", "refactor"), {"lambda"}, power, -0.01, 0.01); }},
+            {"the covariance form has no digit left from q = 5 on: median error at least 0.1",
+             [](Table const& t) {
+                 return within(at(t, 65, 5, 8).where("method", "covariance"), {"q", "lambda"}, median("error"), 0.1, 1e3);
+             }},
+            {"lambda = 1: the damage stays: the ratio of the errors at t = 2000 and 65 has a median of 0.25 to 4 over q = 2 ... 6",
+             [](Table const& t) {
+                 return within(t.where("lambda", 1.0).where("method", squared), {"method"}, persistence(2, 6), 0.25, 4);
+             }},
+            {"and for the covariance form over q = 2 ... 4",
+             [](Table const& t) {
+                 return within(t.where("lambda", 1.0).where("method", "covariance"), {"method"}, persistence(2, 4), 0.25, 4);
+             }},
+            {"lambda = 0.95: the damage decays as lambda^k: decades per step -log10 lambda = 0.0223 +- 20 % over t = 65 ... 165 at q = 4",
+             [](Table const& t) {
+                 Table const early = t.where("lambda", 0.95).where("q", 4.0).where("t", [](double k) { return k <= 165; });
+                 return within(early.where("method", squared), {"method"}, linear_slope("t", "digits"), 0.8 * 0.0223, 1.2 * 0.0223);
+             }},
+            {"so that at t = 1000 whatever did not break down stands below 1e-13 again, from q = 0 to 6",
+             [](Table const& t) {
+                 return within(at(t.where("lambda", 0.95), 1000, 0, 6).where("outcome", "sound"), {"method"}, median("error"), 0, 1e-13);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -36,7 +36,7 @@ struct WindowFilter {
         for (auto& row : A)
             for (double& a : row) a *= factor;
     }
-    void rotate_in(double const* row) {    // Givens
+    void rotate_in(double const* row) {  // Givens
         double x[n];
         std::copy(row, row + n, x);
         for (Index k = 0; k < n; ++k) {
@@ -111,7 +111,7 @@ struct WindowFilter {
         bool const plain = method == "covariance" || method == "information";
         Matrix<Reference> F(n, n);
         for (Index i = 0; i < n; ++i)
-            for (Index j = 0; j < n; ++j) F(i, j) = plain ? A[i][j] : A[j][i];    // R'
+            for (Index j = 0; j < n; ++j) F(i, j) = plain ? A[i][j] : A[j][i];  // R'
         return {method == "covariance" ? S::Quantity::covariance : S::Quantity::information, plain ? S::Form::plain : S::Form::factor, F};
     }
 };

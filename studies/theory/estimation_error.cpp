@@ -21,7 +21,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Index k = 0; k < rows; ++k) {
         filter->update(records.sample(k), records.y[k]);
         error = truth - filter->theta();
-        Vector<Reference> const x = filter->stored().F.lazyProduct(error);    // P^-1 theta~
+        Vector<Reference> const x = filter->stored().F.lazyProduct(error);  // P^-1 theta~
         Reference const now = square(error, x), size = sqrt(square(error, error));
         out({double(k + 1), static_cast<double>(now / V), static_cast<double>(size / length)});
         V = now, length = size;
@@ -35,21 +35,33 @@ Study const estimation_error{
     .name = "estimation_error",
     .question = "Does the estimation error ever grow when there is no noise?",
     .source = "derived (docs/theory.md 18, 19, 23, 25)",
-    .formula = R"tex(\tilde\theta_k = (I - K\psi^\top)\tilde\theta_{k-1} = A_k\tilde\theta_{k-1}, \; A_k = P_kP_{k-1}^{-1}, \qquad \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \tilde\theta_{k-1}^\top P_{k-1}^{-1}\tilde\theta_{k-1})tex",
-    .interpretation = "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In the plain norm single steps "
-               "do make it longer, and the more the input is coloured the longer, because I - K psi' is no contraction unless psi is an eigenvector of P.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"replicate", counted(budget == Budget::full ? 50 : 10)}};
-    },
+    .formula =
+        R"tex(\tilde\theta_k = (I - K\psi^\top)\tilde\theta_{k-1} = A_k\tilde\theta_{k-1}, \; A_k = P_kP_{k-1}^{-1}, \qquad
+              \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \tilde\theta_{k-1}^\top P_{k-1}^{-1}\tilde\theta_{k-1})tex",
+    .interpretation =
+        "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In the plain norm "
+        "single steps "
+        "do make it longer, and the more the input is coloured the longer, because I - K psi' is no contraction unless psi is an "
+        "eigenvector of P.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}}, {"replicate", counted(budget == Budget::full ? 50 : 10)}};
+        },
     .measures = {"step", "ratio_in_metric", "ratio_in_norm"},
     .measure = measure,
-    .plots = {{.title = "Length of the error after a step over before", .x = "step", .y = "ratio_in_norm", .series = "pole", .log = "y", .y_label = "ratio, plain norm"}},
-    .claims = {
-        {"in the metric of P^-1 the error never grows (by more than 2^-200 of rounding)",
-         [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_metric"), 0, 1); }},
-        {"in the plain norm it does, at some step of every input",
-         [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_norm"), 1.0001, 1e6); }},
-    },
+    .plots = {{.title = "Length of the error after a step over before",
+               .x = "step",
+               .y = "ratio_in_norm",
+               .series = "pole",
+               .log = "y",
+               .y_label = "ratio, plain norm"}},
+    .claims =
+        {
+            {"in the metric of P^-1 the error never grows (by more than 2^-200 of rounding)",
+             [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_metric"), 0, 1); }},
+            {"in the plain norm it does, at some step of every input",
+             [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_norm"), 1.0001, 1e6); }},
+        },
 };
 
 }  // namespace rlslab

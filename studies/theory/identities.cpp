@@ -19,13 +19,13 @@ void run(Q const& lambda, Seed seed, Note note) {
     M const I = M::Identity(d, d), P0 = I + outer(V{{1, 2, -1}}, V{{1, 2, -1}}) + outer(V{{0, 1, 3}}, V{{0, 1, 3}});
     V const theta0 = integers(d, seed, 3), truth = integers(d, seed, 5);
     F filter({.size = d, .forgetting = lambda, .prior = Prior<Q>{.theta = theta0, .covariance = P0}});
-    M X = inverse(P0), P = P0, S = P0 / lambda;    // S: Kalman's predicted covariance
-    V b = X.lazyProduct(theta0), state = theta0;    // state: Kalman's estimate
+    M X = inverse(P0), P = P0, S = P0 / lambda;   // S: Kalman's predicted covariance
+    V b = X.lazyProduct(theta0), state = theta0;  // state: Kalman's estimate
     Q J = 0, energy = form(truth - theta0, X);
     std::vector<std::pair<V, Q>> rows;
     for (int k = 0; k < 6; ++k) {
         V psi = integers(d, seed, 9);
-        while (psi.isZero(Q(0))) psi = integers(d, seed, 9);    // of a row of zeros the control would hold
+        while (psi.isZero(Q(0))) psi = integers(d, seed, 9);  // of a row of zeros the control would hold
         Q const v = int(seed.next() % 7) - 3, y = dot(psi, truth) + v, s = lambda + form(psi, P);
         rows.emplace_back(psi, y);
         Step<Q> const step = filter.update(psi, y);
@@ -35,7 +35,7 @@ void run(Q const& lambda, Seed seed, Note note) {
         X = lambda * X + outer(psi, psi), b = lambda * b + y * psi;
         state += kalman * (y - dot(psi, state));
         S -= M(outer(kalman, psi).lazyProduct(S));
-        Q J_now = form(theta - theta0, inverse(P0)), energy_now = form(truth - theta, X);    // J by its definition
+        Q J_now = form(theta - theta0, inverse(P0)), energy_now = form(truth - theta, X);  // J by its definition
         for (auto const& [row, answer] : rows) J_now = lambda * J_now + (answer - dot(row, theta)) * (answer - dot(row, theta));
 
         note("P_k^-1 = λ P_k-1^-1 + ψψ'", P_now.lazyProduct(X) == I);
@@ -58,7 +58,7 @@ void run(Q const& lambda, Seed seed, Note note) {
 
 void measure(Trial const& trial, TrialOutput& out) {
     Q const lambda = tenths(trial.number("lambda"));
-    std::vector<std::pair<std::string, std::pair<int, int>>> tally;    // identity: held, of
+    std::vector<std::pair<std::string, std::pair<int, int>>> tally;  // identity: held, of
     auto const note = [&](std::string const& identity, bool holds) {
         auto at = std::ranges::find(tally, identity, [](auto const& entry) { return entry.first; });
         if (at == tally.end()) at = tally.insert(at, {identity, {0, 0}});
@@ -73,7 +73,9 @@ void measure(Trial const& trial, TrialOutput& out) {
         out({tally[i].first, double(i + 1), double(tally[i].second.second), double(tally[i].second.first) / tally[i].second.second});
 }
 
-Table of(Table const& t, bool control) { return t.where("number", [=](double n) { return (n == 14) == control; }); }
+Table of(Table const& t, bool control) {
+    return t.where("number", [=](double n) { return (n == 14) == control; });
+}
 
 }  // namespace
 
@@ -81,37 +83,52 @@ extern Study const identities;
 Study const identities{
     .name = "identities",
     .question = "Do the identities of recursive least squares hold exactly, in every variant?",
-    .source = "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also Sayed & "
-              "Kailath 1994 (cited, not read)",
+    .source =
+        "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also Sayed & "
+        "Kailath 1994 (cited, not read)",
     .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi, \quad
 y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
 I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \gamma, \quad \det = \gamma, \quad
 \det P_k^{-1} = \lambda^d \det P_{k-1}^{-1} / \gamma \\
 J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",
-    .interpretation = "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
-               "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
-               "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "
-               "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S = P / "
-               "lambda, which is how forgetting looks to it. J is computed by its definition, from all rows and the prior.",
-    .factors = [](Budget) {
-        std::vector<Cell> names;
-        for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
-        return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", names}};
-    },
+    .interpretation =
+        "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
+        "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
+        "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "
+        "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S = P / "
+        "lambda, which is how forgetting looks to it. J is computed by its definition, from all rows and the prior.",
+    .factors =
+        [](Budget) {
+            std::vector<Cell> names;
+            for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
+            return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", names}};
+        },
     .measures = {"identity", "number", "cases", "share"},
     .measure = measure,
-    .plots = {{.title = "Share of cases in which the identity is exact", .x = "number", .y = "share", .panel = "lambda", .log = "",
-               .x_label = "identity (14: the control)", .y_label = "share of cases", .cells = true}},
-    .claims = {
-        {"thirteen identities hold with == in every case, for every variant that exists in rationals",
-         [](Table const& t) { return within(of(t, false), {"variant", "lambda", "identity"}, least("share"), 1, 1); }},
-        {"the control fails in every case",
-         [](Table const& t) { return within(of(t, true), {"variant", "lambda"}, greatest("share"), 0, 0); }},
-        {"every variant that exists in exact arithmetic was asked: nine", [](Table const& t) {
-             double const n = double(t.distinct("variant").size());
-             return Finding{n == 9, fmt::format("{}", n)};
-         }},
-    },
+    .plots = {{.title = "Share of cases in which the identity is exact",
+               .x = "number",
+               .y = "share",
+               .panel = "lambda",
+               .log = "",
+               .x_label = "identity (14: the control)",
+               .y_label = "share of cases",
+               .cells = true}},
+    .claims =
+        {
+            {"thirteen identities hold with == in every case, for every variant that exists in rationals",
+             [](Table const& t) {
+                 return within(of(t, false), {"variant", "lambda", "identity"}, least("share"), 1, 1);
+             }},
+            {"the control fails in every case",
+             [](Table const& t) {
+                 return within(of(t, true), {"variant", "lambda"}, greatest("share"), 0, 0);
+             }},
+            {"every variant that exists in exact arithmetic was asked: nine",
+             [](Table const& t) {
+                 double const n = double(t.distinct("variant").size());
+                 return Finding{n == 9, fmt::format("{}", n)};
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -25,7 +25,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     double inside = 0;
     for (Index i = 0; i < truth.size(); ++i) inside += batch.low[i] <= truth[i] && truth[i] <= batch.high[i];
     for (Cell const& variant : joined(factor_forms(), {"symmetric", "information"})) {
-        auto const filter = trial.entry(std::get<std::string>(variant)).make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
+        auto const filter = trial.entry(std::get<std::string>(variant))
+                                .make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
         filter->update_block(records, 0, records.rows());
         Vector<Reference> const theta = filter->theta();
         Reference off = 0, size = 0;
@@ -45,33 +46,46 @@ Study const known_systems{
     .question = "Do known systems come back from their records?",
     .source = "docs/theory.md 1, 4, 6, 8",
     .formula = R"tex(y_k + a_1 y_{k-1} + \dots + a_n y_{k-n} = b_0 u_k + \dots + b_n u_{k-n} + \xi_k)tex",
-    .interpretation = "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters come back to the "
-               "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values 95 % of the time.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"system", counted(budget == Budget::full ? 200 : 120)}, {"noise", {0.0, 0.1}}};
-    },
+    .interpretation =
+        "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters "
+        "come back to the "
+        "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values 95 % of the time.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"system", counted(budget == Budget::full ? 200 : 120)}, {"noise", {0.0, 0.1}}};
+        },
     .measures = {"order", "variant", "error", "inside"},
     .measure = measure,
-    .plots = {{.title = "Error of theta", .x = "order", .y = "error", .panel = "noise", .log = "y", .x_label = "order", .y_label = "relative error of theta"}},
-    .claims = {
-        {"without noise, ten digits by every factor form",
-         [](Table const& t) {
-             std::vector<std::string> names;
-             for (Cell const& v : factor_forms()) names.push_back(std::get<std::string>(v));
-             return within(t.where("noise", 0.0).where("variant", names), {"variant"}, greatest("error"), 0, 1e-10);
-         }},
-        {"with noise, the 95 % intervals hold the truth 95 +- 2 % of the time",
-         [](Table const& t) {
-             return within(t.where("noise", 0.1).where("variant", "ud"), {}, [](Table const& g) {
-                 double sum = 0, weight = 0;    // each parameter counts once
-                 for (auto const& row : g.rows()) {
-                     double const parameters = 2 * std::get<double>(row[g.index("order")]) + 1;
-                     sum += parameters * std::get<double>(row[g.index("inside")]), weight += parameters;
-                 }
-                 return sum / weight;
-             }, 0.93, 0.97);
-         }},
-    },
+    .plots = {{.title = "Error of theta",
+               .x = "order",
+               .y = "error",
+               .panel = "noise",
+               .log = "y",
+               .x_label = "order",
+               .y_label = "relative error of theta"}},
+    .claims =
+        {
+            {"without noise, ten digits by every factor form",
+             [](Table const& t) {
+                 std::vector<std::string> names;
+                 for (Cell const& v : factor_forms()) names.push_back(std::get<std::string>(v));
+                 return within(t.where("noise", 0.0).where("variant", names), {"variant"}, greatest("error"), 0, 1e-10);
+             }},
+            {"with noise, the 95 % intervals hold the truth 95 +- 2 % of the time",
+             [](Table const& t) {
+                 return within(
+                     t.where("noise", 0.1).where("variant", "ud"), {},
+                     [](Table const& g) {
+                         double sum = 0, weight = 0;  // each parameter counts once
+                         for (auto const& row : g.rows()) {
+                             double const parameters = 2 * std::get<double>(row[g.index("order")]) + 1;
+                             sum += parameters * std::get<double>(row[g.index("inside")]), weight += parameters;
+                         }
+                         return sum / weight;
+                     },
+                     0.93, 0.97);
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -20,7 +20,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     CertifiedSolution const exact = certified({.size = size, .prior = std::nullopt}, records, {rows}).front();
     auto const error = [&](Vector<double> const& theta) {
         double const digits = exact.theta_digits(theta.cast<Reference>());
-        return digits == digits ? correctly::pow(10, -digits) : INFINITY;    // a pivot was not positive: theta is NaN
+        return digits == digits ? correctly::pow(10, -digits) : INFINITY;  // a pivot was not positive: theta is NaN
     };
     OrderRecursive<double> bordered(records.y, size);
     OrderRecursiveQr<double> qr(records.y, size);
@@ -30,7 +30,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
     out({"order_recursive", error(bordered.theta())});
     out({"order_recursive_qr", error(qr.theta())});
-    out({"information", error(fit(records, FitBy::normal_equations).theta)});    // the normal equations, factored afresh
+    out({"information", error(fit(records, FitBy::normal_equations).theta)});  // the normal equations, factored afresh
 }
 
 /// Multiplications of all orders up to n by bordering, by the QR twin, and by a QR factorisation anew for each order.
@@ -43,7 +43,10 @@ Finding cheaper() {
     for (Index j = 0; j < n; ++j) columns.push_back(column());
     Vector<C> const y = column();
     auto const all_at_once = [&]<class Recursion>(Recursion recursion) {
-        return counted([&] { for (auto const& x : columns) recursion.append(x); }).multiplications;
+        return counted([&] {
+                   for (auto const& x : columns) recursion.append(x);
+               })
+            .multiplications;
     };
     long const bordering = all_at_once(OrderRecursive<C>(y, n)), twin = all_at_once(OrderRecursiveQr<C>(y, n));
     long anew = 0;
@@ -62,37 +65,54 @@ extern Study const order_recursion;
 Study const order_recursion{
     .name = "order_recursion",
     .question = "What does recursion in model order cost, in digits and in operations?",
-    .source = "derived (docs/theory.md 9 to 11, 46); equality with batch at every order is exact in rationals (test "
-              "OrderRecursive.EqualsBatchAtEveryOrderInRationals)",
-    .formula = R"tex(P_{d+1} = \begin{bmatrix} P + \beta g g^\top & -\beta g \\ -\beta g^\top & \beta \end{bmatrix}, \quad g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
-    .interpretation = "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it does not lose "
-               "digits as the square of the condition number, as is usually said of it and as the normal equations factored afresh (information) do, but as the "
-               "fourth power: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, kappa^2 times smaller than its terms, "
-               "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as the condition "
-               "number. Both are far cheaper than fitting each order anew.",
-    .factors = [](Budget budget) {
-        return std::vector<Factor>{{"kappa", powers(10, 1, 12, budget == Budget::full ? 0.25 : 0.5)}, {"replicate", counted(budget == Budget::full ? 20 : 5)}};
-    },
+    .source =
+        "derived (docs/theory.md 9 to 11, 46); equality with batch at every order is exact in rationals (test "
+        "OrderRecursive.EqualsBatchAtEveryOrderInRationals)",
+    .formula =
+        R"tex(P_{d+1} = \begin{bmatrix} P + \beta g g^\top & -\beta g \\ -\beta g^\top & \beta \end{bmatrix}, \quad
+              g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
+    .interpretation =
+        "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it "
+        "does not lose "
+        "digits as the square of the condition number, as is usually said of it and as the normal equations factored afresh (information) "
+        "do, but as the "
+        "fourth power: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, kappa^2 times smaller than its terms, "
+        "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as the condition "
+        "number. Both are far cheaper than fitting each order anew.",
+    .factors =
+        [](Budget budget) {
+            return std::vector<Factor>{{"kappa", powers(10, 1, 12, budget == Budget::full ? 0.25 : 0.5)},
+                                       {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+        },
     .measures = {"variant", "error"},
     .measure = measure,
-    .plots = {{.title = "Error of theta at the full order", .x = "kappa", .y = "error", .x_label = "condition number of the columns", .y_label = "relative error of theta",
-               .guides = {{"u κ", [](double k) { return 0x1p-53 * k; }}, {"u κ²", [](double k) { return 0x1p-53 * k * k; }},
+    .plots = {{.title = "Error of theta at the full order",
+               .x = "kappa",
+               .y = "error",
+               .x_label = "condition number of the columns",
+               .y_label = "relative error of theta",
+               .guides = {{"u κ", [](double k) { return 0x1p-53 * k; }},
+                          {"u κ²", [](double k) { return 0x1p-53 * k * k; }},
                           {"u κ⁴", [](double k) { return k < 1e5 ? 0x1p-53 * k * k * k * k : NAN; }}}}},
-    .claims = {
-        {"bordering: slope between 3 and 4.5 from kappa = 1e2 to 1e4.5: not 2",
-         [](Table const& t) {
-             return within(t.where("variant", "order_recursive").where("kappa", [](double k) { return 90 < k && k < 3.2e4; }), {}, slope("kappa", "error"), 3.0, 4.5);
-         }},
-        {"normal equations, factored: slope 2.0 +- 0.25 between kappa = 1e2 and 1e7",
-         [](Table const& t) {
-             return within(t.where("variant", "information").where("kappa", [](double k) { return 90 < k && k < 1.1e7; }), {}, slope("kappa", "error"), 1.75, 2.25);
-         }},
-        {"appended QR: slope 1.0 +- 0.15 between kappa = 1e2 and 1e11",
-         [](Table const& t) {
-             return within(t.where("variant", "order_recursive_qr").where("kappa", [](double k) { return 90 < k && k < 1.1e11; }), {}, slope("kappa", "error"), 0.85, 1.15);
-         }},
-        {"both cost less than a third of fitting every order anew", [](Table const&) { return cheaper(); }},
-    },
+    .claims =
+        {
+            {"bordering: slope between 3 and 4.5 from kappa = 1e2 to 1e4.5: not 2",
+             [](Table const& t) {
+                 return within(t.where("variant", "order_recursive").where("kappa", [](double k) { return 90 < k && k < 3.2e4; }), {},
+                               slope("kappa", "error"), 3.0, 4.5);
+             }},
+            {"normal equations, factored: slope 2.0 +- 0.25 between kappa = 1e2 and 1e7",
+             [](Table const& t) {
+                 return within(t.where("variant", "information").where("kappa", [](double k) { return 90 < k && k < 1.1e7; }), {},
+                               slope("kappa", "error"), 1.75, 2.25);
+             }},
+            {"appended QR: slope 1.0 +- 0.15 between kappa = 1e2 and 1e11",
+             [](Table const& t) {
+                 return within(t.where("variant", "order_recursive_qr").where("kappa", [](double k) { return 90 < k && k < 1.1e11; }), {},
+                               slope("kappa", "error"), 0.85, 1.15);
+             }},
+            {"both cost less than a third of fitting every order anew", [](Table const&) { return cheaper(); }},
+        },
 };
 
 }  // namespace rlslab

@@ -28,7 +28,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     std::vector<int> const x = prbs(m);
     size_t const period = x.size();
     std::vector<long> R(period);
-    bool two_levels = true;    // R(0) = M, R(tau) = -1 else
+    bool two_levels = true;  // R(0) = M, R(tau) = -1 else
     for (size_t tau = 0; tau < period; ++tau) {
         for (size_t k = 0; k < period; ++k) R[tau] += x[k] * x[(k + tau) % period];
         two_levels = two_levels && R[tau] == (tau == 0 ? long(period) : -1);
@@ -47,7 +47,7 @@ void measure(Trial const& trial, TrialOutput& out) {
                 spectrum = spectrum && entry(i, 0) - entry(i, j) == long(period + 1) * (long(i == 0) - long(i == j));
         }
         std::string filters = "not asked";
-        if (n <= 4) {    // fed one period of the delay line with P0 = I: P^-1 is the Gram matrix and I
+        if (n <= 4) {  // fed one period of the delay line with P0 = I: P^-1 is the Gram matrix and I
             M const I = M::Identity(Index(n), Index(n)), ones = M::Ones(Index(n), Index(n));
             M const P = (I + ones / Q(long(period + 2 - n))) / Q(long(period + 2));
             filters = "exact";
@@ -76,27 +76,40 @@ Study const prbs_gram{
     .formula = R"tex(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
 \text{eigenvalues } M + 1\ (n - 1 \text{ times}),\ M + 1 - n, \quad
 \kappa_P = \frac{M + 1}{M + 1 - n})tex",
-    .interpretation = "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
-               "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
-               "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "
-               "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + Gram matrix.",
-    .factors = [](Budget) { return std::vector<Factor>{{"m", {3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}}}; },
+    .interpretation =
+        "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
+        "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
+        "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "
+        "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + Gram matrix.",
+    .factors =
+        [](Budget) {
+            return std::vector<Factor>{{"m", {3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}}};
+        },
     .measures = {"period", "delays", "autocorrelation", "eigenvalues", "filters", "kappa_P"},
     .measure = measure,
-    .plots = {{.title = "Condition number of P after one period", .x = "period", .y = "kappa_P", .series = "delays", .x_label = "period M",
-               .y_label = "κ₂ of P", .where = {{"delays", {"2", "3", "4", "6"}}}}},
-    .claims = {
-        {"R(0) = M and R(tau) = -1 for every other tau, m = 3 ... 10, as integers",
-         [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); }},
-        {"the Gram matrix of n = 2, 3, 4, 6 and M delays has the eigenvalue M + 1 n - 1 times and M + 1 - n once, as integers",
-         [](Table const& t) { return everywhere(t, "eigenvalues", "exact"); }},
-        {"with all M delays the condition number is M + 1: the smallest eigenvalue is 1",
-         [](Table const& t) {
-             return within(t, {"m"}, [](Table const& rows) { return greatest("kappa_P")(rows) - rows.numbers("period")[0]; }, 1, 1);
-         }},
-        {"every variant in rationals, from P0 = I, holds exactly the inverse of I + Gram matrix (n = 2, 3, 4)",
-         [](Table const& t) { return everywhere(t.where("filters", {"exact", "different"}), "filters", "exact"); }},
-    },
+    .plots = {{.title = "Condition number of P after one period",
+               .x = "period",
+               .y = "kappa_P",
+               .series = "delays",
+               .x_label = "period M",
+               .y_label = "κ₂ of P",
+               .where = {{"delays", {"2", "3", "4", "6"}}}}},
+    .claims =
+        {
+            {"R(0) = M and R(tau) = -1 for every other tau, m = 3 ... 10, as integers",
+             [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); }},
+            {"the Gram matrix of n = 2, 3, 4, 6 and M delays has the eigenvalue M + 1 n - 1 times and M + 1 - n once, as integers",
+             [](Table const& t) { return everywhere(t, "eigenvalues", "exact"); }},
+            {"with all M delays the condition number is M + 1: the smallest eigenvalue is 1",
+             [](Table const& t) {
+                 return within(
+                     t, {"m"}, [](Table const& rows) { return greatest("kappa_P")(rows) - rows.numbers("period")[0]; }, 1, 1);
+             }},
+            {"every variant in rationals, from P0 = I, holds exactly the inverse of I + Gram matrix (n = 2, 3, 4)",
+             [](Table const& t) {
+                 return everywhere(t.where("filters", {"exact", "different"}), "filters", "exact");
+             }},
+        },
 };
 
 }  // namespace rlslab

@@ -65,7 +65,9 @@ void run(Index d, bool prior, Seed noise, Digest& digest) {
         if (k % 10 == 5) reported(f, digest);
     }
     if constexpr (GainPerturbable<F>)
-        f.update(row(0), T(1), [](auto& K) { for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(0.125); });
+        f.update(row(0), T(1), [](auto& K) {
+            for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(0.125);
+        });
     if constexpr (TakesBlocks<F>) {
         Eigen::Matrix<T, Dynamic, Dynamic> psi(d, 13);
         for (int k = 0; k < 13; ++k) psi.col(k) = row(k);

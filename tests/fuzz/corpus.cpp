@@ -14,7 +14,7 @@ int main(int count, char** folders) {
         for (auto const& file : std::filesystem::directory_iterator(folders[i])) {
             std::ifstream stream(file.path(), std::ios::binary);
             std::string const bytes{std::istreambuf_iterator<char>(stream), {}};
-            std::fprintf(stderr, "%s\n", file.path().c_str());    // the last named is the one that fails
+            std::fprintf(stderr, "%s\n", file.path().c_str());  // the last named is the one that fails
             LLVMFuzzerTestOneInput(reinterpret_cast<unsigned char const*>(bytes.data()), bytes.size());
             ++files;
         }

@@ -31,15 +31,17 @@ public:
 std::string unpacked_in_pieces(std::string_view bytes, std::size_t of_packed, std::size_t of_unpacked) {
     std::string out, piece(of_unpacked, '\0');
     try {
-        ByteSource const source = unpacked([bytes, of_packed](std::span<char> to) mutable {
-            std::size_t const now = std::min({of_packed, to.size(), bytes.size()});
-            std::ranges::copy(bytes.substr(0, now), to.begin());
-            bytes.remove_prefix(now);
-            return now;
-        }, "packed");
+        ByteSource const source = unpacked(
+            [bytes, of_packed](std::span<char> to) mutable {
+                std::size_t const now = std::min({of_packed, to.size(), bytes.size()});
+                std::ranges::copy(bytes.substr(0, now), to.begin());
+                bytes.remove_prefix(now);
+                return now;
+            },
+            "packed");
         for (std::size_t got = 1; got > 0 && out.size() < (1 << 20);) out.append(piece, 0, got = source(piece));
     } catch (InputError const& error) {
-        return one_line(error);    // what came before it depends on the pieces
+        return one_line(error);  // what came before it depends on the pieces
     }
     return out.substr(0, 1 << 20);
 }
@@ -50,8 +52,7 @@ void take(std::string_view bytes) {
     if (bytes.starts_with(gzip_begins))
         expect(unpacked_in_pieces(bytes, bytes.size(), 4096) == unpacked_in_pieces(bytes, 3, 511), "the same in pieces");
     MemoryFile const file(bytes);
-    for (std::vector<std::string> const& asked : {std::vector<std::string>{"u", "y"}, {"x_1", "x_2"}, {"1"}, {"s"}})
-        try {
+    for (std::vector<std::string> const& asked : {std::vector<std::string>{"u", "y"}, {"x_1", "x_2"}, {"1"}, {"s"}}) try {
             Columns const data = read_data(DataFile(file.path()), asked);
             expect(data.rows() > 0 && data.values.size() == asked.size(), "rows, or a refusal");
             for (auto const& column : data.values) {

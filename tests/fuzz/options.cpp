@@ -7,10 +7,10 @@ namespace rlslab::fuzz {
 
 void take(std::string_view bytes) {
     std::vector<std::string> words;
-    for (std::size_t from = 0; from < bytes.size() && words.size() < 64;) {    // a word a line
+    for (std::size_t from = 0; from < bytes.size() && words.size() < 64;) {  // a word a line
         std::size_t const to = std::min(bytes.find('\n', from), bytes.size());
         std::string word(bytes.substr(from, to - from));
-        word.resize(std::min(word.size(), word.find('\0')));    // as a program is given them
+        word.resize(std::min(word.size(), word.find('\0')));  // as a program is given them
         words.push_back(std::move(word));
         from = to + 1;
     }

@@ -70,10 +70,10 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
     Index const rows = source.rows(), parts = rows / part + (rows % part > 0);
 
     Carried<typename F::scalar> const carried;
-    std::atomic<Index> next = 0;    // part to be taken
-    Index merged = 0;               // parts that are in `whole`
+    std::atomic<Index> next = 0;  // part to be taken
+    Index merged = 0;             // parts that are in `whole`
     std::exception_ptr failure;
-    std::mutex mutex;               // guards whole, merged and failure
+    std::mutex mutex;  // guards whole, merged and failure
     std::condition_variable turn;
     auto const work = [&] {
         try {
@@ -102,7 +102,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
         detail::Joined others;
         try {
             for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.threads.emplace_back(work);
-        } catch (std::system_error const&) {}    // the system gives no more threads: those there are do all of it
+        } catch (std::system_error const&) {}  // the system gives no more threads: those there are do all of it
         work();
     }
     if (failure) std::rethrow_exception(failure);

@@ -13,21 +13,13 @@ namespace rlslab {
 
 namespace detail {
 template <class... Extended>
-using ArithmeticsWith = std::tuple<
-    Chopped<bfloat16>,
-    Chopped<bfloat16, Rounding::stochastic>,
-    Chopped<binary16>,
-    Chopped<binary16, Rounding::stochastic>,
-    float,
-    double,
-    Extended...,
-    Quad,
-    Reference>;
+using ArithmeticsWith = std::tuple<Chopped<bfloat16>, Chopped<bfloat16, Rounding::stochastic>, Chopped<binary16>,
+                                   Chopped<binary16, Rounding::stochastic>, float, double, Extended..., Quad, Reference>;
 }  // namespace detail
 
 /// With long double where it is x87's: elsewhere it is one of the others, or none that rounds once.
-using Arithmetics = std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>,
-                                       detail::ArithmeticsWith<>>;
+using Arithmetics =
+    std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
 
 /// Behind them one that is no format: significands of any length, for the studies.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;

@@ -31,7 +31,7 @@ public:
         if (!current_) throw std::logic_error("stochastic rounding needs a StochasticStream in this thread");
         return *current_;
     }
-    static double uniform() { return current().uniform(); }    ///< the next draw
+    static double uniform() { return current().uniform(); }  ///< the next draw
 };
 
 /// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side
@@ -47,12 +47,9 @@ class Chopped {
     /// `tail` is called only where the rounding asks for it.
     template <class Tail>
     static Chopped rounded(double head, Tail&& tail) {
-        if constexpr (R == Rounding::nearest)
-            return {round_to_nearest<F>(head), AlreadyRounded{}};
-        else if constexpr (R == Rounding::toward_zero)
-            return {round_toward_zero<F>(head, tail()), AlreadyRounded{}};
-        else
-            return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), AlreadyRounded{}};
+        if constexpr (R == Rounding::nearest) return {round_to_nearest<F>(head), AlreadyRounded{}};
+        else if constexpr (R == Rounding::toward_zero) return {round_toward_zero<F>(head, tail()), AlreadyRounded{}};
+        else return {round_stochastically<F>(head, tail(), &StochasticStream::uniform), AlreadyRounded{}};
     }
     static double none() { return 0; }
 
@@ -63,7 +60,7 @@ public:
 
     friend Chopped operator+(Chopped a, Chopped b) {
         double const x = a.value_, y = b.value_, sum = x + y;
-        return rounded(sum, [=] {    // Knuth's TwoSum: exact
+        return rounded(sum, [=] {  // Knuth's TwoSum: exact
             double const of_y = sum - x, of_x = sum - of_y;
             return (x - of_x) + (y - of_y);
         });
@@ -72,14 +69,14 @@ public:
     friend Chopped operator*(Chopped a, Chopped b) { return rounded(a.value_ * b.value_, none); }
     friend Chopped operator/(Chopped a, Chopped b) {
         double const x = a.value_, y = b.value_, quotient = x / y;
-        return rounded(quotient, [=] {    // the remainder is exact; none is left by 0 / y and by x / infinity
+        return rounded(quotient, [=] {  // the remainder is exact; none is left by 0 / y and by x / infinity
             return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
         });
     }
     friend Chopped operator-(Chopped a) { return {-a.value_, AlreadyRounded{}}; }
     friend Chopped sqrt(Chopped a) {
         double const x = a.value_, root = std::sqrt(x);
-        return rounded(root, [=] {    // x - root^2 = (sqrt(x) - root) (sqrt(x) + root), exact
+        return rounded(root, [=] {  // x - root^2 = (sqrt(x) - root) (sqrt(x) + root), exact
             double const rest = std::fma(-root, root, x);
             return rest == 0 ? 0.0 : rest / (2 * root);
         });

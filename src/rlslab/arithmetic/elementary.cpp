@@ -27,7 +27,7 @@ double of(F* f, X... arguments) {
     Number out;
     int ternary = f(out, Number(arguments)..., MPFR_RNDN);
     mpfr_exp_t const least = mpfr_get_emin(), largest = mpfr_get_emax();
-    mpfr_set_emin(-1073);    // binary64's, of 0.1f x 2^e
+    mpfr_set_emin(-1073);  // binary64's, of 0.1f x 2^e
     mpfr_set_emax(1024);
     ternary = mpfr_check_range(out, ternary, MPFR_RNDN);
     mpfr_subnormalize(out, ternary, MPFR_RNDN);

@@ -26,19 +26,15 @@ inline constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
 constexpr std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 constexpr double from_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
 constexpr double magnitude(double x) { return from_bits(bits_of(x) & ~sign_bit); }
-constexpr double with_sign_of(double x, double magnitude) {
-    return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit));
-}
-constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }    ///< -1022 <= e <= 1023
+constexpr double with_sign_of(double x, double magnitude) { return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit)); }
+constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }  ///< -1022 <= e <= 1023
 
 /// The exponent of the smallest subnormal, in units of which every number of the format is an integer.
 constexpr int lowest_exp(Format f) { return f.min_exp - f.digits + 1; }
 
 }  // namespace detail
 
-constexpr double largest(Format f) {
-    return detail::power_of_two(f.max_exp) * (2 - detail::power_of_two(1 - f.digits));
-}
+constexpr double largest(Format f) { return detail::power_of_two(f.max_exp) * (2 - detail::power_of_two(1 - f.digits)); }
 constexpr double smallest_normal(Format f) { return detail::power_of_two(f.min_exp); }
 constexpr double smallest_subnormal(Format f) { return detail::power_of_two(detail::lowest_exp(f)); }
 
@@ -61,9 +57,7 @@ namespace detail {
 template <Format F>
 inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);
 
-constexpr bool is_number(double x) {
-    return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity());
-}
+constexpr bool is_number(double x) { return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity()); }
 /// Infinities as they are and one NaN for all: which of two NaNs the hardware passes on depends on the compiler.
 constexpr double not_a_number(double x) { return x == x ? x : std::numeric_limits<double>::quiet_NaN(); }
 
@@ -71,9 +65,7 @@ constexpr double not_a_number(double x) { return x == x ? x : std::numeric_limit
 constexpr double outward(double head, double tail) { return from_bits(bits_of(tail) ^ (bits_of(head) & sign_bit)); }
 
 /// The largest double <= |head + tail|, when head is the double nearest to head + tail.
-constexpr double floor_of(double head, double tail) {
-    return from_bits((bits_of(head) & ~sign_bit) - (outward(head, tail) < 0));
-}
+constexpr double floor_of(double head, double tail) { return from_bits((bits_of(head) & ~sign_bit) - (outward(head, tail) < 0)); }
 
 /// x >= 0 cut to the format's grid, continued upward without end.
 template <Format F>

@@ -12,9 +12,8 @@
 namespace rlslab {
 
 /// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"
-using Reference = boost::multiprecision::number<
-    boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
-    boost::multiprecision::et_off>;
+using Reference = boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
+                                                boost::multiprecision::et_off>;
 /// Exact rationals: the identities of recursive least squares hold with ==.
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 
@@ -36,7 +35,7 @@ Reference widen(T const& x) {
 }
 inline Reference widen(Quad const& x) {
     Reference out;
-    Quad::View const exact = x.mpfr();    // named: mpfr_set may be a macro
+    Quad::View const exact = x.mpfr();  // named: mpfr_set may be a macro
     mpfr_set(out.backend().data(), exact, MPFR_RNDN);
     return out;
 }

@@ -26,15 +26,14 @@ inline constexpr int pack_register = 16;
 /// work(k) for k = 0 ... R - 1, each k a constant: registers in an array are registers only where no loop indexes them.
 template <int R, class Work>
 [[gnu::always_inline]] inline void for_registers(Work work) {
-    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
-        (work(std::integral_constant<int, k>{}), ...);
-    }(std::make_integer_sequence<int, R>{});
+    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) { (work(std::integral_constant<int, k>{}), ...); }
+    (std::make_integer_sequence<int, R>{});
 }
 
 template <class T, int L>
 struct PackShape {
     static_assert(std::same_as<T, float> || std::same_as<T, double>, "lanes are the hardware's numbers");
-    static constexpr int bytes = std::min<int>(pack_register, L * int(sizeof(T)));
+    static constexpr int bytes = std::min<int>(pack_register, L* int(sizeof(T)));
     static_assert(L * int(sizeof(T)) % bytes == 0, "L fills whole registers");
     static constexpr int width = bytes / int(sizeof(T)), registers = L / width;
     using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
@@ -105,7 +104,7 @@ public:
         return *this;
     }
     /// The same number in every lane.
-    [[gnu::always_inline]] explicit Pack(T x) {    // x - 0 is x, also where x is -0
+    [[gnu::always_inline]] explicit Pack(T x) {  // x - 0 is x, also where x is -0
         detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = x - Numbers{}; });
     }
     [[gnu::always_inline]] explicit Pack(int x) : Pack(T(x)) {}

@@ -41,17 +41,15 @@ namespace rlslab {
 /// A plain value of 32 bytes.
 class Quad {
     static constexpr int bits = 113, limbs = (bits + GMP_NUMB_BITS - 1) / GMP_NUMB_BITS;
-    static constexpr mpfr_exp_t last = 16384, first = -16381, least = -16493;    // of 0.1f x 2^e: largest, least normal, least
+    static constexpr mpfr_exp_t last = 16384, first = -16381, least = -16493;  // of 0.1f x 2^e: largest, least normal, least
     mp_limb_t limb_[limbs]{};
     mpfr_exp_t exponent_ = 0;
-    int kind_ = MPFR_ZERO_KIND;    // MPFR's: NaN, infinity, zero, or a regular number; negative with the number
+    int kind_ = MPFR_ZERO_KIND;  // MPFR's: NaN, infinity, zero, or a regular number; negative with the number
 
     static void into_range(mpfr_ptr x, int ternary) {
         if (!mpfr_regular_p(x)) return;
-        if (mpfr_exp_t const e = mpfr_get_exp(x); e > last)
-            mpfr_set_inf(x, mpfr_sgn(x));
-        else if (e < first)
-            into_subnormals(x, ternary);
+        if (mpfr_exp_t const e = mpfr_get_exp(x); e > last) mpfr_set_inf(x, mpfr_sgn(x));
+        else if (e < first) into_subnormals(x, ternary);
     }
     /// What MPFR rounded to 113 bits, `ternary` telling from which side, rounded to the fewer bits that are there.
     [[gnu::noinline]] static void into_subnormals(mpfr_ptr x, int ternary) {
@@ -85,18 +83,14 @@ public:
 
     Quad() = default;
     Quad(std::integral auto n) {
-        if constexpr (sizeof(n) > sizeof(long))    // 64 bits where long has 32
+        if constexpr (sizeof(n) > sizeof(long))  // 64 bits where long has 32
             *this = Quad(long(n >> 32)) * Quad(4294967296.0) + Quad((unsigned long)(n & 0xffffffff));
-        else if constexpr (std::signed_integral<decltype(n)>)
-            *this = of([n](mpfr_ptr x) { return mpfr_set_si(x, long(n), MPFR_RNDN); });
-        else
-            *this = of([n](mpfr_ptr x) { return mpfr_set_ui(x, (unsigned long)(n), MPFR_RNDN); });
+        else if constexpr (std::signed_integral<decltype(n)>) *this = of([n](mpfr_ptr x) { return mpfr_set_si(x, long(n), MPFR_RNDN); });
+        else *this = of([n](mpfr_ptr x) { return mpfr_set_ui(x, (unsigned long)(n), MPFR_RNDN); });
     }
     Quad(std::floating_point auto a) {
-        if constexpr (sizeof(a) > sizeof(double))
-            *this = of([a](mpfr_ptr x) { return mpfr_set_ld(x, a, MPFR_RNDN); });
-        else
-            *this = of([a](mpfr_ptr x) { return mpfr_set_d(x, double(a), MPFR_RNDN); });
+        if constexpr (sizeof(a) > sizeof(double)) *this = of([a](mpfr_ptr x) { return mpfr_set_ld(x, a, MPFR_RNDN); });
+        else *this = of([a](mpfr_ptr x) { return mpfr_set_d(x, double(a), MPFR_RNDN); });
     }
     /// Rounded once, from any length.
     explicit Quad(mpfr_srcptr a) : Quad(of([a](mpfr_ptr x) { return mpfr_set(x, a, MPFR_RNDN); })) {}

@@ -43,14 +43,16 @@ class VariablePrecision {
     double value_ = 0;
     struct AlreadyRounded {};
     VariablePrecision(double x, AlreadyRounded) : value_(x) {}
-    static VariablePrecision rounded(double head, double tail) { return {round_to_bits(head, tail, PrecisionScope::bits()), AlreadyRounded{}}; }
+    static VariablePrecision rounded(double head, double tail) {
+        return {round_to_bits(head, tail, PrecisionScope::bits()), AlreadyRounded{}};
+    }
 
 public:
     VariablePrecision() = default;
     explicit VariablePrecision(double x) : value_(round_to_bits(x, 0, PrecisionScope::bits())) {}
     explicit operator double() const { return value_; }
 
-    friend VariablePrecision operator+(VariablePrecision a, VariablePrecision b) {    // Knuth's TwoSum: the tail is exact
+    friend VariablePrecision operator+(VariablePrecision a, VariablePrecision b) {  // Knuth's TwoSum: the tail is exact
         double const x = a.value_, y = b.value_, sum = x + y, of_y = sum - x, of_x = sum - of_y;
         return rounded(sum, (x - of_x) + (y - of_y));
     }
@@ -59,7 +61,7 @@ public:
         double const product = a.value_ * b.value_;
         return rounded(product, std::fma(a.value_, b.value_, -product));
     }
-    friend VariablePrecision operator/(VariablePrecision a, VariablePrecision b) {    // the remainder is exact
+    friend VariablePrecision operator/(VariablePrecision a, VariablePrecision b) {  // the remainder is exact
         double const quotient = a.value_ / b.value_;
         return rounded(quotient, quotient == 0 ? 0.0 : std::fma(-quotient, b.value_, a.value_) / b.value_);
     }

@@ -14,15 +14,14 @@ namespace rlslab {
 /// Unchecked:   determinism; that copying copies the whole state; that reports do not change what follows.
 ///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.
 template <class F>
-concept RecursiveLeastSquares =
-    Field<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
-    requires(F f, F const c, Regressor<typename F::scalar> psi, typename F::scalar y) {
-        { F::name } -> std::convertible_to<std::string_view>;
-        { f.update(psi, y) } -> std::same_as<Step<typename F::scalar>>;
-        { c.theta() } -> std::convertible_to<Vector<typename F::scalar>>;
-        { c.gain() } -> std::convertible_to<Vector<typename F::scalar>>;
-        { c.stored() } -> std::same_as<Stored<typename F::scalar>>;
-    };
+concept RecursiveLeastSquares = Field<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
+                                requires(F f, F const c, Regressor<typename F::scalar> psi, typename F::scalar y) {
+                                    { F::name } -> std::convertible_to<std::string_view>;
+                                    { f.update(psi, y) } -> std::same_as<Step<typename F::scalar>>;
+                                    { c.theta() } -> std::convertible_to<Vector<typename F::scalar>>;
+                                    { c.gain() } -> std::convertible_to<Vector<typename F::scalar>>;
+                                    { c.stored() } -> std::same_as<Stored<typename F::scalar>>;
+                                };
 
 /// Propagates P, or a factor of it: covariance() multiplies the factors out in the filter's own arithmetic.
 template <class F>
@@ -61,11 +60,10 @@ concept Accumulates = RecursiveLeastSquares<F> && requires(F f, Regressor<typena
 
 /// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row; says how it stands after the last.
 template <class F>
-concept TakesBlocks = RecursiveLeastSquares<F> &&
-                      requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
-                          { F::block } -> std::convertible_to<Index>;
-                          { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
-                      };
+concept TakesBlocks = RecursiveLeastSquares<F> && requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
+    { F::block } -> std::convertible_to<Index>;
+    { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
+};
 
 /// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,
 /// but for rounding, what it would be had it taken newer's rows itself. Associative; an empty newer changes no bit.

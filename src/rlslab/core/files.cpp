@@ -56,7 +56,7 @@ public:
             if (written < 0) return false;
             text.remove_prefix(size_t(written));
         }
-        return ::close(std::exchange(file_, -1)) == 0;    // where a quota or a network tells late
+        return ::close(std::exchange(file_, -1)) == 0;  // where a quota or a network tells late
     }
     bool rename_to(std::filesystem::path const& path) {
         if (::rename(name_.c_str(), path.c_str()) != 0) return false;
@@ -76,7 +76,7 @@ void create_folder(std::filesystem::path const& folder) {
 void replace_file(std::filesystem::path const& path, std::string_view text) {
     static std::mutex one_at_a_time;
     std::lock_guard const lock(one_at_a_time);
-    Unfinished beside(fmt::format("{}.{}.new", path.string(), ::getpid()));    // two runs in one folder do not write into each other's
+    Unfinished beside(fmt::format("{}.{}.new", path.string(), ::getpid()));  // two runs in one folder do not write into each other's
     if (!beside.write(text) || !beside.rename_to(path)) refuse(path, "write", errno);
 }
 
@@ -89,7 +89,8 @@ void remove_leftovers(std::filesystem::path const& folder) {
         if (name.substr(end) != ".new" || point == name.npos) continue;
         pid_t process = 0;
         auto const [rest, wrong] = std::from_chars(name.data() + point + 1, name.data() + end, process);
-        if (wrong == std::errc() && rest == name.data() + end && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) left.push_back(file.path());
+        if (wrong == std::errc() && rest == name.data() + end && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
+            left.push_back(file.path());
     }
     for (auto const& path : left) std::filesystem::remove(path, error);
 }

@@ -27,10 +27,10 @@ inline std::size_t printable_character(std::string_view text) {
         if ((byte(i) & 0xc0) != 0x80) return 0;
         code = code << 6 | (byte(i) & 0x3fu);
     }
-    unsigned const least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0xa0;      // overlong forms, C1 controls
+    unsigned const least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0xa0;  // overlong forms, C1 controls
     bool const surrogate = code >= 0xd800 && code <= 0xdfff;
-    bool const line_or_direction = (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) ||
-                                   (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
+    bool const line_or_direction =
+        (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
     return code < least || code > 0x10ffff || surrogate || line_or_direction ? 0 : length;
 }
 

@@ -27,9 +27,9 @@ using Matrix = Eigen::Matrix<T, N, N, Eigen::DontAlign>;
 /// What is believed before the first row: theta0, and P0 = variance x I or a full P0.
 template <Field T>
 struct Prior {
-    T variance = T(16384);                        ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
-    std::optional<Vector<T>> theta = {};          ///< theta0, size d; absent: 0
-    std::optional<Matrix<T>> covariance = {};     ///< P0, d x d, symmetric positive definite; absent: variance x I
+    T variance = T(16384);                     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
+    std::optional<Vector<T>> theta = {};       ///< theta0, size d; absent: 0
+    std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric positive definite; absent: variance x I
 };
 
 /// Minimise over theta, after k rows,
@@ -37,9 +37,9 @@ struct Prior {
 /// Without a prior the first term is absent; only variants that can start from no information take that.
 template <Field T>
 struct Problem {
-    Index size = 0;                                ///< d >= 1, the number of parameters
-    T forgetting = T(1);                           ///< lambda, 0 < lambda <= 1
-    std::optional<Prior<T>> prior = Prior<T>{};    ///< nullopt: none
+    Index size = 0;                              ///< d >= 1, the number of parameters
+    T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
+    std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 };
 
 /// Breakdown is a result.
@@ -65,9 +65,9 @@ constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
 /// What one update reports.
 template <Field T>
 struct Step {
-    T innovation;                      ///< e = y - psi' theta(k-1)
-    T residual;                        ///< y - psi' theta(k), evaluated as gamma e
-    T gamma;                           ///< conversion factor lambda / s, in (0, 1]; 0 when it underflows
+    T innovation;  ///< e = y - psi' theta(k-1)
+    T residual;    ///< y - psi' theta(k), evaluated as gamma e
+    T gamma;       ///< conversion factor lambda / s, in (0, 1]; 0 when it underflows
     PerLane<T, Health> health = Health::sound;
 };
 
@@ -113,10 +113,9 @@ PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, 
 /// What is not defined: NaN in every scalar that has one.
 template <Field T>
 T undefined() {
-    if constexpr (Real<T>)    // the rationals have none
+    if constexpr (Real<T>)  // the rationals have none
         return T(std::numeric_limits<double>::quiet_NaN());
-    else
-        return T(0);
+    else return T(0);
 }
 
 /// gamma = 0: without a prior, before theta is defined, there is no innovation to report. `seen` is any number that data

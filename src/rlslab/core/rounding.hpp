@@ -50,7 +50,7 @@ template <class T>
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool loses_subnormal_results() {
     T const half = unknown(std::numeric_limits<T>::min()) * unknown(T(0.5));
-    std::uint64_t bits = 0;    // compared as a number it might itself be taken as zero
+    std::uint64_t bits = 0;  // compared as a number it might itself be taken as zero
     std::memcpy(&bits, &half, sizeof half);
     return bits == 0;
 }
@@ -72,7 +72,7 @@ template <class T>
         if (fault) out.push_back(text);
     };
     if (!rounds_to_nearest(0x1p-54) || !rounds_to_nearest(0x1p-25f)) {
-        note(true, "the rounding mode is not to nearest: fesetround(FE_TONEAREST)");    // in which nothing but the format can be told
+        note(true, "the rounding mode is not to nearest: fesetround(FE_TONEAREST)");  // in which nothing but the format can be told
     } else {
         note(fuses(0x1p-30) || fuses(0x1p-13f),
              "products and sums are contracted into one rounding: compile with -ffp-contract=off (rlslab::headers brings it)");
@@ -84,7 +84,8 @@ template <class T>
          "subnormal results are flushed to zero: clear FTZ (a library linked with -ffast-math may have set it)");
     note(loses_subnormal_operands<double>() || loses_subnormal_operands<float>(),
          "subnormal operands are taken as zero: clear DAZ (a library linked with -ffast-math may have set it)");
-    note(FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16, "intermediate results are kept in a longer format (x87): compile with -msse2 -mfpmath=sse");
+    note(FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16,
+         "intermediate results are kept in a longer format (x87): compile with -msse2 -mfpmath=sse");
     return out;
 }
 

@@ -19,6 +19,8 @@ namespace rlslab {
 
 /// An ordered field, as far as arithmetic goes: +, -, x, / and comparisons, built from int and from double.
 /// Unchecked: that the operations round as the arithmetic's name promises (tests/arithmetic*.cpp do that).
+// It would take b * b for a pointer.
+// clang-format off
 template <class T>
 concept Field = std::copyable<T> && std::constructible_from<T, int> && std::constructible_from<T, double> &&
                 requires(T a, T const b) {
@@ -33,6 +35,7 @@ concept Field = std::copyable<T> && std::constructible_from<T, int> && std::cons
                     a /= b;
                     !(b < b) && (b == b);
                 };
+// clang-format on
 
 /// What a comparison of two T answers: bool, or where T is many numbers one truth a lane.
 template <class T>
@@ -64,10 +67,8 @@ concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
 template <Field T>
 [[gnu::always_inline]] inline Truth<T> is_finite(T const& x) {
     using std::isfinite;
-    if constexpr (requires { isfinite(x); })
-        return Truth<T>(isfinite(x));
-    else
-        return true;
+    if constexpr (requires { isfinite(x); }) return Truth<T>(isfinite(x));
+    else return true;
 }
 
 template <Field T>
@@ -76,7 +77,7 @@ T absolute(T const& x) {
 }
 
 template <Real T>
-[[gnu::always_inline]] inline T square_root(T const& x) {    // a call in the middle of a kernel would spill its registers
+[[gnu::always_inline]] inline T square_root(T const& x) {  // a call in the middle of a kernel would spill its registers
     using std::sqrt;
     return sqrt(x);
 }

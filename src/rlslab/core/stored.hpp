@@ -15,7 +15,7 @@ struct Stored {
     enum class Quantity { covariance, information } quantity;
     enum class Form { plain, factor } form;
     Matrix<T> F;
-    Vector<T> D = {};    ///< size 0: the identity
+    Vector<T> D = {};  ///< size 0: the identity
 
     template <class To, class Convert>
     Stored<To> mapped(Convert convert) const {

@@ -23,9 +23,9 @@ struct OverScalar {
 };
 template <class T, class... Kept, class First, class... Rest>
 struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
-    using type = typename OverScalar<
-        T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
-        Rest...>::type;
+    using type =
+        typename OverScalar<T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
+                            Rest...>::type;
 };
 }  // namespace detail
 

@@ -35,9 +35,9 @@ struct Arithmetic {
     std::string_view name;
     int digits, min_exp, max_exp;
     bool stochastic;
-    double (*round)(double);    ///< a datum as this arithmetic stores it; nearest also where the operations are stochastic
+    double (*round)(double);  ///< a datum as this arithmetic stores it; nearest also where the operations are stochastic
     double unit_roundoff() const { return std::ldexp(1.0, -digits); }
-    double decimal_digits() const { return digits * 0.30102999566398120; }    ///< log10 2
+    double decimal_digits() const { return digits * 0.30102999566398120; }  ///< log10 2
 };
 
 /// One (variant, arithmetic) pair.
@@ -45,9 +45,9 @@ struct Entry {
     std::string_view variant;
     Arithmetic const* arithmetic;
     bool starts_without_prior;
-    Index block;                                       ///< rows absorbed at once; 1 for most
-    std::string_view propagates;                       ///< "covariance" or "information"
-    bool gain_perturbable;                             ///< an error in K changes P
+    Index block;                  ///< rows absorbed at once; 1 for most
+    std::string_view propagates;  ///< "covariance" or "information"
+    bool gain_perturbable;        ///< an error in K changes P
     /// The filter for a problem given in binary64; the seed is that of stochastic rounding, unused elsewhere.
     /// Throws std::invalid_argument on misuse.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);

@@ -33,10 +33,8 @@ double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first,
     return nanoseconds_of([&] {
         for (Index k = first; k < last; ++k) {
             Regressor<T> const row(psi.col(k).data(), psi.rows());
-            if constexpr (theta == Theta::unasked && requires { filter.accumulate(row, y[k]); })
-                filter.accumulate(row, y[k]);
-            else
-                filter.update(row, y[k]);
+            if constexpr (theta == Theta::unasked && requires { filter.accumulate(row, y[k]); }) filter.accumulate(row, y[k]);
+            else filter.update(row, y[k]);
             if constexpr (theta == Theta::asked) {
                 auto const& answer = filter.theta();
                 wanted(answer);

@@ -32,8 +32,7 @@ class SparseLdl {
     cholmod_factor* factor_ = nullptr;
 
     /// Columns of Eigen's as CHOLMOD reads them, without a copy; stype -1: of a symmetric matrix the lower triangle.
-    static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values,
-                               int stype) {
+    static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values, int stype) {
         cholmod_sparse A{};
         A.nrow = rows;
         A.ncol = columns;
@@ -58,10 +57,9 @@ class SparseLdl {
     ColumnOfL column(Index j) const {
         int const start = static_cast<int const*>(factor_->p)[j];
         auto const* const value = static_cast<double const*>(factor_->x) + start;
-        return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1,
-                static_cast<int const*>(factor_->nz)[j] - 1};
+        return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1, static_cast<int const*>(factor_->nz)[j] - 1};
     }
-    void solve_lower(Vector<double>& x) const {    // along psi's path where x = psi is sparse: what is zero is passed over
+    void solve_lower(Vector<double>& x) const {  // along psi's path where x = psi is sparse: what is zero is passed over
         for (Index j = 0; j < size(); ++j) {
             if (x[j] == 0) continue;
             ColumnOfL const L = column(j);
@@ -72,14 +70,12 @@ class SparseLdl {
 public:
     /// Factors X, given by its lower triangle.
     explicit SparseLdl(SparseRows const& lower) : work_(std::make_unique<Workspace>()) {
-        cholmod_sparse X = view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(),
-                                lower.valuePtr(), -1);
+        cholmod_sparse X =
+            view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), -1);
         factor_ = cholmod_analyze(&X, &work_->c);
         cholmod_factorize(&X, factor_, &work_->c);
     }
-    SparseLdl(SparseLdl const& other) : work_(std::make_unique<Workspace>()) {
-        factor_ = cholmod_copy_factor(other.factor_, &work_->c);
-    }
+    SparseLdl(SparseLdl const& other) : work_(std::make_unique<Workspace>()) { factor_ = cholmod_copy_factor(other.factor_, &work_->c); }
     SparseLdl(SparseLdl&& other) noexcept { swap(other); }
     SparseLdl& operator=(SparseLdl other) noexcept {
         swap(other);

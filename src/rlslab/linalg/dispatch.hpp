@@ -89,7 +89,7 @@ struct MultiplySquares {
     static constexpr int registers = 8;
     Index d, ld;
     T const *A, *B;
-    Index row, column;    // strides of B
+    Index row, column;  // strides of B
     T* out;
 };
 
@@ -139,7 +139,7 @@ struct SubtractRankTwo {
 template <class T>
 struct OverTriangle {
     static constexpr int registers = 4;
-    static constexpr bool upper = true, writes = true;    // below the diagonal the zeros that it computed
+    static constexpr bool upper = true, writes = true;  // below the diagonal the zeros that it computed
     static constexpr Start starts = Start::zero;
     Index d, ld;
     T *A, *w;
@@ -224,10 +224,10 @@ struct Division {
 };
 template <class T>
 struct Reflection {
-    Index rows, columns;    // of A, what is right of v
+    Index rows, columns;  // of A, what is right of v
     T const* v;
     T tau;
-    T *A, *above, *last;    // above A: its columns' entries in R, the last one's apart
+    T *A, *above, *last;  // above A: its columns' entries in R, the last one's apart
 };
 template <class K>
 concept OnColumns = requires(K k) { k.rows; };

@@ -29,7 +29,7 @@ template <Field T>
 T dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
         return T(0);
-    if constexpr (!std::same_as<Truth<T>, bool>)    // a Pack: one lane after another leaves them in registers
+    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: one lane after another leaves them in registers
         return detail::lanes_summed<0, 1>(x, y, n);
     T lane[8];
     Index const lanes = std::min<Index>(n, 8);

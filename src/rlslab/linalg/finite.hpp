@@ -52,7 +52,7 @@ using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
 /// and max n_j. A factor of 2^10 is left for e, for sums of d terms, and for rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
 template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
-    if constexpr (!Real<T>) {    // the rationals are finite
+    if constexpr (!Real<T>) {  // the rationals are finite
         return true;
     } else {
         using Traits = ArithmeticTraits<T>;
@@ -68,18 +68,20 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
         constexpr int exponent = std::same_as<Bound, T> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
         Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
-        return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);    // q: a pivot may be infinite
+        return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);  // q: a pivot may be infinite
     }
 }
 
 /// Whether theta, which is kept, is finite, and K, solved for from X = L diag(D) L', and the pivots. x is workspace.
 template <Field T, int N>
-Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta, StateVector<T, N> const& psi,
-                        StateVector<T, N>& x) {
-    if constexpr (!Real<T>) return true;    // the rationals are finite
+Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta,
+                        StateVector<T, N> const& psi, StateVector<T, N>& x) {
+    if constexpr (!Real<T>) return true;  // the rationals are finite
     using Bound = BoundOf<T>;
     Truth<T> const kept = all_finite(theta) && all_finite(D);
-    if (all(solved_in_range<T>(x.size(), [&](Index j) { return Bound(X(j, j)); }, [&](Index j) { return Bound(D[j]); }, Bound(1)))) return kept;
+    if (all(solved_in_range<T>(
+            x.size(), [&](Index j) { return Bound(X(j, j)); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
+        return kept;
     Aside<T> const aside;
     x = psi;
     solve_outer(L, D, x);
@@ -111,15 +113,16 @@ class Lengths {
         solve(x);
         return all_finite(x);
     }
-    [[gnu::noinline]] Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
+    [[gnu::noinline]] Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                                      StateVector<T, N>& x) {
         determined_ = nonsingular(L);
         Truth<T> out = solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
         out = out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, b); });
         for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
         return out;
     }
-    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z, StateVector<T, N> const& psi,
-                                             StateVector<T, N>& x) {
+    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z,
+                                             StateVector<T, N> const& psi, StateVector<T, N>& x) {
         Truth<T> out = all_finite(D) && solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
         return out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, D, b); });
     }
@@ -142,14 +145,17 @@ public:
     }
 
     /// The row [psi' y] came under sqrt(lambda) [R z]: whether theta and K, solved for, are finite and so are the pivots. x is workspace.
-    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N>& x) {
-        Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
+                  StateVector<T, N>& x) {
+        Truth<T> const proven = solved_in_range<T>(
+            x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z,
-                  StateVector<T, N>& x) {
-        Truth<T> const proven = solved_in_range<T>(x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
+    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& D,
+                  StateVector<T, N> const& z, StateVector<T, N>& x) {
+        Truth<T> const proven = solved_in_range<T>(
+            x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
     }
     /// The rows [x' y] of A are to come under weight [R z], and have come: the same.
@@ -163,7 +169,8 @@ public:
         }
     }
     Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
-        Truth<T> const proven = solved_in_range<T>(x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
+        Truth<T> const proven = solved_in_range<T>(
+            x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }

@@ -120,7 +120,8 @@ void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVe
 }
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric.
 template <Field T, int N>
-void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
+void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                                DivisorNearOne<T> const& by_r) {
     run_kernel<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 template <Field T, int N>

@@ -53,12 +53,12 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
         T const a = L(i, i);
         T squares = T(0);
         run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
-        Reflector<T> const turn(a, norm(a, squares, v, rows));                                           // (1)
+        Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
         if (all(turn.tau == T(0))) continue;
         run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
         L(i, i) = turn.r;
         ratio *= turn.cosine(a);
-        run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});    // (2)
+        run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});  // (2)
     }
     return ratio;
 }

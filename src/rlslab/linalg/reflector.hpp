@@ -11,7 +11,7 @@ template <Real T>
 [[gnu::noinline]] T norm_scaled(T const& a, T const* x, Index n, Truth<T> const& in_range, T const& plain) {
     T largest = T(0);
     for (Index k = 0; k < n; ++k) {
-        Truth<T> const stays = absolute(x[k]) <= largest || !(largest == largest);    // a NaN stays
+        Truth<T> const stays = absolute(x[k]) <= largest || !(largest == largest);  // a NaN stays
         largest = select(stays, largest, absolute(x[k]));
     }
     Truth<T> const as_it_is = largest == T(0) || !is_finite(largest);
@@ -26,10 +26,8 @@ template <Real T>
     T scaled = square(a);
     for (Index k = 0; k < n; ++k) scaled += square(x[k]);
     T const size = most * square_root(scaled);
-    if constexpr (std::same_as<Truth<T>, bool>)
-        return size;
-    else
-        return select(in_range, square_root(plain), select(as_it_is, largest, size));
+    if constexpr (std::same_as<Truth<T>, bool>) return size;
+    else return select(in_range, square_root(plain), select(as_it_is, largest, size));
 }
 
 /// |(a, x)|, given the squares of x already summed; 0 where x = 0, which asks for no reflection.

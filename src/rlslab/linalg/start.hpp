@@ -26,8 +26,7 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     for (Index j = 0; j < problem.size; ++j)
         if (problem.prior->covariance)
             for (Index i = 0; i < problem.size; ++i) P(i, j) = (*problem.prior->covariance)(i, j);
-        else
-            P(j, j) = problem.prior->variance;
+        else P(j, j) = problem.prior->variance;
     return P;
 }
 

@@ -92,7 +92,7 @@ class StateMatrix {
 public:
     explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
     Index size() const { return N == Dynamic ? size_.value : N; }
-    Index stride() const { return padded<T, N>(size()); }    ///< from one column to the next
+    Index stride() const { return padded<T, N>(size()); }  ///< from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }
     T& operator()(Index i, Index j) { return column(j)[i]; }

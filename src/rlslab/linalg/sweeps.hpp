@@ -23,13 +23,14 @@ void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N
 template <Field T, int N>
 void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<T, N> const& keep, StateVector<T, N> const& mix,
                    DivisorNearOne<T> const& by_r, StateVector<T, N>& v) {
-    run_kernel<T, N>(kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(),
-                                       by_r.correction()});
+    run_kernel<T, N>(
+        kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()});
 }
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.
 template <Real T, int N>
-void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r, StateVector<T, N>& g) {
+void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r,
+                     StateVector<T, N>& g) {
     run_kernel<T, N>(kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()});
 }
 
@@ -83,13 +84,15 @@ T gentleman_weights(StateVector<T, N> const& x, StateVector<T, N> const& D, Stat
 
 /// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.
 template <Field T, int N>
-void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e, StateVector<T, N>& x) {
+void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
+                     StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
 
 /// The rotations (c_i, s_i), i = 1 ... d, that carry x into r R, R = L', and (z, eta) with it.
 template <Real T, int N>
-void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, T const& r, StateVector<T, N>& z, T& eta, StateVector<T, N>& c, StateVector<T, N>& s) {
+void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, T const& r, StateVector<T, N>& z, T& eta, StateVector<T, N>& c,
+               StateVector<T, N>& s) {
     run_kernel<T, N>(kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
 }
 

@@ -22,8 +22,7 @@ constexpr std::string_view separators = ",;\t| ";
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
-    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i)
-        list += (i == 0 ? "" : ", ") + quoted(names[i], 24);
+    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + quoted(names[i], 24);
     return names.size() > shown ? fmt::format("{}, ... ({} in all)", list, names.size()) : list;
 }
 
@@ -36,8 +35,8 @@ char named_separator(std::string_view line) {
 
 /// A row as one separator would have it.
 struct Split {
-    std::size_t cells = 0;       ///< 0: its quotes do not fit
-    bool values = false, words = false;    ///< all cells are values; some are text
+    std::size_t cells = 0;               ///< 0: its quotes do not fit
+    bool values = false, words = false;  ///< all cells are values; some are text
     Split(std::string_view text, char separator) {
         Row row;
         if (row.take(text, separator) != Row::Taken::whole) return;
@@ -55,22 +54,22 @@ struct Split {
 
 struct CsvFile::State {
     Lines lines;
-    CsvFormat format;                                // what is known of it
-    long most;                                       // numbers to be kept
+    CsvFormat format;  // what is known of it
+    long most;         // numbers to be kept
     Row row = {};
     bool header = false, finished = false;
     std::vector<std::string> names = {};
-    long first = 0;                                  // line of the first row, header or not
-    long line = 0;                                   // line on which the row begins
-    std::string whole = {}, below = {};              // a row of several lines; the row below the first, if it was looked at
+    long first = 0;                      // line of the first row, header or not
+    long line = 0;                       // line on which the row begins
+    std::string whole = {}, below = {};  // a row of several lines; the row below the first, if it was looked at
     std::optional<long> below_line = {};
-    long decimal_line = 0;                           // where the first number with a mark stands; 0: nowhere, or it was given
+    long decimal_line = 0;  // where the first number with a mark stands; 0: nowhere, or it was given
     struct Doubt {
         long line;
         std::size_t column;
         std::string cell;
     };
-    std::optional<Doubt> doubt = {};                 // the first cell like "1,234" while the mark is not known
+    std::optional<Doubt> doubt = {};  // the first cell like "1,234" while the mark is not known
 
     [[noreturn]] void fail(long at, std::string const& message) const {
         throw InputError(fmt::format("{}:{}: {}", lines.name(), at, message));
@@ -130,12 +129,12 @@ char CsvFile::State::separator_of(std::string const& text) {
     Split const by_blanks(text, ' ');
     if (quotes.saw(',')) {
         Split const by_commas(text, ',');
-        if (by_blanks.cells > 1 && by_blanks.values && !by_commas.values) return ' ';    // 1,5 2,5
+        if (by_blanks.cells > 1 && by_blanks.values && !by_commas.values) return ' ';  // 1,5 2,5
         return by_commas.words ? ',' : one_column;
     }
     if (by_blanks.cells < 2) return one_column;
     if (by_blanks.values) return ' ';
-    first = line;                                    // from here on, '#' begins a row
+    first = line;  // from here on, '#' begins a row
     auto const next = next_text();
     if (!next) return one_column;
     below = *next;
@@ -144,15 +143,15 @@ char CsvFile::State::separator_of(std::string const& text) {
     if (cells == by_blanks.cells) return ' ';
     if (cells > 1)
         fail(first, fmt::format("expected as many names as cells below, found {} words over {} in line {} (quote a name that holds "
-                                "blanks, or give the separator: --separator)", by_blanks.cells, cells, *below_line));
+                                "blanks, or give the separator: --separator)",
+                                by_blanks.cells, cells, *below_line));
     return one_column;
 }
 
 void CsvFile::State::take(std::string_view text) {
     auto const taken = row.take(text, format.separator);
     if (taken == Row::Taken::open) fail(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
-    if (taken == Row::Taken::broken)
-        fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
+    if (taken == Row::Taken::broken) fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
 }
 
 bool CsvFile::State::first_row() {
@@ -185,7 +184,8 @@ void CsvFile::State::settle_decimal(char mark, std::size_t column) {
         return;
     }
     std::string const as = decimal_line > 0 ? fmt::format(" as in line {}", decimal_line) : "";
-    fail(line, column, fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, quoted(row[column])));
+    fail(line, column,
+         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, quoted(row[column])));
 }
 
 double CsvFile::State::number_in(std::size_t column) {
@@ -208,8 +208,7 @@ CsvFile::CsvFile(ByteSource bytes, std::string file, CsvFormat format, long most
         throw InputError(fmt::format("{}: expected rows of numbers, found {}", s.lines.name(),
                                      s.lines.number() == 0 ? "an empty file" : "only comments and blank lines"));
     for (std::size_t i = 0; i < s.row.size(); ++i) s.header |= reading_of(s.row[i]).kind == Kind::text;
-    for (std::size_t i = 0; i < s.row.size(); ++i)
-        s.names.push_back(s.header ? std::string(s.row[i]) : std::to_string(i + 1));
+    for (std::size_t i = 0; i < s.row.size(); ++i) s.names.push_back(s.header ? std::string(s.row[i]) : std::to_string(i + 1));
 }
 
 CsvFile::CsvFile(CsvFile&&) noexcept = default;
@@ -230,7 +229,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
     Columns data{.file = s.lines.name(), .header = s.header, .names = asked};
     data.values.resize(asked.size());
-    long const most_rows = s.most / long(asked.size() + 1);    // and where each begins
+    long const most_rows = s.most / long(asked.size() + 1);  // and where each begins
     for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();
@@ -242,12 +241,12 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
         data.lines.push_back(s.line);
     }
     if (data.lines.empty())
-        throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file,
-                                     listed(s.names)));
+        throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file, listed(s.names)));
     if (s.doubt && s.format.decimal == 0)
-        s.fail(s.doubt->line, s.doubt->column,
-               fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
-                           quoted(s.doubt->cell)));
+        s.fail(
+            s.doubt->line, s.doubt->column,
+            fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
+                        quoted(s.doubt->cell)));
     return data;
 }
 

@@ -12,11 +12,11 @@ namespace rlslab {
 
 /// Columns of numbers as read; a missing value is NaN.
 struct Columns {
-    std::string file;                           ///< for people: what messages call it
-    bool header = true;                         ///< false: the names are the columns' numbers
-    std::vector<std::string> names = {};        ///< as asked for
-    std::vector<std::vector<double>> values = {};    ///< one per name, of rows() numbers each
-    std::vector<long> lines = {};               ///< rows(): the line of the file on which each row begins, from 1
+    std::string file;                              ///< for people: what messages call it
+    bool header = true;                            ///< false: the names are the columns' numbers
+    std::vector<std::string> names = {};           ///< as asked for
+    std::vector<std::vector<double>> values = {};  ///< one per name, of rows() numbers each
+    std::vector<long> lines = {};                  ///< rows(): the line of the file on which each row begins, from 1
     Index rows() const { return Index(lines.size()); }
     /// The column of that name. Throws std::invalid_argument when it is not among names.
     std::vector<double> const& operator[](std::string const& name) const;
@@ -29,8 +29,8 @@ inline constexpr long most_numbers = 1L << 28;
 
 /// How a text is to be read; 0: to be found out.
 struct CsvFormat {
-    char separator = 0;    ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
-    char decimal = 0;      ///< '.' or ','
+    char separator = 0;  ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
+    char decimal = 0;    ///< '.' or ','
 };
 
 /// A CSV file, opened and its first row read. The format is found out where it is not given:
@@ -55,9 +55,9 @@ public:
     CsvFile& operator=(CsvFile&&) noexcept;
     ~CsvFile();
 
-    std::string const& file() const;                     ///< what messages call it
+    std::string const& file() const;  ///< what messages call it
     bool has_header() const;
-    std::vector<std::string> const& names() const;       ///< one for each column, numbers if there is no header
+    std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
     /// Reads the columns asked for, to the end of the data; other columns may hold anything. Once only.
     /// Throws InputError for a name that is not there or not unique, a cell that is no number, a row of another length,

@@ -54,15 +54,16 @@ Reading with_comma(std::string_view cell, bool plus, std::string_view magnitude)
         auto const fraction = last < magnitude.size() ? magnitude.substr(last + 1) : std::string_view("0");
         return in_groups(magnitude.substr(0, last), between) && (fraction.empty() || all_digits(fraction));
     };
-    bool const english = points <= 1 && grouped_before(magnitude.find('.'), ','), german = commas == 1 && grouped_before(magnitude.find(','), '.');
+    bool const english = points <= 1 && grouped_before(magnitude.find('.'), ','),
+               german = commas == 1 && grouped_before(magnitude.find(','), '.');
     return {english || german ? Kind::grouped : Kind::text};
 }
 
 }  // namespace
 
 Reading reading_of(std::string_view cell) {
-    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") ||
-        same_word(cell, "#n/a") || same_word(cell, "null"))
+    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") || same_word(cell, "#n/a") ||
+        same_word(cell, "null"))
         return {Kind::missing};
     bool const plus = cell[0] == '+';
     std::string_view const magnitude = cell.substr(plus || cell[0] == '-' ? 1 : 0);
@@ -80,8 +81,7 @@ bool is_value(Kind kind) { return kind <= Kind::comma_or_group || kind == Kind::
 std::string complaint(Kind kind, std::string_view cell) {
     switch (kind) {
         case Kind::infinite: return "expected a finite number, found " + quoted(cell);
-        case Kind::out_of_range:
-            return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + quoted(cell);
+        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + quoted(cell);
         case Kind::grouped: return "expected a number without marks between thousands, found " + quoted(cell);
         default: return "expected a number, found " + quoted(cell);
     }

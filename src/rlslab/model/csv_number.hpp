@@ -13,7 +13,7 @@ enum class Kind { whole, point, comma, comma_or_group, grouped, missing, infinit
 
 struct Reading {
     Kind kind;
-    double value = std::numeric_limits<double>::quiet_NaN();    // a comma read as decimal
+    double value = std::numeric_limits<double>::quiet_NaN();  // a comma read as decimal
 };
 Reading reading_of(std::string_view cell);
 

@@ -24,7 +24,9 @@ bool Lines::refill() {
 std::string_view Lines::checked_line(std::string_view line) {
     if (number_ == 1) {
         constexpr std::pair<std::string_view, std::string_view> others[] = {
-            {"\xff\xfe", "UTF-16"}, {"\xfe\xff", "UTF-16"}, {"\x1f\x8b", "gzip's compressed data: unpack them first"},
+            {"\xff\xfe", "UTF-16"},
+            {"\xfe\xff", "UTF-16"},
+            {"\x1f\x8b", "gzip's compressed data: unpack them first"},
             {"PK\x03\x04", "a zip archive or a workbook: save the sheet as CSV"},
             {"\xd0\xcf\x11\xe0", "a workbook: save the sheet as CSV"}};
         for (auto const& [begins, what] : others)
@@ -102,7 +104,7 @@ Row::Taken Row::take(std::string_view row, char separator) {
             if (c != ' ') return Taken::broken;
             at_ = At::closed;
         } else if (at_ == At::start && c == '"') {
-            text_.resize(begin(ends_.size()));       // spaces before the quote
+            text_.resize(begin(ends_.size()));  // spaces before the quote
             at_ = At::quoted;
         } else {
             text_ += c;

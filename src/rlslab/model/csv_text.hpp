@@ -8,7 +8,7 @@
 
 namespace rlslab::csv {
 
-constexpr std::size_t longest_line = 1 << 20;        // no row of numbers comes near; what does is not a CSV file
+constexpr std::size_t longest_line = 1 << 20;  // no row of numbers comes near; what does is not a CSV file
 
 /// "text", shortened and printable.
 std::string quoted(std::string_view text, std::size_t limit = 40);
@@ -20,8 +20,8 @@ class Lines {
     std::string name_;
     ByteSource source_;
     std::vector<char> chunk_;
-    std::string_view rest_;                          // of the chunk
-    std::string line_;                               // one that crosses chunks
+    std::string_view rest_;  // of the chunk
+    std::string line_;       // one that crosses chunks
     long number_ = 0;
 
     bool refill();
@@ -29,10 +29,10 @@ class Lines {
 
 public:
     Lines(ByteSource source, std::string name) : name_(std::move(name)), source_(std::move(source)), chunk_(1 << 16) {}
-    Lines(Lines const&) = delete;                    // rest_ points into chunk_
+    Lines(Lines const&) = delete;  // rest_ points into chunk_
     Lines& operator=(Lines const&) = delete;
     std::string const& name() const { return name_; }
-    long number() const { return number_; }          // of the line last returned
+    long number() const { return number_; }  // of the line last returned
 
     /// The next line without its end, valid until the next call; nullopt at the end of the data.
     std::optional<std::string_view> next();
@@ -40,9 +40,9 @@ public:
 
 /// Follows quotes over the lines of one row, as Row does: one opens at the start of a cell, one within stands doubled.
 class Quotes {
-    std::string_view separators_;                    // all that come into question
+    std::string_view separators_;  // all that come into question
     bool open_ = false, start_ = true, closed_ = false;
-    std::string seen_;                               // separators outside quotes, each once
+    std::string seen_;  // separators outside quotes, each once
 
 public:
     /// separator 0: not known yet.
@@ -56,7 +56,7 @@ public:
 /// blanks and tabs, which may also begin and end the row.
 class Row {
     enum class At { start, bare, quoted, quote, closed };
-    std::string text_;                               // of all cells, without separators
+    std::string text_;  // of all cells, without separators
     std::vector<std::size_t> ends_;
     At at_ = At::start;
 
@@ -67,11 +67,9 @@ class Row {
     }
 
 public:
-    enum class Taken { whole, open, broken };        // open: inside quotes; broken: text behind a closing quote
+    enum class Taken { whole, open, broken };  // open: inside quotes; broken: text behind a closing quote
     std::size_t size() const { return ends_.size(); }
-    std::string_view operator[](std::size_t i) const {
-        return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i)));
-    }
+    std::string_view operator[](std::size_t i) const { return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i))); }
     Taken take(std::string_view row, char separator);
 };
 

@@ -11,7 +11,7 @@ namespace rlslab {
 namespace {
 
 constexpr double most_bias = 1e-3, most_component = 1e-2;
-constexpr int least_exponent = 5, largest_exponent = 500;    // of c, and of every c / s_i
+constexpr int least_exponent = 5, largest_exponent = 500;  // of c, and of every c / s_i
 
 /// k of s = 2^k, where mean squares in [2^(2k-1), 2^(2k+1)) share s.
 int scale_exponent(Eigen::Ref<Eigen::RowVectorXd const> const& row) {
@@ -20,20 +20,21 @@ int scale_exponent(Eigen::Ref<Eigen::RowVectorXd const> const& row) {
     if (largest == 0) return 0;
     int of_largest = 0, of_mean = 0;
     std::frexp(largest, &of_largest);
-    double sum = 0;    // squares of numbers below 1: no overflow, and what underflows does not count
+    double sum = 0;  // squares of numbers below 1: no overflow, and what underflows does not count
     for (Index k = 0; k < row.size(); ++k) {
         double const x = std::ldexp(row[k], -of_largest);
         sum += x * x;
     }
-    std::frexp(sum / double(row.size()), &of_mean);    // the mean square lies in [2^(e-1), 2^e)
-    return of_largest + (of_mean >> 1);                // floor(e / 2)
+    std::frexp(sum / double(row.size()), &of_mean);  // the mean square lies in [2^(e-1), 2^e)
+    return of_largest + (of_mean >> 1);              // floor(e / 2)
 }
 
 }  // namespace
 
 Vector<double> regressor_scales(Records const& records) {
     Vector<double> s(records.parameters());
-    for (Index i = 0; i < records.parameters(); ++i) s[i] = std::ldexp(1.0, std::clamp(scale_exponent(records.psi.row(i)), -largest_exponent, largest_exponent));
+    for (Index i = 0; i < records.parameters(); ++i)
+        s[i] = std::ldexp(1.0, std::clamp(scale_exponent(records.psi.row(i)), -largest_exponent, largest_exponent));
     return s;
 }
 
@@ -54,7 +55,7 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
     auto const minimiser = [&] { return certified(problem, records, {records.rows()}).front(); };
     struct Free {
         double lambda;
-        CertifiedSolution theta;    // without a prior
+        CertifiedSolution theta;  // without a prior
     };
     std::vector<Free> free;
     for (double const lambda : {1.0, forgetting}) {
@@ -70,14 +71,14 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
         CertifiedSolution const with = minimiser();
         return Moved{relative_change(with, without.theta, out.s), largest_relative_change(with, without.theta, out.s)};
     };
-    auto const room = [&] { return largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff()); };    // for doublings of c
+    auto const room = [&] { return largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff()); };  // for doublings of c
     // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
     for (Free const& without : free)
         for (;;) {
             double const bias = moved_by(without).theta;
             if (!(bias > most_bias) || room() <= 0) break;
             int doublings = 0;
-            bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;    // t in [2^(e-1), 2^e)
+            bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;  // t in [2^(e-1), 2^e)
             out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room()));
         }
     // No such law holds for a component: c is doubled until it does.

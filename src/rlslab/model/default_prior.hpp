@@ -21,18 +21,19 @@ namespace rlslab {
 /// P0 and its root are powers of two: exact in any arithmetic whose exponents reach them. A column multiplied by a power of two
 /// changes s_i and the other numbers by exactly that power, and no digit of anything.
 struct DefaultPrior {
-    Vector<double> s;     ///< d
+    Vector<double> s;  ///< d
     double c;
-    double bias;          ///< |theta - theta_LS| / |theta_LS| of (3), the larger of the two; NaN: the data do not determine theta
-    double worst;         ///< the same of (4), of the worst component
-    bool reached;         ///< (3) and (4); false also where c had to stop lest some P0_ii leave [2^-1000, 2^1000]
+    double bias;   ///< |theta - theta_LS| / |theta_LS| of (3), the larger of the two; NaN: the data do not determine theta
+    double worst;  ///< the same of (4), of the worst component
+    bool reached;  ///< (3) and (4); false also where c had to stop lest some P0_ii leave [2^-1000, 2^1000]
 
     Prior<double> prior() const;
 };
 
 /// (1) to (5) in one line of text, for people.
-inline constexpr char default_prior_formula[] = "P0_ii = (c / s_i)^2, s_i = rms of regressor i rounded to a power of two, c the least power of two from 32 "
-                                                "on that moves theta by at most 1e-3 and each of its components by at most 1e-2";
+inline constexpr char default_prior_formula[] =
+    "P0_ii = (c / s_i)^2, s_i = rms of regressor i rounded to a power of two, c the least power of two from 32 "
+    "on that moves theta by at most 1e-3 and each of its components by at most 1e-2";
 
 /// Cost: about twice to ten times that of `certified` for one step. Throws std::invalid_argument for data that are not finite.
 DefaultPrior default_prior(Records const& records, double forgetting);

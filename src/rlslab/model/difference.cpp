@@ -69,9 +69,8 @@ DifferenceEquation random_stable(int order, Seed seed) {
     };
     for (int left = order; left > 0; left -= 2) {
         double const radius = 0.3 + 0.65 * seed.uniform();
-        if (left == 1)
-            times({1, seed.uniform() < 0.5 ? radius : -radius});
-        else    // a pair at radius, cos of its angle uniform
+        if (left == 1) times({1, seed.uniform() < 0.5 ? radius : -radius});
+        else  // a pair at radius, cos of its angle uniform
             times({1, -2 * radius * (2 * seed.uniform() - 1), radius * radius});
     }
     DifferenceEquation out{.a = {a.begin() + 1, a.end()}, .b = {{}}, .delay = 0, .c = 0};

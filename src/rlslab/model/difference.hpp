@@ -10,8 +10,8 @@ namespace rlslab {
 
 /// y_k + a_1 y_{k-1} + ... + a_na y_{k-na} = sum_j (b_{j,0} u_{j,k-delay} + ... + b_{j,nb} u_{j,k-delay-nb}) + c + xi_k.
 struct DifferenceEquation {
-    std::vector<double> a;                     ///< a_1 ... a_na
-    std::vector<std::vector<double>> b;        ///< one polynomial b_0 ... b_nb for each input
+    std::vector<double> a;               ///< a_1 ... a_na
+    std::vector<std::vector<double>> b;  ///< one polynomial b_0 ... b_nb for each input
     int delay = 0;
     double c = 0;
 

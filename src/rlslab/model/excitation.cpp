@@ -32,7 +32,8 @@ double resolution_of(Signal const& x) {
     for (size_t k = 1; k < sorted.size(); ++k) levels += sorted[k] != sorted[k - 1];
     if (levels <= few) return rounding;
     for (double scale = 1; scale <= 1e12; scale *= 10)
-        if (std::ranges::all_of(x, [&](double v) { return std::abs(v * scale - std::nearbyint(v * scale)) <= 0x1p-50 * std::abs(v * scale); }))
+        if (std::ranges::all_of(x,
+                                [&](double v) { return std::abs(v * scale - std::nearbyint(v * scale)) <= 0x1p-50 * std::abs(v * scale); }))
             return std::max(1 / scale, rounding);
     double unit = INFINITY;
     for (size_t k = 1; k < sorted.size(); ++k) {
@@ -89,7 +90,7 @@ Excitation excitation(Signal const& u, Index most, std::function<void(double)> c
     out.resolution = resolution_of(u);
     while (out.constant_at_start < Index(u.size()) && u[size_t(out.constant_at_start)] == u[0]) ++out.constant_at_start;
     if (out.constant_at_start == 1) out.constant_at_start = 0;
-    double const noise = out.resolution * std::sqrt(4.0 / 12);    // roots are compared: squares may underflow
+    double const noise = out.resolution * std::sqrt(4.0 / 12);  // roots are compared: squares may underflow
     bool unbroken = true;
     for (Index n = 1; n <= most && 2 * n - 1 <= Index(u.size()); ++n) {
         Records const v = windows(u, n);

@@ -21,18 +21,18 @@ bool diagonally_dominant(Matrix<double> const& R);
 /// What is known of one order n.
 struct ExcitationOrder {
     Index order;
-    bool definite;           ///< the sign of the least eigenvalue of sum v_k v_k', decided exactly for the stored numbers
-    double condition;        ///< kappa_2 of the matrix of the v_k, to about 12 digits; infinity when singular
-    double least;            ///< the least eigenvalue of R_x, (largest eigenvalue) / condition^2
-    bool resolved;           ///< least is above what rounding of the record's numbers to its resolution makes by itself
+    bool definite;     ///< the sign of the least eigenvalue of sum v_k v_k', decided exactly for the stored numbers
+    double condition;  ///< kappa_2 of the matrix of the v_k, to about 12 digits; infinity when singular
+    double least;      ///< the least eigenvalue of R_x, (largest eigenvalue) / condition^2
+    bool resolved;     ///< least is above what rounding of the record's numbers to its resolution makes by itself
 };
 
 struct Excitation {
-    Index order = 0;                       ///< the largest n up to which all are definite and resolved
-    Index exact_order = 0;                 ///< the largest n up to which all are definite
-    double resolution = 0;                 ///< the unit of which all the record's numbers are multiples, as near as they say
-    Index constant_at_start = 0;                       ///< samples at the start over which the input does not change
-    std::vector<ExcitationOrder> orders;   ///< n = 1 ... most, or up to the first that is singular
+    Index order = 0;                      ///< the largest n up to which all are definite and resolved
+    Index exact_order = 0;                ///< the largest n up to which all are definite
+    double resolution = 0;                ///< the unit of which all the record's numbers are multiples, as near as they say
+    Index constant_at_start = 0;          ///< samples at the start over which the input does not change
+    std::vector<ExcitationOrder> orders;  ///< n = 1 ... most, or up to the first that is singular
 };
 
 /// u is exciting of order n when R_u (n x n) is positive definite; a model of order m with input terms u_k ... u_{k-m} needs

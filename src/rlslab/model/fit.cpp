@@ -17,7 +17,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Powers of two that bring every column of Phi, and Y, to entries below 1. Scaling by them is exact, and but for overflow and
 /// underflow commutes with all that follows: a fit does not depend on the units of the data.
 struct Units {
-    std::vector<int> psi;    // e_j
+    std::vector<int> psi;  // e_j
     int largest = 0, y;
 
     template <class Numbers>
@@ -87,14 +87,15 @@ Matrix<double> inverse_gram(StateMatrix<double> const& L) {
 /// enough to have the rotations go on for ever.) Some ten sweeps are usual; after fifteen, a pair is orthogonal that rounding may
 /// keep from being more so: without that, one problem in some thousands of lower rank went on for ever at any scale.
 struct Singular {
-    static constexpr double least = 0x1p-440;    // of the largest singular value: below, nothing is known of a direction
+    static constexpr double least = 0x1p-440;  // of the largest singular value: below, nothing is known of a direction
     static constexpr int most_sweeps = 60;
-    Matrix<double> W, U;    // R' = W U', columns of W orthogonal
+    Matrix<double> W, U;  // R' = W U', columns of W orthogonal
     Vector<double> sigma;
     int sweeps = 0;
     bool orthogonal = false;
 
-    Singular(StateMatrix<double> const& L, Units const& units) : W(L.view()), U(Matrix<double>::Identity(L.size(), L.size())), sigma(L.size()) {
+    Singular(StateMatrix<double> const& L, Units const& units)
+        : W(L.view()), U(Matrix<double>::Identity(L.size(), L.size())), sigma(L.size()) {
         Index const d = L.size();
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) {
@@ -115,7 +116,7 @@ struct Singular {
             for (Index p = 0; p < d; ++p)
                 for (Index q = p + 1; q < d; ++q) {
                     double const a = inner(p, p), b = inner(q, q), c = inner(p, q);
-                    if (std::min(a, b) < 0x1p-900 || !(std::abs(c) > rounding * std::sqrt(a) * std::sqrt(b))) continue;    // NaN ends it
+                    if (std::min(a, b) < 0x1p-900 || !(std::abs(c) > rounding * std::sqrt(a) * std::sqrt(b))) continue;  // NaN ends it
                     orthogonal = false;
                     double const tau = (b - a) / (2 * c), t = (tau >= 0 ? 1 : -1) / (std::abs(tau) + std::sqrt(1 + tau * tau));
                     double const cosine = 1 / std::sqrt(1 + t * t);
@@ -192,7 +193,7 @@ void solve_by_svd(Triangle const& triangle, Units const& units, Index rows, doub
 
 double fit_percent(Vector<double> const& y, Vector<double> const& predicted) {
     Index const N = y.size();
-    int const unit = Units::above(std::max(Units::size_of(y), Units::size_of(predicted)));    // squares neither overflow nor vanish
+    int const unit = Units::above(std::max(Units::size_of(y), Units::size_of(predicted)));  // squares neither overflow nor vanish
     auto const at = [unit](Vector<double> const& x, Index k) { return std::scalbn(x[k], -unit); };
     double mean = 0, missed = 0, spread = 0;
     for (Index k = 0; k < N; ++k) mean += at(y, k) / double(N);

@@ -43,7 +43,8 @@ std::vector<Lagged> lagged_of(std::string const& option, std::vector<std::string
         std::string_view const word = trimmed(raw);
         auto const refuse = [&](std::string const& why) { throw InputError(fmt::format("{}: {}: {}", option, printable(word), why)); };
         auto const unclear = [&] {
-            throw InputError(fmt::format("{}: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \"{}\"", option, printable(word)));
+            throw InputError(
+                fmt::format("{}: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \"{}\"", option, printable(word)));
         };
         if (word.empty()) unclear();
         if (!word.ends_with(']')) {
@@ -60,7 +61,8 @@ std::vector<Lagged> lagged_of(std::string const& option, std::vector<std::string
             if (*from < 0 || *to < 0) refuse("lies in the future: expected k, or k-1 and further back");
             if (*from > largest_lag || *to > largest_lag) refuse(fmt::format("expected a lag of at most {}", largest_lag));
             if (*from > *to) refuse(fmt::format("expected the nearer lag first, as in {}[k-{}..k-{}]", printable(column), *to, *from));
-            if (column == output && *from == 0) refuse(fmt::format("is what the model is to give: expected {}[k-1] or further back", printable(output)));
+            if (column == output && *from == 0)
+                refuse(fmt::format("is what the model is to give: expected {}[k-1] or further back", printable(output)));
             if (*to - *from >= most_regressors) refuse(fmt::format("expected at most {} regressors", most_regressors));
             for (long lag = *from; lag <= *to; ++lag) out.push_back({column, int(lag)});
         }

@@ -12,7 +12,7 @@ namespace rlslab {
 struct Lagged {
     std::string column;
     int lag = 0;
-    bool plain = false;    ///< written without brackets
+    bool plain = false;  ///< written without brackets
     friend bool operator==(Lagged const&, Lagged const&) = default;
 };
 

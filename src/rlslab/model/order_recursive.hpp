@@ -9,8 +9,8 @@ namespace rlslab {
 /// says how much new the column brings.
 template <Field T>
 struct AppendedColumn {
-    T pivot, relative;    ///< 1/beta and (1/beta) / x'x
-    Health health;        ///< indefinite: pivot <= 0, which no data give but by rounding; nonfinite
+    T pivot, relative;  ///< 1/beta and (1/beta) / x'x
+    Health health;      ///< indefinite: pivot <= 0, which no data give but by rounding; nonfinite
 };
 
 /// Of Y = Phi theta + xi, columns X_1 ... X_d of Phi appended one after another, propagates P_d = (Phi'Phi)^-1, theta_d and J_d.
@@ -46,20 +46,20 @@ public:
         Index const d = size_;
         expects(x.size() == Y_.size() && d < theta_.size(), "a column of Y's length, no more than were announced");
         Vector<T> c(d), g(d);
-        for (Index i = 0; i < d; ++i) c[i] = inner(Phi_.col(i), x);                                      // (1)
+        for (Index i = 0; i < d; ++i) c[i] = inner(Phi_.col(i), x);  // (1)
         for (Index i = 0; i < d; ++i) g[i] = dot(P_.col(i).data(), c.data(), d);
-        T const square = inner(x, x), pivot = square - (d > 0 ? inner(c, g) : T(0));                     // (2)
+        T const square = inner(x, x), pivot = square - (d > 0 ? inner(c, g) : T(0));  // (2)
         bool const sound = T(0) < pivot && is_finite(pivot);
         T const beta = sound ? T(1) / pivot : undefined<T>();
         for (Index j = 0; j < d; ++j) {
-            for (Index i = 0; i < d; ++i) P_(i, j) += beta * (g[i] * g[j]);                              // (3)
+            for (Index i = 0; i < d; ++i) P_(i, j) += beta * (g[i] * g[j]);  // (3)
             P_(j, d) = P_(d, j) = -(beta * g[j]);
         }
         P_(d, d) = beta;
-        T const t = beta * inner(x, residual_);                                                          // (4)
+        T const t = beta * inner(x, residual_);  // (4)
         for (Index i = 0; i < d; ++i) theta_[i] -= t * g[i];
         theta_[d] = t;
-        J_ -= t * t * pivot;                                                                             // (5)
+        J_ -= t * t * pivot;  // (5)
         Phi_.col(d) = x;
         ++size_;
         for (Index k = 0; k < Y_.size(); ++k) {
@@ -70,7 +70,7 @@ public:
         return {pivot, pivot / square, sound ? Health::sound : is_finite(pivot) ? Health::indefinite : Health::nonfinite};
     }
 
-    Index size() const { return size_; }    ///< columns so far
+    Index size() const { return size_; }  ///< columns so far
     auto theta() const { return theta_.head(size_); }
     auto covariance() const { return P_.topLeftCorner(size_, size_); }
     auto residuals() const { return Vector<T>(residual_); }

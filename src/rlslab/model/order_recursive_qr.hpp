@@ -15,7 +15,7 @@ namespace rlslab {
 /// Source: Golub 1965; Golub & Van Loan 2013, 6.5.2 (appending a column); docs/theory.md 11.
 template <Real T>
 class OrderRecursiveQr {
-    Matrix<T> V_, L_;    // reflections I - tau v v' with v_d = 1; R'
+    Matrix<T> V_, L_;  // reflections I - tau v v' with v_d = 1; R'
     Vector<T> tau_, w_;
     Index size_ = 0;
 
@@ -38,22 +38,22 @@ public:
         Index const d = size_, N = w_.size();
         expects(x.size() == N && d < tau_.size() && d < N, "a column of Y's length, no more than were announced or fit");
         T const square = dot(x.data(), x.data(), N);
-        for (Index j = 0; j < d; ++j) reflect(x, j);                                                     // (1)
+        for (Index j = 0; j < d; ++j) reflect(x, j);  // (1)
         for (Index j = 0; j < d; ++j) L_(d, j) = x[j];
-        T const pivot = dot(x.data() + d, x.data() + d, N - d), length = square_root(pivot);             // (2)
+        T const pivot = dot(x.data() + d, x.data() + d, N - d), length = square_root(pivot);  // (2)
         T const r = x[d] < T(0) ? length : T(-length);
         L_(d, d) = r;
         bool const sound = T(0) < pivot && is_finite(pivot);
         tau_[d] = sound ? (r - x[d]) / r : T(0);
         V_(d, d) = T(1);
         for (Index k = d + 1; k < N; ++k) V_(k, d) = sound ? x[k] / (x[d] - r) : T(0);
-        reflect(w_, d);                                                                                  // (3)
+        reflect(w_, d);  // (3)
         ++size_;
         return {pivot, pivot / square, sound ? Health::sound : is_finite(pivot) ? Health::indefinite : Health::nonfinite};
     }
 
     Index size() const { return size_; }
-    Vector<T> theta() const {                                                                            // (4)
+    Vector<T> theta() const {  // (4)
         StateMatrix<T> L(size_);
         for (Index j = 0; j < size_; ++j)
             for (Index i = j; i < size_; ++i) L(i, j) = L_(i, j);
@@ -62,7 +62,7 @@ public:
         return x;
     }
     T J() const { return dot(w_.data() + size_, w_.data() + size_, w_.size() - size_); }
-    Matrix<T> root() const { return L_.topLeftCorner(size_, size_).transpose(); }    ///< R
+    Matrix<T> root() const { return L_.topLeftCorner(size_, size_).transpose(); }  ///< R
 };
 
 }  // namespace rlslab

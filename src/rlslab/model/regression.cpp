@@ -17,14 +17,13 @@ std::string counted(Index n, std::string_view what) { return fmt::format("{} {}{
 
 void expect_rows(std::string const& file, Index size, Index rows) {
     if (rows < size)
-        fail(file, fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "",
-                               counted(size, "row"), rows));
+        fail(file,
+             fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), rows));
 }
 
 /// Rows first ... of y = psi' theta; write(k, psi) fills in the regressor of row k, NaN where a value is missing.
 template <class Write>
-Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first,
-                  Write const& write) {
+Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first, Write const& write) {
     Index const size = Index(names.size()), rows = Index(y.size());
     expect_rows(file, size, rows);
     Index const most = std::max(Index(0), rows - first);
@@ -39,9 +38,8 @@ Records collected(std::string const& file, std::span<double const> y, std::vecto
     records.presample = rows - most;
     if (used < size) {
         std::string const history = records.presample > 0 ? fmt::format(" a presample of {} and", records.presample) : "";
-        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values",
-                               counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), used, history,
-                               records.skipped));
+        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values", counted(size, "parameter"),
+                               size == 1 ? "s" : "", counted(size, "row"), used, history, records.skipped));
     }
     if (used < most) {
         records.psi.conservativeResize(Eigen::NoChange, used);
@@ -57,8 +55,7 @@ Arx arx_of_order(int order) {
     return {.na = order, .nb = order};
 }
 
-Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
-                       bool intercept) {
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept) {
     if (regressors.empty()) fail(data.file, "expected the name of a regressor at least");
     std::vector<Lagged> now;
     for (auto const& name : regressors) {
@@ -85,7 +82,7 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
         expects(0 <= r.lag && (r.column != output || r.lag > 0), "regressors of the present and the past, outputs of the past");
         bool const past_output = r.column == output;
         std::string const name = r.plain ? r.column : text_of(r);
-        names.push_back((past_output ? "-" : "") + (data.header ? name : "column " + name));      // a column "1" is not the intercept
+        names.push_back((past_output ? "-" : "") + (data.header ? name : "column " + name));  // a column "1" is not the intercept
         sources.push_back({data[r.column].data(), r.lag, past_output ? -1.0 : 1.0});
         first = std::max(first, Index(r.lag));
     }
@@ -95,18 +92,20 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
     });
 }
 
-Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
-                    Arx const& model, std::string const& file) {
-    expects(Index(inputs.size()) == model.inputs && inputs.size() == input_names.size(), "as many inputs, and names of them, as the model has");
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,
+                    std::span<double const> y, Arx const& model, std::string const& file) {
+    expects(Index(inputs.size()) == model.inputs && inputs.size() == input_names.size(),
+            "as many inputs, and names of them, as the model has");
     for (auto const& u : inputs) expects(u.size() == y.size(), "input and output of equal length");
     if (model.na < 0) fail("", fmt::format("na: expected at least 0, found {}", model.na));
     if (model.nb < 0) fail("", fmt::format("nb: expected at least 0, found {}", model.nb));
     if (model.delay < 0) fail("", fmt::format("delay: expected at least 0, found {}", model.delay));
-    expect_rows(file, model.size(), Index(y.size()));        // before names are made: a mistyped order may be huge
+    expect_rows(file, model.size(), Index(y.size()));  // before names are made: a mistyped order may be huge
     std::vector<std::string> names;
     for (int i = 1; i <= model.na; ++i) names.push_back(fmt::format("a{}", i));
     for (std::string const& input : input_names)
-        for (int i = 0; i <= model.nb; ++i) names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
+        for (int i = 0; i <= model.nb; ++i)
+            names.push_back(input_names.size() == 1 ? fmt::format("b{}", i) : fmt::format("b{}[{}]", i, input));
     if (model.intercept) names.push_back("c");
     return collected(file, y, std::move(names), model.presample(), [&](Index k, std::span<double> psi) {
         auto next = psi.begin();

@@ -16,11 +16,11 @@ namespace rlslab {
 ///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
 /// With several inputs a polynomial b for each, one after another.
 struct Arx {
-    int na, nb;                    ///< >= 0; na = 0: a finite impulse response
-    int delay = 0;                 ///< >= 0
+    int na, nb;     ///< >= 0; na = 0: a finite impulse response
+    int delay = 0;  ///< >= 0
     bool intercept = false;
-    int inputs = 1;                ///< >= 1
-    Index size() const { return Index(na) + Index(inputs) * (nb + 1) + intercept; }    ///< d
+    int inputs = 1;                                                                  ///< >= 1
+    Index size() const { return Index(na) + Index(inputs) * (nb + 1) + intercept; }  ///< d
     Index presample() const { return std::max(Index(na), Index(nb) + delay); }       ///< rows without full history
 };
 
@@ -30,8 +30,7 @@ Arx arx_of_order(int order);
 /// Every row y = regressors' theta of the data whose values are all there; an intercept is a 1 put first.
 /// psi is d x N, d = regressors.size() + intercept. Throws InputError for no regressor, one named twice or as output,
 /// fewer than d usable rows; std::invalid_argument for a column that was not read.
-Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
-                       bool intercept = false);
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept = false);
 
 /// The same on present and past values: y[k] = sum of (u[k-lag], or -y[k-lag] for the output as in Arx) times theta, on every row from
 /// the longest lag on. Names: "-y[k-1]", "u[k-3]"; of a plain regressor its column's. Throws InputError for fewer than d usable rows;
@@ -41,12 +40,11 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
 /// Every row of the model's equation on u and y (equally long; NaN: missing) whose values are all there.
 /// psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and fewer than d usable rows;
 /// messages about rows begin with `file`.
-Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
-                    std::string const& file = "");
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file = "");
 
 /// The same for several inputs; the parameters of input "u2" are called b0[u2] ...
-Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names, std::span<double const> y,
-                    Arx const& model, std::string const& file = "");
+Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,
+                    std::span<double const> y, Arx const& model, std::string const& file = "");
 
 /// The same on two columns. Throws InputError if input and output are one column, too.
 Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);

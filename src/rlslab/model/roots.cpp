@@ -89,11 +89,13 @@ void start(acb_ptr z, fmpz_poly_struct const* p) {
         fmpz_poly_get_coeff_fmpz(c, p, i);
         if (fmpz_is_zero(c)) continue;
         Corner const next{i, long(fmpz_bits(c))};
-        auto const below = [&](Corner const& a, Corner const& b) { return (b.log - a.log) * (next.i - a.i) <= (next.log - a.log) * (b.i - a.i); };
+        auto const below = [&](Corner const& a, Corner const& b) {
+            return (b.log - a.log) * (next.i - a.i) <= (next.log - a.log) * (b.i - a.i);
+        };
         while (hull.size() > 1 && below(hull[hull.size() - 2], hull.back())) hull.pop_back();
         hull.push_back(next);
     }
-    long k = hull.front().i;    // a factor z, once: at zero
+    long k = hull.front().i;  // a factor z, once: at zero
     for (size_t e = 0; e + 1 < hull.size(); ++e) {
         long const n = hull[e + 1].i - hull[e].i, fall = hull[e].log - hull[e + 1].log;
         for (long m = 0; m < n; ++m, ++k) {

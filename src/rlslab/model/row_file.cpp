@@ -13,24 +13,20 @@ namespace rlslab {
 
 RowFile::RowFile(std::string const& path, Index size) : file_(printable(path, 200)), size_(size), descriptor_(-1) {
     expects(size >= 1 && size < (Index{1} << 48), "1 <= size < 2^48");
-    descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);    // a pipe nobody writes to is not waited for
+    descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe nobody writes to is not waited for
     if (descriptor_ < 0) throw InputError(fmt::format("{}: {}", file_, std::strerror(errno)));
     struct stat about;
     std::string wrong;
     Index const row = (size + 1) * Index(sizeof(double));
-    if (fstat(descriptor_, &about) != 0)
-        wrong = std::strerror(errno);
-    else if (S_ISDIR(about.st_mode))
-        wrong = "is a directory";
-    else if (!S_ISREG(about.st_mode))
-        wrong = "is not a regular file";
-    else if (about.st_size == 0)
-        wrong = "is empty";
+    if (fstat(descriptor_, &about) != 0) wrong = std::strerror(errno);
+    else if (S_ISDIR(about.st_mode)) wrong = "is a directory";
+    else if (!S_ISREG(about.st_mode)) wrong = "is not a regular file";
+    else if (about.st_size == 0) wrong = "is empty";
     else if (about.st_size % row != 0)
-        wrong = fmt::format("expected rows of {} numbers ({} bytes each), found {} bytes: {} more than whole rows", size + 1,
-                            row, about.st_size, about.st_size % row);
+        wrong = fmt::format("expected rows of {} numbers ({} bytes each), found {} bytes: {} more than whole rows", size + 1, row,
+                            about.st_size, about.st_size % row);
     if (!wrong.empty()) {
-        close(descriptor_);    // the destructor is not run
+        close(descriptor_);  // the destructor is not run
         throw InputError(file_ + ": " + wrong);
     }
     rows_ = about.st_size / row;

@@ -19,9 +19,9 @@ public:
     RowFile& operator=(RowFile const&) = delete;
     ~RowFile();
 
-    std::string const& file() const { return file_; }    ///< what messages call it
-    Index size() const { return size_; }                 ///< d
-    Index rows() const { return rows_; }                 ///< N
+    std::string const& file() const { return file_; }  ///< what messages call it
+    Index size() const { return size_; }               ///< d
+    Index rows() const { return rows_; }               ///< N
 
     /// Rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block, which must be contiguous.
     /// Throws InputError when the disk fails or the file has become shorter; std::invalid_argument beyond the last row.

@@ -29,10 +29,11 @@ Signal prbs(int m, Index n, Index hold) {
     expects(2 <= m && m <= 20, "a register of 2 to 20 cells");
     expects(n >= 0 && hold >= 1, "a number of samples, and at least one to hold a level");
     // Which cells are added to what is shifted in; a primitive polynomial for each m (tests count the periods).
-    constexpr std::array<std::array<int, 4>, 21> taps{{{}, {}, {2, 1}, {3, 2}, {4, 3}, {5, 3}, {6, 5}, {7, 6}, {8, 6, 5, 4}, {9, 5}, {10, 7},
-                                                       {11, 9}, {12, 6, 4, 1}, {13, 4, 3, 1}, {14, 5, 3, 1}, {15, 14}, {16, 15, 13, 4},
-                                                       {17, 14}, {18, 11}, {19, 6, 2, 1}, {20, 17}}};
-    unsigned cells = (1u << m) - 1;    // cell i is bit i - 1
+    constexpr std::array<std::array<int, 4>, 21> taps{
+        {{},      {},      {2, 1},        {3, 2},        {4, 3},        {5, 3},   {6, 5},          {7, 6},   {8, 6, 5, 4}, {9, 5},
+         {10, 7}, {11, 9}, {12, 6, 4, 1}, {13, 4, 3, 1}, {14, 5, 3, 1}, {15, 14}, {16, 15, 13, 4}, {17, 14}, {18, 11},     {19, 6, 2, 1},
+         {20, 17}}};
+    unsigned cells = (1u << m) - 1;  // cell i is bit i - 1
     Signal out(size_t(n), 0.0);
     for (Index k = 0; k < n; ++k) {
         out[size_t(k)] = cells >> (m - 1) & 1 ? 1.0 : -1.0;
@@ -49,7 +50,7 @@ Signal multisine(Index n, int harmonics) {
     expects(harmonics >= 1 && 2 * Index(harmonics) < n, "at least one harmonic, and fewer than half the samples");
     using boost::math::constants::pi;
     Signal out(size_t(n), 0.0);
-    Reference const scale = sqrt(Reference(2) / harmonics);    // n/2 is what each cosine squared sums to
+    Reference const scale = sqrt(Reference(2) / harmonics);  // n/2 is what each cosine squared sums to
     for (Index k = 0; k < n; ++k) {
         Reference sum = 0;
         for (Index h = 1; h <= harmonics; ++h)

@@ -7,7 +7,7 @@
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/problem.hpp>
 
-#if __has_include(<flint/arb.h>)    // FLINT 3 has Arb inside
+#if __has_include(<flint/arb.h>)  // FLINT 3 has Arb inside
 #include <flint/arb.h>
 #include <flint/arb_mat.h>
 #else

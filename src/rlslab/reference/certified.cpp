@@ -84,8 +84,7 @@ void check(Problem<double> const& problem, Records const& data, std::vector<Inde
     checked(problem);
     expects(data.parameters() == problem.size && data.y.size() == data.rows(), "data of the problem's size");
     expects(digits >= 1, "digits >= 1");
-    expects(std::is_sorted(steps.begin(), steps.end()) &&
-                (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),
+    expects(std::is_sorted(steps.begin(), steps.end()) && (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),
             "ascending steps between 1 and the number of rows");
     expects(!problem.prior || !problem.prior->covariance || !problem.prior->covariance->allFinite() ||
                 *problem.prior->covariance == problem.prior->covariance->transpose(),
@@ -141,16 +140,14 @@ bool covariance_is_accurate(CertifiedSolution::Enclosure const& x) {
     return mag_cmp(radius, allowed) <= 0;
 }
 
-std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
-                             int digits) {
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps, int digits) {
     check(problem, data, steps, digits);
     Index const d = problem.size;
     Index const known = defined(problem) ? finite_rows(data) : 0;
     std::vector<Index> defined_steps;
     for (Index const k : steps)
         if (k <= known) defined_steps.push_back(k);
-    std::vector<Index> const ranks =
-        problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
+    std::vector<Index> const ranks = problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
 
     std::vector<CertifiedSolution> answers;
     std::vector<size_t> pending;
@@ -158,9 +155,9 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
         bool const regular = s < ranks.size() && ranks[s] == d;
         if (regular) pending.push_back(s);
         answers.emplace_back(steps[s], d, s < ranks.size() ? ranks[s] : 0,
-                             regular               ? Status::unresolved
-                             : s < ranks.size()    ? Status::singular
-                                                   : Status::undefined);
+                             regular            ? Status::unresolved
+                             : s < ranks.size() ? Status::singular
+                                                : Status::undefined);
     }
 
     // 64 bits beyond the digits asked for see a condition number of the normal equations of some 10^15 through.

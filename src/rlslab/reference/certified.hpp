@@ -43,16 +43,16 @@ public:
     CertifiedSolution(Index step, Index size, Index rank, Status status);
     CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure);
 
-    Index step() const { return step_; }          ///< k
-    Index size() const { return size_; }          ///< d
-    Index rank() const { return rank_; }          ///< of M_k, proven: d when certified; 0 when nothing is known
+    Index step() const { return step_; }  ///< k
+    Index size() const { return size_; }  ///< d
+    Index rank() const { return rank_; }  ///< of M_k, proven: d when certified; 0 when nothing is known
     Status status() const { return status_; }
-    int bits() const;                             ///< working precision that certified it; 0: none did
-    double radius() const;                        ///< >= ||error of the midpoint||_2 / ||theta||_2
-    double covariance_radius() const;             ///< the same for P, in the Frobenius norm
+    int bits() const;                  ///< working precision that certified it; 0: none did
+    double radius() const;             ///< >= ||error of the midpoint||_2 / ||theta||_2
+    double covariance_radius() const;  ///< the same for P, in the Frobenius norm
 
-    Vector<Reference> theta() const;              ///< midpoints rounded to 257 bits
-    Matrix<Reference> covariance() const;         ///< likewise P_k
+    Vector<Reference> theta() const;       ///< midpoints rounded to 257 bits
+    Matrix<Reference> covariance() const;  ///< likewise P_k
 
     /// theta correctly rounded to so many significant digits, as "-1.2345e-4". A component whose enclosure does not
     /// settle that rounding gets as many digits as it settles; one that is not told apart from zero is "0".
@@ -96,7 +96,7 @@ private:
 /// Throws std::invalid_argument for a problem that is not well posed, data of another size, steps out of order or
 /// range, a P0 that is not symmetric.
 std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps,
-                             int digits = 30);
+                                         int digits = 30);
 
 /// kappa_2 of the weighted data matrix, rows scaled by sqrt(lambda^(N-k)): to about 12 digits, from the certified
 /// inverse of its Gram matrix. Infinity when singular (proven) or beyond double's range; NaN when the regressors are

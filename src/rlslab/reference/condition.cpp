@@ -40,7 +40,7 @@ double log2_norm(BallMatrix const& A) {
         for (Index j = 0; j < d; ++j) t += X(j, j);
         sum += weight * correctly::log2(t);
         for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i <= j; ++i) {                                              // (1)
+            for (Index i = 0; i <= j; ++i) {  // (1)
                 double product = 0;
                 for (Index k = 0; k < d; ++k) product += X(k, i) / t * (X(k, j) / t);
                 square(i, j) = square(j, i) = product;
@@ -77,7 +77,7 @@ BallMatrix gram_of(Records const& data, double forgetting, long bits) {
 double condition(Records const& data, double forgetting) {
     constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
     if (data.rows() == 0) return infinity;
-    constexpr int digits = 20;    // more than doubles, in which the norms are then found, can hold
+    constexpr int digits = 20;  // more than doubles, in which the norms are then found, can hold
     Problem<double> const problem{.size = data.parameters(), .forgetting = forgetting, .prior = std::nullopt};
     // y has no part in it: zeros also keep an infinity or a NaN there from being anyone's business.
     Records const regressors{.psi = data.psi, .y = Vector<double>::Zero(data.rows()), .names = {}};

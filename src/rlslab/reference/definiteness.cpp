@@ -49,8 +49,8 @@ Index positive_pivots(Matrix<Reference> const& F, long bits, Ball& stop) {
 }
 
 Definiteness definiteness_of_plain(Matrix<Reference> const& F) {
-    constexpr long patience = 512;    // beyond, the determinant is asked first: an exact zero would never be settled
-    Index proven = 0;                 // leading minors up to this size are known to be positive
+    constexpr long patience = 512;  // beyond, the determinant is asked first: an exact zero would never be settled
+    Index proven = 0;               // leading minors up to this size are known to be positive
     Ball stop;
     for (long bits = 128;; bits *= 2) {
         Index const j = positive_pivots(F, bits, stop);

@@ -18,7 +18,7 @@ namespace {
 
 using balls::Ball, balls::Float;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
-constexpr long least = 96, most = 1 << 14;    // bits
+constexpr long least = 96, most = 1 << 14;  // bits
 
 /// value(ball, bits) at rising precision until its ball rounds to one double.
 template <class Value>
@@ -33,7 +33,7 @@ double nearest(Value value) {
         out = arf_get_d(arb_midref(static_cast<arb_srcptr>(ball)), ARF_RND_NEAR);
         if (arf_get_d(low, ARF_RND_NEAR) == arf_get_d(high, ARF_RND_NEAR)) return out;
     }
-    return out;    // half-way between two doubles to 2^14 bits: either
+    return out;  // half-way between two doubles to 2^14 bits: either
 }
 
 /// The sign of value(ball, bits), 0 where no precision tells it apart from zero.
@@ -63,7 +63,7 @@ double chi_squared_tail(double freedom, double x) {
     if (!(freedom > 0) || x != x) return nan;
     if (x <= 0) return 1;
     if (x == infinity) return 0;
-    return nearest([=](arb_ptr out, long bits) {                          // Gamma(nu/2, x/2) / Gamma(nu/2)
+    return nearest([=](arb_ptr out, long bits) {  // Gamma(nu/2, x/2) / Gamma(nu/2)
         Ball const half_freedom(freedom / 2), half_x(x / 2);
         arb_hypgeom_gamma_upper(out, half_freedom, half_x, 1, bits);
     });
@@ -73,7 +73,7 @@ double fisher_tail(double numerator, double denominator, double x) {
     if (!(numerator > 0) || !(denominator > 0) || x != x) return nan;
     if (x <= 0) return 1;
     if (x == infinity) return 0;
-    return nearest([=](arb_ptr out, long bits) {                          // I_z(n/2, m/2),  z = n / (n + m x)
+    return nearest([=](arb_ptr out, long bits) {  // I_z(n/2, m/2),  z = n / (n + m x)
         Ball const n(denominator), half_n(denominator / 2), half_m(numerator / 2);
         Ball mx(numerator);
         Ball const exact_x(x);
@@ -88,14 +88,14 @@ double student_quantile(double freedom, double p) {
     // P(T > t) = I_z(nu/2, 1/2) / 2,  z = nu / (nu + t^2): falls in t > 0.
     auto const above = [=](arb_srcptr t) {
         return sign([=](arb_ptr out, long bits) {
-            Ball const nu(freedom), half_nu(freedom / 2), half(0.5);
-            Ball square, tail;
-            arb_mul(square, t, t, bits);
-            beta(out, half_nu, half, nu, square, bits);
-            arb_mul_2exp_si(out, out, -1);
-            arb_set_d(tail, p < 0.5 ? p : 1 - p);                         // exact: 1 - p is, from 1/2 on
-            arb_sub(out, out, tail, bits);
-        }) > 0;
+                   Ball const nu(freedom), half_nu(freedom / 2), half(0.5);
+                   Ball square, tail;
+                   arb_mul(square, t, t, bits);
+                   beta(out, half_nu, half, nu, square, bits);
+                   arb_mul_2exp_si(out, out, -1);
+                   arb_set_d(tail, p < 0.5 ? p : 1 - p);  // exact: 1 - p is, from 1/2 on
+                   arb_sub(out, out, tail, bits);
+               }) > 0;
     };
     std::uint64_t low = 0, high = detail::bits_of(std::numeric_limits<double>::max());
     while (high - low > 1) {

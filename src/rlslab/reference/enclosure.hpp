@@ -7,10 +7,10 @@
 namespace rlslab {
 
 struct CertifiedSolution::Enclosure {
-    balls::BallMatrix theta;         ///< d x 1
-    balls::BallMatrix covariance;    ///< d x d
-    long bits;                       ///< working precision
-    int digits;                      ///< asked for
+    balls::BallMatrix theta;       ///< d x 1
+    balls::BallMatrix covariance;  ///< d x d
+    long bits;                     ///< working precision
+    int digits;                    ///< asked for
 };
 
 /// What `certified` promises of theta, and of P, read off the balls:

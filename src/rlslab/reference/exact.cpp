@@ -64,10 +64,8 @@ bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     bool const upper = upper_triangular(A);
     if (!upper && !upper_triangular(A.transpose())) return arb_mat_inv(inverse, exact(A), bits) != 0;
     if ((A.diagonal().array() == Reference(0)).any()) return false;
-    if (upper)
-        arb_mat_solve_triu(inverse, exact(A), identity, 0, bits);
-    else
-        arb_mat_solve_tril(inverse, exact(A), identity, 0, bits);
+    if (upper) arb_mat_solve_triu(inverse, exact(A), identity, 0, bits);
+    else arb_mat_solve_tril(inverse, exact(A), identity, 0, bits);
     return true;
 }
 
@@ -82,7 +80,7 @@ bool rebuild(BallMatrix& P, Stored<Reference> const& stored, long bits) {
         return true;
     }
     Index const d = stored.F.rows();
-    BallMatrix left(d, d);    // P = left D^(+-1) left'
+    BallMatrix left(d, d);  // P = left D^(+-1) left'
     if (inverted) {
         if (!invert(left, stored.F, bits)) return false;
         arb_mat_transpose(left, left);
@@ -152,8 +150,7 @@ CertifiedSolution::CertifiedSolution(Index step, Index size, Index rank, Status 
     : step_(step), size_(size), rank_(rank), status_(status) {}
 
 CertifiedSolution::CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure)
-    : step_(step), size_(enclosure->theta.rows()), rank_(rank), status_(Status::certified),
-      enclosure_(std::move(enclosure)) {}
+    : step_(step), size_(enclosure->theta.rows()), rank_(rank), status_(Status::certified), enclosure_(std::move(enclosure)) {}
 
 int CertifiedSolution::bits() const { return enclosure_ ? int(enclosure_->bits) : 0; }
 double CertifiedSolution::radius() const { return enclosure_ ? relative_radius(enclosure_->theta) : nan; }
@@ -175,8 +172,7 @@ Matrix<Reference> CertifiedSolution::covariance() const {
 std::vector<std::string> CertifiedSolution::theta_strings(int digits) const {
     expects(digits >= 1, "digits >= 1");
     std::vector<std::string> texts(size_t(size_), "nan");
-    for (Index i = 0; enclosure_ && i < size_; ++i)
-        texts[size_t(i)] = decimal(enclosure_->theta(i, 0), digits, enclosure_->bits);
+    for (Index i = 0; enclosure_ && i < size_; ++i) texts[size_t(i)] = decimal(enclosure_->theta(i, 0), digits, enclosure_->bits);
     return texts;
 }
 
@@ -205,8 +201,7 @@ double CertifiedSolution::theta_digits_worst(Vector<Reference> const& estimate) 
 
 double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) const {
     auto const& [of, kind, F, D] = estimate;
-    expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_),
-            "an estimate of the solution's size");
+    expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_), "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
     // As precise as the solution itself: relative to its largest entry, three digits more than were asked for.
     long const wanted = bits_for(enclosure_->digits + 3);

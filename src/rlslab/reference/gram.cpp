@@ -33,10 +33,9 @@ IntegerGram::IntegerGram(Records const& data, Index last)
       sum_(data.parameters() + 1, data.parameters() + 1) {
     for (Index k = 0; k < last; ++k)
         for (Index j = 0; j <= data.parameters(); ++j)
-            if (auto const x = dyadic(entry_of(data, j, k)); x.mantissa != 0)
-                unit_[size_t(j)] = std::min(unit_[size_t(j)], x.exponent);
+            if (auto const x = dyadic(entry_of(data, j, k)); x.mantissa != 0) unit_[size_t(j)] = std::min(unit_[size_t(j)], x.exponent);
     for (int& e : unit_)
-        if (e == std::numeric_limits<int>::max()) e = 0;    // a column of zeros
+        if (e == std::numeric_limits<int>::max()) e = 0;  // a column of zeros
 }
 
 void IntegerGram::advance(Index k) {
@@ -66,8 +65,8 @@ void IntegerGram::entry(arb_ptr ball, Index i, Index j, long bits) const {
 }
 
 ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power)
-    : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)),
-      a_(data.parameters() + 1, block), wa_(data.parameters() + 1, block) {
+    : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)), a_(data.parameters() + 1, block),
+      wa_(data.parameters() + 1, block) {
     Ball lambda(forgetting);
     arb_pow_ui(lambda, lambda, power, bits_);
     for (Index i = 1; i <= block; ++i) arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);
@@ -77,7 +76,7 @@ void ForgettingGram::advance(Index k) {
     for (; rows_ < k; rows_ = std::min(k, rows_ + block)) add(rows_, std::min(block, k - rows_));
 }
 
-void ForgettingGram::add(Index first, Index count) {                                      // (1)
+void ForgettingGram::add(Index first, Index count) {  // (1)
     Index const m = data_.parameters() + 1;
     for (Index j = 0; j < m; ++j)
         for (Index k = 0; k < count; ++k) {

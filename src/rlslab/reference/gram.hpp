@@ -17,7 +17,7 @@ namespace rlslab::balls {
 /// Memory O(d^2). Data must be finite.
 class IntegerGram {
     Records const& data_;
-    std::vector<int> unit_;    ///< e_j; the output is column d
+    std::vector<int> unit_;  ///< e_j; the output is column d
     IntegerMatrix sum_;
     Index rows_ = 0;
 
@@ -42,9 +42,9 @@ public:
 class ForgettingGram {
     Records const& data_;
     long bits_;
-    std::vector<Ball> power_;        ///< lambda^0 ... lambda^B
-    BallMatrix sum_;                 ///< upper triangle
-    BallMatrix a_, wa_;              ///< A' and A' W
+    std::vector<Ball> power_;  ///< lambda^0 ... lambda^B
+    BallMatrix sum_;           ///< upper triangle
+    BallMatrix a_, wa_;        ///< A' and A' W
     Index rows_ = 0;
 
     void add(Index first, Index count);

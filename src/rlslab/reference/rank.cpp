@@ -34,7 +34,7 @@ mp_limb_t residue(double x) {
 /// Rows reduced modulo p as they come: the number kept never exceeds the true rank.
 class ModularEchelon {
     Index size_;
-    std::vector<std::vector<mp_limb_t>> basis_;    ///< [j]: the row whose first nonzero entry, a 1, is at j
+    std::vector<std::vector<mp_limb_t>> basis_;  ///< [j]: the row whose first nonzero entry, a 1, is at j
     std::vector<mp_limb_t> row_;
     Index rank_ = 0;
 
@@ -54,8 +54,7 @@ public:
                 return;
             }
             mp_limb_t const factor = n_negmod(row_[j], prime);
-            for (size_t i = j; i < size_t(size_); ++i)
-                row_[i] = n_addmod(row_[i], times(basis_[j][i], factor), prime);
+            for (size_t i = j; i < size_t(size_); ++i) row_[i] = n_addmod(row_[i], times(basis_[j][i], factor), prime);
         }
     }
 };

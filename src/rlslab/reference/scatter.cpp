@@ -111,24 +111,24 @@ Scatter scatter(BallMatrix const& theta, BallMatrix const& P, Weighted const& w,
     arb_mat_neg(Q, Q);
     for (int twice = 0; twice < 2; ++twice) arb_mat_add(Q, Q, P, bits);
     arb_mat_mul(QM, Q, leading(w.squared, d), bits);
-    Scatter out{residual_sum(w.gram, theta, bits, good), nan, nan, Vector<double>(d), {}};               // (2)
+    Scatter out{residual_sum(w.gram, theta, bits, good), nan, nan, Vector<double>(d), {}};  // (2)
     Ball freedom, trace, variance, student;
     arb_mat_trace(trace, QM, bits);
-    arb_sub(freedom, w.sum, trace, bits);                                                                // (3)
+    arb_sub(freedom, w.sum, trace, bits);  // (3)
     arb_submul_si(variance, trace_of_product(Q, leading(w.cubed, d), bits), 2, bits);
     arb_add(variance, variance, w.sum_of_squares, bits);
     arb_add(variance, variance, trace_of_product(QM, QM, bits), bits);
     arb_mul(student, freedom, freedom, bits);
-    arb_div(student, student, variance, bits);                                                           // (4)
+    arb_div(student, student, variance, bits);  // (4)
     auto const settled = [](Ball const& x) { return mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(x)), -sharp_bits) <= 0; };
     good = good && settled(freedom);
     out.freedom = rounded(freedom);
-    if (out.freedom > 0x1p-30) {    // none are left: neither has a quantile
+    if (out.freedom > 0x1p-30) {  // none are left: neither has a quantile
         good = good && settled(student);
         out.student = rounded(student);
     }
     Ball entry;
-    auto const PMP = [&](Index i, Index j) { arb_dot(entry, nullptr, 0, PM(i, 0), 1, P(j, 0), 1, d, bits); };    // (1), P is symmetric
+    auto const PMP = [&](Index i, Index j) { arb_dot(entry, nullptr, 0, PM(i, 0), 1, P(j, 0), 1, d, bits); };  // (1), P is symmetric
     std::vector<Ball> sd(static_cast<size_t>(d));
     for (Index i = 0; i < d; ++i) {
         PMP(i, i);
@@ -164,7 +164,7 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
         if (bits == 0) return out;
         double const lambda = problem.forgetting;
         WeightedGram gram(data, lambda, steps.back(), 1, bits);
-        std::optional<WeightedGram> squared, cubed;    // where lambda = 1 they are gram
+        std::optional<WeightedGram> squared, cubed;  // where lambda = 1 they are gram
         if (lambda != 1) squared.emplace(data, lambda, steps.back(), 2, bits), cubed.emplace(data, lambda, steps.back(), 3, bits);
         bool all = true;
         for (Scattered& s : out) {

@@ -15,12 +15,13 @@ namespace rlslab {
 ///   (4) student = freedom^2 / (sum_i w_i^2 - 2 tr Q_k C_k + tr Q_k M_k Q_k M_k)     C_k = sum_i w_i^3 psi_i psi_i'
 ///
 /// lambda = 1 and no prior: cov theta = sigma^2 (Phi'Phi)^-1 and freedom = student = k - d. Otherwise J is not sigma^2 times a chi^2:
-/// (4) are the degrees of freedom of the one that has J's mean and variance (Satterthwaite), for Student's quantiles. (3) leaves out what a prior's bias adds to J.
+/// (4) are the degrees of freedom of the one that has J's mean and variance (Satterthwaite), for Student's quantiles. (3) leaves out what
+/// a prior's bias adds to J.
 /// Worked out in balls, then rounded to binary64. Source: Söderström & Stoica 1989, 4.2 (weighted least squares); Satterthwaite 1946.
 struct Scatter {
     double J, freedom, student;
-    Vector<double> sd;             ///< sqrt of the diagonal of P M P: times sigma, of theta
-    Matrix<double> correlation;    ///< of theta's components, after the last step alone; NaN beside one that does not scatter
+    Vector<double> sd;           ///< sqrt of the diagonal of P M P: times sigma, of theta
+    Matrix<double> correlation;  ///< of theta's components, after the last step alone; NaN beside one that does not scatter
 };
 
 /// A minimiser and its scatter after step k.

@@ -25,7 +25,7 @@ namespace {
 // of 2^-1074 before scaling is 2^-173 after it, and intermediate products lose less than 2^-600.
 constexpr double u = 0x1p-53, enlarge = 1 + 0x1p-10, underflow = 0x1p-160;
 constexpr double smallest = 0x1p-900, biggest = 0x1p900;
-constexpr Index inline_size = 32, largest = 1000;    // d u enlarge and d^2 2^-160 stay far below 2^-10 u d
+constexpr Index inline_size = 32, largest = 1000;  // d u enlarge and d^2 2^-160 stay far below 2^-10 u d
 
 /// Whether B, lower triangle, d x d by columns, has a Cholesky factor in floating point. Overwrites B. Every entry's
 /// square is taken off a pivot, so an infinity or a NaN anywhere means no.
@@ -78,7 +78,7 @@ bool plain_is_positive(Matrix<double> const& F, double rho) {
     }
     double perturbation = 0;
     for (Index j = 0; j < d; ++j) perturbation = std::max(perturbation, row_error[j]);
-    double const shift = enlarge * (double(d + 1) * u * trace + 2 * u + perturbation + double(d) * underflow);    // (2)
+    double const shift = enlarge * (double(d + 1) * u * trace + 2 * u + perturbation + double(d) * underflow);  // (2)
     for (Index j = 0; j < d; ++j) B[j * d + j] -= shift;
     return cholesky_completes(B, d);
 }

@@ -7,7 +7,7 @@ namespace rlslab::balls {
 
 namespace {
 
-constexpr long longest = 1L << 20;    // bits
+constexpr long longest = 1L << 20;  // bits
 
 /// to += a b, exactly.
 void add_product(Float& to, Float const& a, Float const& b) { arf_addmul(to, a, b, ARF_PREC_EXACT, ARF_RND_DOWN); }
@@ -20,11 +20,11 @@ bool surely_vanishes(Problem<double> const& problem, Records const& data, Index 
     Float const lambda(problem.forgetting);
     Integer exponent, mantissa;
     arf_get_fmpz_2exp(mantissa, exponent, lambda);
-    if (-fmpz_get_si(exponent) * k > longest) return false;    // so many bits has lambda^k below the point
+    if (-fmpz_get_si(exponent) * k > longest) return false;  // so many bits has lambda^k below the point
 
     std::vector<Float> sum(static_cast<size_t>(d));
     Float power(1.0);
-    for (Index i = 0; i < k; ++i) {                                                                      // (1)
+    for (Index i = 0; i < k; ++i) {  // (1)
         Float const y(data.y(i));
         arf_mul(power, power, lambda, ARF_PREC_EXACT, ARF_RND_DOWN);
         for (Index j = 0; j < d; ++j) {
@@ -33,7 +33,7 @@ bool surely_vanishes(Problem<double> const& problem, Records const& data, Index 
             add_product(s, Float(data.psi(j, i)), y);
         }
     }
-    for (Index i = 0; i < d; ++i) {                                                                      // (2)
+    for (Index i = 0; i < d; ++i) {  // (2)
         Float row;
         if (!problem.prior) arf_set(row, sum[size_t(i)]);
         if (problem.prior) {

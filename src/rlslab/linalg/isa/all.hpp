@@ -17,7 +17,7 @@ template <class K, class T, int bytes>
 using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, SimdBlock<T, bytes>>;
 
 template <class B, class K>
-[[gnu::noinline, gnu::aligned(64)]] void run_outlined(K const& kernel) {    // on a cache line, whatever is linked beside it
-    K const copy = kernel;    // whose address nobody has: its fields stay in registers
+[[gnu::noinline, gnu::aligned(64)]] void run_outlined(K const& kernel) {  // on a cache line, whatever is linked beside it
+    K const copy = kernel;                                                // whose address nobody has: its fields stay in registers
     evaluate<B>(copy);
 }

@@ -7,7 +7,7 @@
 template <class T>
 struct ScalarRow {
     using scalar = T;
-    static constexpr int rows = 1, registers = 2;    // what a Pack takes
+    static constexpr int rows = 1, registers = 2;  // what a Pack takes
     static constexpr bool padded = false;
     T x;
 
@@ -53,7 +53,7 @@ struct SimdBlock {
             v[m] = V{};
             if (left >= W) {
                 v[m] = *reinterpret_cast<Anywhere const*>(at);
-#ifdef __x86_64__    // a copy would be waited for: narrow stores do not forward to a wide load
+#ifdef __x86_64__  // a copy would be waited for: narrow stores do not forward to a wide load
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
                 v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
@@ -176,14 +176,12 @@ struct SimdBlock {
             V pair[4];
             for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
-                if constexpr (Rows == 8)
-                    pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
-                else
-                    pair[c] = r[0] + r[1];
+                if constexpr (Rows == 8) pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
+                else pair[c] = r[0] + r[1];
             }
             for (int c = 0; c < 4; c += 2)
-                *reinterpret_cast<Anywhere*>(out + c) = __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
-                                                        __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
+                *reinterpret_cast<Anywhere*>(out + c) =
+                    __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) + __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
         } else {
             typedef T Four __attribute__((vector_size(4 * sizeof(T))));
             typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
@@ -192,10 +190,8 @@ struct SimdBlock {
                 V const* const r = a[c].v;
                 if constexpr (W == 8)
                     h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) + __builtin_shufflevector(r[0], r[0], 4, 5, 6, 7);
-                else if constexpr (Rows == 8)
-                    h[c] = r[0] + r[1];
-                else
-                    h[c] = r[0];
+                else if constexpr (Rows == 8) h[c] = r[0] + r[1];
+                else h[c] = r[0];
             }
             Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
             Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
@@ -208,12 +204,9 @@ private:
     [[gnu::always_inline]] void put_together(T const* x) {
         for (int m = 0; m < registers; ++m) {
             T const* const a = x + m * W;
-            if constexpr (W == 2)
-                v[m] = V{a[0], a[1]};
-            else if constexpr (W == 4)
-                v[m] = V{a[0], a[1], a[2], a[3]};
-            else
-                v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
+            if constexpr (W == 2) v[m] = V{a[0], a[1]};
+            else if constexpr (W == 4) v[m] = V{a[0], a[1], a[2], a[3]};
+            else v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
         }
     }
     template <int first>
@@ -239,14 +232,10 @@ private:
     }
     [[gnu::always_inline]] static void root(V& x) {
 #ifdef __x86_64__
-        if constexpr (Bytes == 32 && sizeof(T) == 8)
-            x = V(_mm256_sqrt_pd(__m256d(x)));
-        else if constexpr (Bytes == 32)
-            x = V(_mm256_sqrt_ps(__m256(x)));
-        else if constexpr (sizeof(T) == 8)
-            x = V(_mm_sqrt_pd(__m128d(x)));
-        else
-            x = V(_mm_sqrt_ps(__m128(x)));
+        if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
+        else if constexpr (Bytes == 32) x = V(_mm256_sqrt_ps(__m256(x)));
+        else if constexpr (sizeof(T) == 8) x = V(_mm_sqrt_pd(__m128d(x)));
+        else x = V(_mm_sqrt_ps(__m128(x)));
 #else
         for (int i = 0; i < W; ++i) x[i] = std::sqrt(x[i]);
 #endif

@@ -16,6 +16,8 @@ template <class B, class T>
 
 // --- elementwise, in one pass over a column ---------------------------------------------------------------------------
 
+// One line, one operation.
+// clang-format off
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(DivideByOne<T> const& k, Index, B& x) { x.divide(k.s); }
 template <class B, class T>
@@ -30,6 +32,7 @@ template <class B, class T>
 [[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) { x.add(block_of<B>(k.y, i0, k.d)); }
+// clang-format on
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(AddProduct<T> const& k, Index i0, B& x) {
     B y = block_of<B>(k.y, i0, k.d);
@@ -102,13 +105,13 @@ template <class B, class T, Shape shape>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
     constexpr bool upper = shape == Shape::upper;
-    Index const tail = k.d / B::rows * B::rows;    // x is the caller's: nothing is read beyond its end
+    Index const tail = k.d / B::rows * B::rows;  // x is the caller's: nothing is read beyond its end
     B x_tail;
-    x_tail.zero({});    // or g++ 12 warns in whoever includes this
+    x_tail.zero({});  // or g++ 12 warns in whoever includes this
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
     for (Index j0 = 0; j0 < k.d; j0 += 4) {
         Index const count = k.d - j0 < 4 ? k.d - j0 : 4;
-        Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;    // the block with rows that are not present
+        Index const last = (upper ? j0 : k.d - 1) / B::rows * B::rows;  // the block with rows that are not present
         T const* column[4];
         for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
         B sum[4], x, a;
@@ -131,10 +134,8 @@ template <class B, class T, Shape shape>
         for (int c = 0; c < 4; ++c) {
             RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
             a.load(column[c] + last, present);
-            if (last > 0)
-                sum[c].sum(a, x, present);
-            else
-                sum[c].start_sum(a, x, present);
+            if (last > 0) sum[c].sum(a, x, present);
+            else sum[c].start_sum(a, x, present);
         }
         B::sums(sum, k.out + j0, count);
     }
@@ -152,10 +153,8 @@ template <class B, int K, class T>
             for (int m = 0; m < K; ++m) {
                 Index const i = i0 + m * B::rows;
                 a.load(k.A + n * k.ld + i, rows_of<B>(i, k.d));
-                if (n == 0)
-                    sum[m] = a, sum[m].scale(b);
-                else
-                    sum[m].add_product(a, b);
+                if (n == 0) sum[m] = a, sum[m].scale(b);
+                else sum[m].add_product(a, b);
             }
         }
         for (int m = 0; m < K; ++m) sum[m].store(k.out + j * k.ld + i0 + m * B::rows);

@@ -19,7 +19,9 @@ template <class B, class S>
 
 // x_j -= x_i L_ji
 template <class B, class T>
-[[gnu::always_inline]] inline void step(Eliminate<T> const& s, Index i, B& t, B& x) { x.subtract_product(t, s.x[i]); }
+[[gnu::always_inline]] inline void step(Eliminate<T> const& s, Index i, B& t, B& x) {
+    x.subtract_product(t, s.x[i]);
+}
 
 // L_ji = c_i t + s_i x_j,  x_j -= e_i t
 template <class B, class T>
@@ -130,8 +132,7 @@ template <class B, ByPanels S>
 [[gnu::always_inline]] inline void evaluate(S const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         Index const m = rows_of<B>(i0, s.d).last;
-        if (B::padded && m == B::rows)
-            whole_corner<B::padded ? B::rows : 1>(s, i0, s.x + i0);
+        if (B::padded && m == B::rows) whole_corner<B::padded ? B::rows : 1>(s, i0, s.x + i0);
         else
             for (Index i = 0; i < m; ++i) finish_corner_row(s, i0, i, m, s.x + i0);
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);

@@ -6,7 +6,7 @@ template <class T>
 struct Lane {
     using scalar = T;
     using Register = T;
-    static constexpr int width = 1, columns = 1;    // one column after another, as the formula reads
+    static constexpr int width = 1, columns = 1;  // one column after another, as the formula reads
     static T const& load(T const* x) { return *x; }
     static void store(T* to, T const& x) { *to = x; }
 };
@@ -25,7 +25,7 @@ struct Packed {
 /// v'a for fewer than eight numbers: the lanes that are there, and of the tree what they leave.
 template <class T>
 T short_dot(T const* v, T const* a, Index n) {
-    T lane[8]{};    // or g++ 12 warns in whoever includes this
+    T lane[8]{};  // or g++ 12 warns in whoever includes this
     for (Index i = 0; i < n; ++i) lane[i] = v[i] * a[i];
     for (Index half = 4; half >= 1; half /= 2)
         for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];
@@ -51,7 +51,7 @@ template <class P, int C, class T = typename P::scalar>
         }
     for (int c = 0; c < C; ++c) {
         alignas(64) T lane[8];
-        if (k < n) {    // the last few numbers go to the first few lanes
+        if (k < n) {  // the last few numbers go to the first few lanes
             for (int r = 0; r < registers; ++r) P::store(lane + r * P::width, sum[c][r]);
             for (Index i = 0; k + i < n; ++i) lane[i] += v[k + i] * a[c][k + i];
             for (int r = 0; r < registers; ++r) sum[c][r] = P::load(lane + r * P::width);

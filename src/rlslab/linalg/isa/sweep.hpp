@@ -6,7 +6,9 @@
 
 // w = A x
 template <class B, class T>
-[[gnu::always_inline]] inline void step(Multiply<T> const&, T const& x, B& t, B& w) { w.add_product(t, x); }
+[[gnu::always_inline]] inline void step(Multiply<T> const&, T const& x, B& t, B& w) {
+    w.add_product(t, x);
+}
 
 // A = (A - w f') / lambda
 template <class B, class T>
@@ -64,10 +66,8 @@ template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void staircase(S const& s, B (&w)[K], Index i0) {
     Index const j0 = i0 + (P - 1) * B::rows, j1 = j0 + B::rows;
     columns<P>(s, w, i0, j0, std::min(j1, s.d));
-    if constexpr (P < K)
-        staircase<P + 1>(s, w, i0);
-    else
-        columns<P>(s, w, i0, j1, s.d);
+    if constexpr (P < K) staircase<P + 1>(s, w, i0);
+    else columns<P>(s, w, i0, j1, s.d);
 }
 
 template <class B, int K, Sweep S>
@@ -87,10 +87,8 @@ template <class B, int K, Sweep S>
             j0 = 1;
         }
     }
-    if constexpr (S::upper)
-        staircase<1>(s, w, i0);
-    else
-        columns<K>(s, w, i0, j0, s.d);
+    if constexpr (S::upper) staircase<1>(s, w, i0);
+    else columns<K>(s, w, i0, j0, s.d);
     if constexpr (S::starts != Start::column)
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
@@ -102,12 +100,9 @@ template <int m, int p, int c, class B, int K, class T>
     Index const i = i0 + m * B::rows;
     B t;
     t.load(here + m * B::rows, rows_of<B>(i, s.d));
-    if constexpr (m < p)
-        t.subtract_product(running[m], f);
-    else if constexpr (m > p)
-        t.subtract_product(running[m], w);
-    else
-        t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
+    if constexpr (m < p) t.subtract_product(running[m], f);
+    else if constexpr (m > p) t.subtract_product(running[m], w);
+    else t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
     t.add_product(t, s.correction);
     t.store(here + m * B::rows);
     if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);

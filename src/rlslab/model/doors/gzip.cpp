@@ -16,7 +16,7 @@ class Unpacker {
     std::array<char, 1 << 15> in_{};
     z_stream stream_{};
     bool gzip_;
-    enum class At { start, within, behind } at_ = At::start;    // of, in, or behind a part
+    enum class At { start, within, behind } at_ = At::start;  // of, in, or behind a part
 
     [[noreturn]] void fail(std::string const& what) const { throw InputError(name_ + ": " + what); }
     bool refill() {
@@ -65,7 +65,9 @@ public:
 };
 
 ByteSource unpacked(ByteSource packed, std::string name, bool gzip) {
-    return [unpacker = std::make_shared<Unpacker>(std::move(packed), std::move(name), gzip)](std::span<char> to) { return unpacker->read(to); };
+    return [unpacker = std::make_shared<Unpacker>(std::move(packed), std::move(name), gzip)](std::span<char> to) {
+        return unpacker->read(to);
+    };
 }
 
 }  // namespace

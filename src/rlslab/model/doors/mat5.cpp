@@ -15,7 +15,20 @@
 namespace rlslab {
 namespace {
 
-enum class Type : std::uint32_t { int8 = 1, uint8, int16, uint16, int32, uint32, binary32, binary64 = 9, int64 = 12, uint64, matrix, compressed };
+enum class Type : std::uint32_t {
+    int8 = 1,
+    uint8,
+    int16,
+    uint16,
+    int32,
+    uint32,
+    binary32,
+    binary64 = 9,
+    int64 = 12,
+    uint64,
+    matrix,
+    compressed
+};
 constexpr std::uint32_t flag_complex = 0x0800;
 
 std::size_t size_of(Type type) {
@@ -43,7 +56,8 @@ public:
     bool swapped;
     std::size_t left;
 
-    Reader(ByteSource bytes, std::string const& file, bool other_end, std::size_t count) : bytes_(std::move(bytes)), file_(file), swapped(other_end), left(count) {}
+    Reader(ByteSource bytes, std::string const& file, bool other_end, std::size_t count)
+        : bytes_(std::move(bytes)), file_(file), swapped(other_end), left(count) {}
     [[noreturn]] void fail(std::string const& what) const { throw InputError(fmt::format("{}: {}: the file is damaged", file_, what)); }
     std::size_t some(std::span<char> to) {
         std::size_t const got = bytes_(to.first(std::min(to.size(), left)));
@@ -76,8 +90,8 @@ public:
 
 struct Tag {
     Type type;
-    std::size_t bytes;                   // of data
-    std::array<char, 4> here{};          // the data themselves, where four bytes hold them
+    std::size_t bytes;           // of data
+    std::array<char, 4> here{};  // the data themselves, where four bytes hold them
     bool small = false;
     std::size_t padding() const { return small ? 0 : (8 - bytes % 8) % 8; }
 };
@@ -131,7 +145,8 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& ask
     if (wanted.empty()) return;
     Tag const tag = tag_within(r, "numbers");
     std::size_t const size = size_of(tag.type);
-    if (size == 0 || tag.bytes != size * v.rows * v.cols) r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
+    if (size == 0 || tag.bytes != size * v.rows * v.cols)
+        r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
     std::array<char, 4096> chunk;
     for (std::size_t j = 0; j < v.cols; ++j) {
         bool const skipped = std::ranges::count(wanted, j) == 0;
@@ -150,7 +165,7 @@ MatVariable read_matrix(Reader& r, std::vector<std::string> const& asked) {
     if (flags.empty()) r.fail("a variable has no flags");
     std::uint32_t const first = r.number<std::uint32_t>(flags);
     auto const is = MatClass(first & 0xff);
-    if (is == MatClass::opaque) return {contents(r, "name", 1), is, false, {}};    // which has no dimensions
+    if (is == MatClass::opaque) return {contents(r, "name", 1), is, false, {}};  // which has no dimensions
     std::string const dimensions = contents(r, "dimensions", 4);
     std::vector<std::size_t> sizes;
     for (std::size_t i = 0; i < dimensions.size(); i += 4) {
@@ -199,7 +214,7 @@ Columns read_mat5(ByteSource bytes, std::string const& file, std::vector<std::st
         if (type == Type::matrix && !tag->small && inner > 0) variables.push_back(read_matrix(element, asked));
         element.skip(element.left);
         std::array<char, 1> more;
-        if (compressed && part(more) > 0) r.fail("a compressed variable is longer than it says");    // and its checksum was right
+        if (compressed && part(more) > 0) r.fail("a compressed variable is longer than it says");  // and its checksum was right
         if (!compressed && !tag->small) r.skip(tag->padding());
     }
     return columns_of(variables, file, asked);

@@ -41,7 +41,7 @@ double (*reading(matio_types type))(void const*, std::size_t) {
 Columns read_mat73(std::string const& path, std::vector<std::string> const& asked) {
     std::string const file = name_of_file(path);
     auto const fail = [&](std::string const& what) { throw InputError(file + ": " + what); };
-    Mat_LogInitFunc("rlslab", [](int, char*) {});    // matio's own would print, and abort
+    Mat_LogInitFunc("rlslab", [](int, char*) {});  // matio's own would print, and abort
     if (!std::filesystem::is_regular_file(path)) fail("a MATLAB file of version 7.3 is read from a regular file alone");
     std::unique_ptr<mat_t, Close> const mat(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     if (!mat) fail("a MATLAB file of version 7.3 that matio cannot open: damaged, or matio has no HDF5 (save it with -v7)");

@@ -66,16 +66,20 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
     for (std::string const& name : asked) {
         auto const v = std::ranges::find(variables, name, &MatVariable::name);
         std::string const shown = printable(name);
-        if (v != variables.end() && !v->why.empty()) fail(fmt::format("{}: expected a real numeric vector or matrix, found {}", shown, v->why));
-        if (v != variables.end() && v->cols > 1) fail(fmt::format("{} is a matrix: its columns are called {}_1 ... {}_{}", shown, shown, shown, v->cols));
+        if (v != variables.end() && !v->why.empty())
+            fail(fmt::format("{}: expected a real numeric vector or matrix, found {}", shown, v->why));
+        if (v != variables.end() && v->cols > 1)
+            fail(fmt::format("{} is a matrix: its columns are called {}_1 ... {}_{}", shown, shown, shown, v->cols));
         std::vector<double> const& column = *values[column_called(name, names, true, file, file)];
         for (std::size_t i = 0; i < column.size(); ++i)
             if (std::abs(column[i]) > largest_value)
-                fail(fmt::format("{}, row {}: expected 0 or a size up to 2^500 (squares must stay finite), found {}", shown, i + 1, column[i]));
+                fail(fmt::format("{}, row {}: expected 0 or a size up to 2^500 (squares must stay finite), found {}", shown, i + 1,
+                                 column[i]));
         data.values.push_back(column);
         std::size_t const rows = data.values.front().size();
         if (column.size() != rows)
-            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows, printable(asked.front()), column.size(), shown));
+            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows, printable(asked.front()),
+                             column.size(), shown));
     }
     data.lines.resize(data.values.front().size());
     std::iota(data.lines.begin(), data.lines.end(), 1L);

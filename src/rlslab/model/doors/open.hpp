@@ -6,8 +6,8 @@
 namespace rlslab {
 
 struct DataFile {
-    std::string path;          ///< "-": standard input
-    CsvFormat format;          ///< as far as it is given
+    std::string path;  ///< "-": standard input
+    CsvFormat format;  ///< as far as it is given
     DataFile(std::string at = "", CsvFormat as = {}) : path(std::move(at)), format(as) {}
 };
 
