@@ -34,13 +34,11 @@ Table in_range(Table const& t, std::string const& arithmetic, int digits, int po
 }
 /// Slopes of these variants in quad and in double.
 Finding slopes(Table const& t, std::vector<std::string> const& variants, std::string const& y, int power, double from, double to) {
-    Finding out{true, ""};
-    for (auto const& [name, digits] : {std::pair<char const*, int>{"quad", 113}, {"double", 53}}) {
-        Finding const one = within(in_range(t, name, digits, power).where("variant", variants), {"variant"}, slope("kappa", y), from, to);
-        out.holds = out.holds && one.holds;
-        out.measured += fmt::format("{}{}: {}", out.measured.empty() ? "" : "; ", name, one.measured);
-    }
-    return out;
+    auto const in = [&](char const* name, int digits) {
+        return labelled(name,
+                        within(in_range(t, name, digits, power).where("variant", variants), {"variant"}, slope("kappa", y), from, to));
+    };
+    return in("quad", 113) && in("double", 53);
 }
 
 std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};

@@ -92,21 +92,21 @@ Study const hilbert{
                  Table const at = of(t, "hilbert").where("parameter", [](double n) { return n >= 3; });
                  Finding const a = within(at.where("variant", covariances), {"variant"}, least("covariance_error"), 0.1, 1e99);
                  Finding const b = within(at.where("variant", factors), {"variant"}, greatest("covariance_error"), 0, 3.2e-7);
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
             {"Hilbert, information: theta is found to n = 7 and lost from n = 8, kappa^2 u = 47, on",
              [](Table const& t) {
                  Table const at = of(t, "hilbert").where("variant", "information");
                  Finding const a = everywhere(at.where("parameter", [](double n) { return n < 8; }), "outcome", "solved");
                  Finding const b = everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
             {"Läuchli, information: lost exactly from delta = 1e-8 on, the first decade with delta^2 < 2^-53",
              [](Table const& t) {
                  Table const at = of(t, "laeuchli").where("variant", "information");
                  Finding const a = everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
                  Finding const b = everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
             {"Läuchli, every other variant: 15 digits of theta at every delta down to 1e-12",
              [](Table const& t) {

@@ -59,7 +59,7 @@ Finding gains(Table const& t, std::vector<std::string> const& variants, double f
     Table const of = t.where("variant", variants);
     Finding const theta = within(of, {"variant", "lambda"}, gain("theta"), from, to);
     Finding const P = within(of, {"variant", "lambda"}, gain("covariance"), from, to);
-    return {theta.holds && P.holds, "theta " + theta.measured + "; P " + P.measured};
+    return labelled("theta", theta) && labelled("P", P);
 }
 std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
 std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};

@@ -27,7 +27,7 @@ Finding zero_from(Table const& t, std::string const& arithmetic, double variance
     Table const at = t.where("arithmetic", arithmetic).where("variant", subtracting);
     Finding const a = everywhere(at.where("variance", [=](double v) { return v < variance; }), "outcome", "positive");
     Finding const b = everywhere(at.where("variance", [=](double v) { return v >= variance; }), "outcome", "zero");
-    return {a.holds && b.holds, fmt::format("{}: {} before, {} from there on", arithmetic, a.measured, b.measured)};
+    return labelled(arithmetic + " before", a) && labelled("from there on", b);
 }
 Table of(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants) {
     return t.where("arithmetic", arithmetic).where("variant", variants);
@@ -68,12 +68,12 @@ Study const large_prior{
             {"the subtracting forms: P_1 = 0 exactly from P0 = 1e16 on in double and 1e8 in float",
              [](Table const& t) {
                  Finding const a = zero_from(t, "double", 1e16), b = zero_from(t, "float", 1e8);
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
             {"the same from 1e3 on in bfloat16 and from 1e4 in binary16",
              [](Table const& t) {
                  Finding const a = zero_from(t, "bfloat16", 1e3), b = zero_from(t, "binary16", 1e4);
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
             {"before that their error is at most 1.1 u P0 + 2 u",
              [](Table const& t) {
@@ -91,7 +91,7 @@ Study const large_prior{
              [](Table const& t) {
                  Finding const a = within(of(t, "double", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-53);
                  Finding const b = within(of(t, "float", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-24);
-                 return Finding{a.holds && b.holds, a.measured + "; " + b.measured};
+                 return a && b;
              }},
         },
 };

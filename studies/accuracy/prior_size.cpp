@@ -62,7 +62,7 @@ Number spread = [](Table const& t) {
 Finding valley(Table const& t, double c2_from, double c2_to, double error_from, double error_to) {
     Finding const c2 = within(t, {"variant"}, best_prior, c2_from / 1.01, c2_to * 1.01);
     Finding const error = within(t, {"variant"}, best_error, error_from, error_to);
-    return {c2.holds && error.holds, "c^2 " + c2.measured + "; error " + error.measured};
+    return labelled("c^2", c2) && labelled("error", error);
 }
 std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
 std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};

@@ -143,7 +143,7 @@ Study const definiteness{
                  Table const here = t.where("hardness", 4.0);
                  Finding const all = within(ends(here).where("variant", "joseph"), {"arithmetic"}, least("indefinite"), 1, 1);
                  Finding const earlier = ratio(here, "joseph", "symmetric", 0, 1.2);
-                 return Finding{all.holds && earlier.holds, earlier.measured};
+                 return all && earlier;
              }},
             {"the longer the word, the earlier by comparison: in float and double at kappa_P = 4/u at most 0.3 of symmetric's median step",
              [](Table const& t) {
@@ -155,10 +155,7 @@ Study const definiteness{
                  Table const here = ends(t).where("hardness", 0x1p-6).where("arithmetic", "double");
                  Finding const joseph = within(here.where("variant", "joseph"), {}, greatest("latest"), 1, 400);
                  Finding const others = within(here.where("variant", {"symmetric", "joseph_rank_two"}), {}, greatest("indefinite"), 0, 0);
-                 return Finding{joseph.holds && others.holds, "the last joseph at step " + joseph.measured +
-                                                                  "; of the others "
-                                                                  "" +
-                                                                  others.measured};
+                 return labelled("the last joseph at step", joseph) && labelled("of the others", others);
              }},
             {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = 4/u within a factor "
              "of 4",

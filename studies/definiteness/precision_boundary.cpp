@@ -138,7 +138,7 @@ Study const precision_boundary{
                      },
                      -2, 2);
              },
-             "measured here"},
+             {Kind::finding, "measured here"}},
             {"ud and carlson: log2(1/(1 - lambda)) and at most 2 bits more, at least 1 less, whatever kappa_P",
              [](Table const& t) {
                  return off(
@@ -160,7 +160,7 @@ Study const precision_boundary{
                          -to, to);
                  };
                  Finding const each = of({"variant", "lambda"}, 2), mean = of({"variant"}, 0.99);
-                 return Finding{each.holds && mean.holds, each.measured + "; on average " + mean.measured};
+                 return each && labelled("on average", mean);
              }},
             {"joseph on coloured input: 0 to 3 bits more than symmetric",
              [](Table const& t) { return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3); }},

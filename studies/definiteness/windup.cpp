@@ -119,28 +119,28 @@ Study const windup{
              [](Table const& t) {
                  Finding const overflow = everywhere(t.where("variant", "ud"), "outcome", "nonfinite");
                  Finding const when = within(t.where("variant", "ud"), {"arithmetic", "lambda"}, median("of_overflow_law"), 0.998, 1.002);
-                 return Finding{overflow.holds && when.holds, when.measured};
+                 return overflow && when;
              }},
             {"no other form overflows",
              [](Table const& t) {
                  return none(t.where("variant", {"potter", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"}), "nonfinite");
              },
-             "measured here"},
+             {Kind::finding, "measured here"}},
             {"the other roots of P stop growing: P settles between u^-1.5 and u^-2.2",
              [](Table const& t) {
                  return within(t.where("variant", {"carlson", "inverse_qr"}), {"arithmetic", "lambda", "variant"}, median("growth"), 1.5,
                                2.2);
              },
-             "measured here"},
+             {Kind::finding, "measured here"}},
             {"potter is lost at none of these, or only by an exactly singular root after P has grown to u^-1.5",
              [](Table const& t) {
                  Table const potter = t.where("variant", "potter");
                  Finding const found = within(potter, {"arithmetic", "lambda"}, median("growth"), 1.5, 2.2);
-                 return Finding{found.holds,
-                                fmt::format("{} of {} singular, P at u^-x with x = {}", potter.where("outcome", "indefinite").rows().size(),
-                                            potter.rows().size(), found.measured)};
+                 return labelled(fmt::format("{} of {} singular, P at u^-x, x", potter.where("outcome", "indefinite").rows().size(),
+                                             potter.rows().size()),
+                                 found);
              },
-             "measured here"},
+             {Kind::finding, "measured here"}},
         },
 };
 

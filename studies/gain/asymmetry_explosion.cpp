@@ -98,7 +98,7 @@ Study const asymmetry_explosion{
                      return Finding{false, "some run survived"};
                  Finding const low = within(rows, {"arithmetic", "lambda"}, least("ratio"), 0.6, 1.1);
                  Finding const high = within(rows, {"arithmetic", "lambda"}, greatest("ratio"), 0.6, 1.1);
-                 return Finding{low.holds && high.holds, "least " + low.measured + "; greatest " + high.measured};
+                 return labelled("least", low) && labelled("greatest", high);
              }},
             {"all other forms survive 60 000 steps, and P is positive definite then (decided exactly)",
              [](Table const& t) {
@@ -112,7 +112,7 @@ Study const asymmetry_explosion{
                  Number const most = greatest("asymmetry");
                  Finding const in_float = within(rows.where("arithmetic", "float"), {"variant"}, most, 0x1p-30, 0x1p-20);
                  Finding const in_double = within(rows.where("arithmetic", "double"), {"variant"}, most, 0x1p-60, 0x1p-49);
-                 return Finding{in_float.holds && in_double.holds, in_float.measured + "; " + in_double.measured};
+                 return in_float && in_double;
              }},
             {"symmetric and joseph_rank_two have none at all",
              [](Table const& t) {

@@ -37,7 +37,7 @@ Finding flips(Table const& t, char const* arithmetic, double last, std::vector<s
     Table const rows = of(t, arithmetic, "2^-k").where("variant", variants);
     Finding const before = everywhere(rows.where("power", [=](double k) { return k <= last; }), "sign", "positive");
     Finding const after = everywhere(rows.where("power", [=](double k) { return k > last; }), "sign", "negative");
-    return {before.holds && after.holds, before.measured + " up to it; " + after.measured + " beyond"};
+    return labelled("up to it", before) && labelled("beyond", after);
 }
 
 }  // namespace
@@ -101,7 +101,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
              [](Table const& t) {
                  std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
                  Finding const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
-                 return Finding{in_double.holds && in_float.holds, "double: " + in_double.measured + "; float: " + in_float.measured};
+                 return labelled("double", in_double) && labelled("float", in_float);
              }},
             {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md "
              "3.3",
@@ -116,7 +116,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
                  Table const rows = t.where("variant", "joseph");
                  Finding const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
                  Finding const sound = everywhere(rows, "outcome", "sound");
-                 return Finding{error.holds && sound.holds, error.measured + "; " + sound.measured};
+                 return error && sound;
              }},
             {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
              [](Table const& t) {

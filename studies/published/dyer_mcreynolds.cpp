@@ -94,7 +94,7 @@ Study const dyer_mcreynolds{
                  Finding const at = within(between(t, 1e-9, 1e-9).where("variant", factors), {"variant"}, greatest("error"), 0, 1e-6);
                  Number const in_law = [](Table const& row) { return row.number("error") * row.number("delta") * 0x1p53; };
                  Finding const law = within(t.where("variant", rows_by_one), {"variant", "delta"}, in_law, 0, 2);
-                 return Finding{at.holds && law.holds, at.measured + "; of u / delta " + law.measured};
+                 return at && labelled("of u / delta", law);
              }},
             {"P forms other than Joseph's products saturate at 0.2 +- 0.06: the median over delta = 1e-10 ... 1e-15, and no error above "
              "0.3",
@@ -103,7 +103,7 @@ Study const dyer_mcreynolds{
                  Table const small = between(t, 1e-15, 1e-10).where("variant", saturating);
                  Finding const middle = within(small, {"variant"}, median("error"), 0.14, 0.26);
                  Finding const most = within(small, {"variant"}, greatest("error"), 0, 0.3);
-                 return Finding{middle.holds && most.holds, "median " + middle.measured + "; greatest " + most.measured};
+                 return labelled("median", middle) && labelled("greatest", most);
              }},
             {"Joseph's products do not saturate: the largest error below delta = 1e-10 exceeds 1e4",
              [](Table const& t) { return within(between(t, 1e-15, 1e-10).where("variant", "joseph"), {}, greatest("error"), 1e4, 1e300); }},
@@ -121,8 +121,7 @@ Study const dyer_mcreynolds{
                  Finding const line = slopes(t, {"information"}, -2.3, -1.7);
                  Table const small = between(t, 1e-15, 1e-8).where("variant", "information");
                  size_t const sound = small.where("outcome", "sound").rows().size();
-                 return Finding{line.holds && sound == 0,
-                                fmt::format("slope {}; {} of {} sound", line.measured, sound, small.rows().size())};
+                 return labelled("slope", line) && Finding(sound == 0, fmt::format("{} of {} sound", sound, small.rows().size()));
              }},
             {"the published figure's errors are 2.50 +- 0.02 times the relative errors (delta = 1e-2 ... 1e-12)",
              [](Table const& t) {

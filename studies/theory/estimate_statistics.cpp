@@ -159,7 +159,7 @@ Study const estimate_statistics{
                  double const z = bias_z(a1);
                  return Finding{std::abs(z) > 4.5, fmt::format("z = {:.3g}, {:.3g} of a standard deviation of one estimate", z, bias(a1))};
              },
-             "docs/theory.md 5; Kendall 1954 (cited, not read)"},
+             {Kind::finding, "docs/theory.md 5; Kendall 1954 (cited, not read)"}},
             {"with past outputs: it is below 0.3 standard deviations of one estimate, at every N",
              [](Table const& t) {
                  return within(t.where("system", "recursive"), {"parameter", "rows"}, bias, 0, 0.3);
@@ -188,9 +188,9 @@ Study const estimate_statistics{
                  Finding const far = within(a, {"parameter"}, bias, 1, 1e9),
                                miss = within(
                                    a, {"parameter"}, [](Table const& g) { return mean(g, "inside"); }, 0, 0.5);
-                 return Finding{far.holds && miss.holds, fmt::format("{} standard deviations; {} inside", far.measured, miss.measured)};
+                 return labelled("standard deviations", far) && labelled("inside", miss);
              },
-             "docs/theory.md 5"},
+             {Kind::finding, "docs/theory.md 5"}},
         },
 };
 
