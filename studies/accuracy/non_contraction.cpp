@@ -97,6 +97,7 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
         "so that V = delta'P^-1 delta does not grow. "
         "The condition number of P is then the most a whole run can enlarge an error by, its square root to be precise: "
         "there is no exponential growth (study accuracy_steps).",
+    .data = "random integers, d = 2 to 5; diag(1, a^2)",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"data", {"counterexample", "random"}},
@@ -130,9 +131,10 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
                      said += fmt::format("{}{:.8f}", said.empty() ? "" : ", ", measured);
                  }
                  return Finding(holds, said);
-             }},
+             },
+             verification("docs/theory.md 24")},
             {"the formula is the norm to 1e-13 (to 1e-70 in 257 bits) in every case",
-             [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }},
+             [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }, verification("docs/theory.md 24")},
             {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
              [](Table const& t) {
                  Number const excess = [](Table const& rows) { return least("norm")(rows) - 1; };
@@ -140,12 +142,14 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
                  Finding const one(std::ranges::all_of(chance, [](double norm) { return norm == 1; }),
                                    fmt::format("{} eigenvectors", chance.size()));
                  return labelled("by at least", within(t.where("psi", "none"), {}, excess, 1e-12, 1e9)) && one;
-             }},
+             },
+             verification("docs/theory.md 24")},
             {"and still V = delta'P^-1 delta never grows: (I - K psi')P = P_k exactly, 0 < gamma < 1",
              [](Table const& t) {
                  Finding const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
                  return a && labelled("gamma at most", b);
-             }},
+             },
+             verification("docs/theory.md 25")},
         },
 };
 

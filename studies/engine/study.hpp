@@ -85,12 +85,13 @@ enum class Kind {
     finding        ///< ours: hypothesis and band stand before the full run
 };
 
-/// What a claim stands on.
+/// What a claim stands on. There is no claim without.
 struct Basis {
-    Kind kind = Kind::finding;
-    std::string band =
-        {};  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run"
-    std::string data = {};  ///< the data it was tried on; the study's if empty
+    Kind kind;
+    std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run"
+    std::string data;  ///< the data it was tried on; the study's if empty
+
+    Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
 };
 inline Basis verification(std::string band, std::string data = {}) { return {Kind::verification, std::move(band), std::move(data)}; }
 inline Basis reproduction(std::string band, std::string data = {}) { return {Kind::reproduction, std::move(band), std::move(data)}; }
@@ -119,7 +120,7 @@ Finding labelled(std::string const& label, Finding of);
 struct Claim {
     std::string text;
     std::function<Finding(Table const&)> judge;
-    Basis basis = {};
+    Basis basis;
 };
 
 struct Study {
