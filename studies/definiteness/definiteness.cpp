@@ -125,9 +125,8 @@ Study const definiteness{
     .interpretation =
         "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
         "step. The data have "
-        "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. The factor forms stay "
-        "at one in all of "
-        "them. The conventional form falls to zero however well conditioned the data, because its antisymmetric error grows as "
+        "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. Triangular, UD and "
+        "QR forms stay at one in all of them. The conventional form falls to zero however well conditioned the data, because its antisymmetric error grows as "
         "lambda^-k. Joseph's "
         "form is a sum of two semidefinite terms only before rounding: its triple product rounds by u |I - K psi'|^2 |P|, so in "
         "double it fails within "

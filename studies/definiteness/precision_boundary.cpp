@@ -169,7 +169,7 @@ Study const precision_boundary{
              [](Table const& t) { return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3); },
              finding("first edition, set after its run")},
             {"joseph_rank_two: within 1 bit of symmetric",
-             [](Table const& t) { return off(t, {"joseph_rank_two"}, needs(t, "symmetric"), -1, 1); }, "measured here",
+             [](Table const& t) { return off(t, {"joseph_rank_two"}, needs(t, "symmetric"), -1, 1); },
              finding("first edition, set after its run")},
             {"conventional fails at every length tried: 4 to 30, 40, 50 and 53 bits",
              [](Table const& t) {
@@ -177,7 +177,7 @@ Study const precision_boundary{
              },
              reproduction("earlier experiment, docs/literature.md 3.9")},
             {"survival is monotone but for the luck of single bits: of the two lengths beyond the first that survives at most one fails",
-             [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); }, "measured here",
+             [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); },
              finding("first edition, set after its run")},
         },
 };
