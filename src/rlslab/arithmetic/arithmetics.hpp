@@ -17,11 +17,11 @@ using ArithmeticsWith = std::tuple<Chopped<bfloat16>, Chopped<bfloat16, Rounding
                                    Chopped<binary16, Rounding::stochastic>, float, double, Extended..., Quad, Reference>;
 }  // namespace detail
 
-/// With long double where it is x87's: elsewhere it is one of the others, or none that rounds once.
+/// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not round once.
 using Arithmetics =
     std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
 
-/// Behind them one that is no format: significands of any length, for the studies.
+/// The place behind the list: VariablePrecision, whose length is set at run time.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
 template <int I>
 using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<VariablePrecision>{}))>;

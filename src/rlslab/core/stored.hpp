@@ -1,15 +1,14 @@
-// What a filter really holds of P: the stored numbers themselves, before anything is multiplied out or inverted.
+// The numbers that a filter stores for P, before any factor is multiplied out or inverted.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
 
 namespace rlslab {
 
-/// Which matrix the stored numbers stand for, X = P or X = P^-1, and how:
+/// The stored numbers F (d x d) and D (d, or empty), the matrix X = P or X = P^-1 that they represent, and how:
 ///   plain   X = F                                   (conventional, joseph, information ...)
 ///   factor  X = F diag(D) F', D absent meaning I    (potter, carlson, ud, qr: F = R', gentleman)
-/// A probe widens F and D exactly and does everything else in the certified arithmetic, so that no rounding of its own
-/// is charged to the variant.
+/// A measurement converts F and D exactly to a wider arithmetic and computes there, so that it adds no rounding error to the variant's.
 template <class T>
 struct Stored {
     enum class Quantity { covariance, information } quantity;

@@ -29,7 +29,7 @@ struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
 };
 }  // namespace detail
 
-/// Those of the types whose scalar is T, in order.
+/// A TypeList of those of the types whose member `scalar` is T, in order.
 template <class T, class... Types>
 using OverScalar = typename detail::OverScalar<T, TypeList<>, Types...>::type;
 

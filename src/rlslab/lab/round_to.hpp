@@ -1,4 +1,4 @@
-// Data are binary64: how an arithmetic takes them, and from where a stochastic one draws.
+// How binary64 data are rounded to an arithmetic, and the random stream of a stochastic one.
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// While one is alive the thread's stochastic roundings draw from the seed; nothing in other arithmetics.
+/// While this object exists, stochastic rounding in this thread draws from the seed. In other arithmetics it has no effect.
 template <class Scalar>
 struct RoundingSeedScope {
     explicit RoundingSeedScope(Seed&) {}
@@ -17,8 +17,8 @@ struct RoundingSeedScope<Chopped<F, Rounding::stochastic>> : StochasticStream {
     using StochasticStream::StochasticStream;
 };
 
-/// A datum as T stores it. Data are rounded to nearest whatever the rounding of the operations: the same bits are then
-/// given to the reference.
+/// How T stores a binary64 number. Data are rounded to nearest, whatever the rounding of the operations, and the reference is given the
+/// same bits. A scalar that is shorter than double specialises this.
 template <class Scalar>
 struct DataRounding {
     static constexpr bool stochastic = false;
@@ -36,6 +36,7 @@ struct DataRounding<VariablePrecision> {
     static double round(double x) { return static_cast<double>(VariablePrecision(x)); }
 };
 
+/// x as T stores it.
 template <class T>
 T round_to(double x) {
     return T(DataRounding<T>::round(x));

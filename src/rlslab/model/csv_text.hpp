@@ -1,4 +1,4 @@
-// Lines out of bytes, and cells out of lines. Internal to the reader of CSV files.
+// From bytes to lines, and from lines to cells. Internal to the reader of CSV files.
 #pragma once
 
 #include <rlslab/model/bytes.hpp>
@@ -8,14 +8,14 @@
 
 namespace rlslab::csv {
 
-constexpr std::size_t longest_line = 1 << 20;  // no row of numbers comes near; what does is not a CSV file
+constexpr std::size_t longest_line = 1 << 20;  // a longer one is no row of numbers
 
 /// "text", shortened and printable.
 std::string quoted(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 
-/// The lines of a text. Throws InputError for what is no text and for a line that is too long.
+/// The lines of a text. next() throws InputError for bytes that are not text and for a line that is too long.
 class Lines {
     std::string name_;
     ByteSource source_;
@@ -38,9 +38,9 @@ public:
     std::optional<std::string_view> next();
 };
 
-/// Follows quotes over the lines of one row, as Row does: one opens at the start of a cell, one within stands doubled.
+/// Follows the quotes over the lines of one row, by the rules of Row: a quote at the start of a cell opens it, one within is doubled.
 class Quotes {
-    std::string_view separators_;  // all that come into question
+    std::string_view separators_;  // all that are possible
     bool open_ = false, start_ = true, closed_ = false;
     std::string seen_;  // separators outside quotes, each once
 

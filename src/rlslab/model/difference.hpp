@@ -1,4 +1,4 @@
-// The difference equation itself: simulated, predicted, and seen through its poles and zeros.
+// The difference equation of a model: simulation, prediction, poles and zeros.
 #pragma once
 
 #include <rlslab/model/regression.hpp>
@@ -15,24 +15,25 @@ struct DifferenceEquation {
     int delay = 0;
     double c = 0;
 
-    /// The models's parameters in the order of its regressors, one input.
+    /// The equation of a model with one input, theta in the order of its regressors.
     static DifferenceEquation of(Arx const& model, Vector<double> const& theta);
 };
 
-/// y from rest, sums in the order written. Throws std::invalid_argument unless the inputs and xi are equally long.
+/// y from rest, as many samples as xi has; sums in the order written. Throws std::invalid_argument unless the inputs and xi are equally
+/// long.
 Signal simulate(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& xi);
-/// From measured outputs before the first row instead of rest: y[0 ... lead) is taken as it is.
+/// Without noise, from measured outputs instead of rest: the first `lead` numbers are those of y.
 Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index lead);
 
-/// The roots of z^n + p_1 z^{n-1} + ... + p_n, |largest| first, for exactly these coefficients: each part rounded from 256 bits.
-/// NaN where a coefficient is not finite.
+/// The roots of z^n + p_1 z^{n-1} + ... + p_n for exactly these coefficients, the largest in magnitude first. Each part is rounded from 256
+/// bits. All are NaN if a coefficient is not finite.
 std::vector<std::complex<double>> roots(std::vector<double> const& p);
-/// Roots of the a-polynomial, and of an input's b-polynomial without its leading zeros.
+/// The roots of the a-polynomial, and of the b-polynomial of one input without its leading zeros.
 std::vector<std::complex<double>> poles(DifferenceEquation const& model);
 std::vector<std::complex<double>> zeros(DifferenceEquation const& model, size_t input = 0);
 
-/// A stable system of order n with one input: pairs of poles (and one real pole if n is odd) in 0.3 <= |z| <= 0.95, b uniform
-/// in [-1, 1) and not all small.
+/// A random stable system of order n with one input: pairs of poles (and one real pole if n is odd) with 0.3 <= |z| <= 0.95, b uniform in
+/// [-1, 1) and not all small.
 DifferenceEquation random_stable(int order, Seed seed);
 
 }  // namespace rlslab

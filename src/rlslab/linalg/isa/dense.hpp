@@ -1,6 +1,6 @@
 // Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
 
-/// Which rows of the block at i0 come before `end`.
+/// The rows of the block at i0 that come before `end`.
 template <class B>
 inline RowRange rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
@@ -55,8 +55,8 @@ template <class B, Elementwise K>
     }
 }
 
-/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} in blocks of eight: from block to block the sum waits for one
-/// addition only. The same in single rows.
+/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} within blocks of eight: from one block to the next only one addition waits for
+/// another. This is the text for single rows; it adds in the order of SimdBlock::accumulate.
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(PrefixSums<T> const& k) {
@@ -92,7 +92,7 @@ template <class B, class T>
 
 // --- dot products, four columns at once -------------------------------------------------------------------------------
 
-/// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
+/// out_j = A_j'x; for an upper triangle only the rows down to the diagonal.
 template <class B, class T, Shape shape>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
@@ -105,9 +105,9 @@ template <class B, class T, Shape shape>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
     constexpr bool upper = shape == Shape::upper;
-    Index const tail = k.d / B::rows * B::rows;  // x is the caller's: nothing is read beyond its end
+    Index const tail = k.d / B::rows * B::rows;  // x belongs to the caller: nothing behind its end is read
     B x_tail;
-    x_tail.zero({});  // or g++ 12 warns in whoever includes this
+    x_tail.zero({});  // otherwise g++ 12 warns in every file that includes this
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
     for (Index j0 = 0; j0 < k.d; j0 += 4) {
         Index const count = k.d - j0 < 4 ? k.d - j0 : 4;

@@ -1,8 +1,9 @@
-// Sweeps over the columns of a square: a few blocks of rows outside, columns inside, so that what runs along the rows (a
-// product so far, a gain) stays in registers. Included by dispatch.hpp once for each instruction set: no #pragma once.
+// Sweeps over the columns of a square matrix. The outer loop goes over a few blocks of rows, the inner one over columns, so that the vector
+// w, which runs along the rows (a partial product, a gain), stays in registers. Included by dispatch.hpp once for each instruction set: no
+// #pragma once.
 //
-// Each sweep is the line or two of its formula on t, a block of column j of A, and w, the running block; what step j needs
-// of scalars is read once by its at(j).
+// Each sweep is one or two lines of formula for t, a block of column j of A, and w, the running block. at(j) reads the scalars of step j
+// once.
 
 // w = A x
 template <class B, class T>
@@ -61,7 +62,7 @@ template <int P, class B, int K, class S>
         }
     }
 }
-/// Of an upper triangle: the columns that end in the P-th block, and so on to the K-th.
+/// For an upper triangle: the columns that end in the P-th block, then those of the next block, up to the K-th.
 template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void staircase(S const& s, B (&w)[K], Index i0) {
     Index const j0 = i0 + (P - 1) * B::rows, j1 = j0 + B::rows;
@@ -93,8 +94,10 @@ template <class B, int K, Sweep S>
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
 
-// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j: what runs along the rows of a block is f up to the diagonal and w from
-// there on, and in column c of the block p that the diagonal is in, both.
+// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j.
+// `running` holds f for blocks whose diagonal is still to come and w for the others. A block multiplies its running vector by f_j if it
+// is above the diagonal of column j, by w_j if it is below. Block p holds the diagonal, in its column c: its rows up to c use the
+// product of w with f_j, the rows below use that of f with w_j.
 template <int m, int p, int c, class B, int K, class T>
 [[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
     Index const i = i0 + m * B::rows;
@@ -114,7 +117,7 @@ template <int p, int c, class B, int K, class T>
     if constexpr (c + 1 < B::rows)
         if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
 }
-/// The columns whose diagonal is in block p, and so on to those beyond the last block.
+/// The columns whose diagonal is in block p, then those of the next block, and last the columns behind all blocks.
 template <int p, class B, int K, class T>
 [[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
     Index const j0 = i0 + p * B::rows;
@@ -134,7 +137,7 @@ template <class B, int K, class T>
     from_diagonal<0>(s, running, i0);
 }
 
-// P = (P - (K g' + g K')) / lambda: two running columns.
+// P = (P - (K g' + g K')) / lambda, with two running vectors.
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractRankTwo<T> const& s, Index i0) {
     B x[K], g[K];
@@ -158,13 +161,13 @@ template <class B, int K, class T>
     }
 }
 
-/// K blocks of rows at a time, then K/2 ... 1.
+/// K blocks of rows together while there are so many, then K/2, ..., then 1.
 template <class B, int K, class S>
 [[gnu::always_inline]] inline void groups(S const& s, Index i0) {
     for (; s.d - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
     if constexpr (K > 1) groups<B, K / 2>(s, i0);
 }
-/// The triangle once and copied: a stochastic arithmetic would round its mirror image otherwise.
+/// Computes one triangle and copies it: stochastic rounding would give the mirror image other bits.
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(SubtractMirrored<T> const& s) {
