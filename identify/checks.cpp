@@ -208,7 +208,7 @@ void advise_of_cancellations(Identified& m, bool chosen) {
 
 }  // namespace
 
-/// What is left unexplained held out, over what is left in the fit, before it is told of.
+/// A warning is given if the residuals of the held-out part are more than this times those of the fit.
 constexpr double falls_by = 1.5;
 
 void advise(Identified& m, int most) {

@@ -1,4 +1,4 @@
-// From a record to a model: structure, parameters with their uncertainty, and every check of whether to believe them.
+// From a record to a model: structure, parameters with their uncertainty, and checks of both.
 #pragma once
 
 #include "identify/order.hpp"

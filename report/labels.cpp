@@ -58,8 +58,8 @@ std::string text_at(double x, double y, std::string const& text, std::string con
 
 namespace {
 
-/// Heights near those wished for, in their order, inside [top, bottom], `gap` apart or as far as there is room: halfway between
-/// only pushing down and only pushing up, then moved inside.
+/// Heights near the wished ones, in their order, inside [top, bottom], `gap` apart or as far apart as fits: the mean of those that
+/// pushing down alone and pushing up alone give, then moved inside.
 std::vector<double> spread(std::vector<double> wished, double gap, double top, double bottom) {
     size_t const n = wished.size();
     if (n < 2) return wished;

@@ -1,4 +1,4 @@
-// `rlslab compare` as a person meets it: what it asks for, what it answers first, what it writes.
+// `rlslab compare` on the command line: the options it requires, its first answer, the files it writes.
 #include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// What a drawing says beside its numbers: names at their marks, what is below the axis, what stands out.
+// What a drawing shows besides its numbers: names at their marks, points below the axis, emphasised curves.
 #include "tests/drawn.hpp"
 #include "report/plot.hpp"
 

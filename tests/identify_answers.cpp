@@ -1,4 +1,4 @@
-// What identify answers where the record or the variant is bad: words, never a NaN, and the exit code to match.
+// The output of identify for a bad record or a variant that breaks down: words, never a NaN, and the matching exit code.
 #include "catalogue/catalogue.hpp"
 #include "identify/identify.hpp"
 #include "tests/exact_fit.hpp"

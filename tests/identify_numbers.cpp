@@ -1,4 +1,4 @@
-// Every number that identify answers with, worked out another way: rationals, finite differences, closed forms, loops of their own.
+// Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate loops.
 #include "identify/checks.hpp"
 #include "identify/structure.hpp"
 #include "tests/exact_fit.hpp"

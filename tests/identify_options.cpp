@@ -1,4 +1,4 @@
-// Structures of one's own, refusals in one line, and that what is printed is what was worked out.
+// Structures given by options, refusals in one line, and that the printed numbers are the computed ones.
 #include "identify/structure.hpp"
 #include "identify/text.hpp"
 #include "tests/files.hpp"

@@ -153,7 +153,7 @@ TEST(Identities, HoldInReferenceForEveryVariant) {
     });
 }
 
-/// An honest filter with one report or one state distorted.
+/// A correct filter with one report or one state distorted.
 enum class Distort { gamma, residual, theta, P, K, lambda };
 template <Distort what>
 class Distorted {

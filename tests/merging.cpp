@@ -1,4 +1,4 @@
-// The laws of merging: rows folded apart and merged are the rows folded in; and a saboteur that forgets the weight.
+// The laws of merging: processing rows in separate filters and merging these gives what one filter gives. A saboteur forgets the weight.
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

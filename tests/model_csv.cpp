@@ -1,4 +1,4 @@
-// What people's CSV files hold is read bit for bit, and what cannot be read is refused in one clear line.
+// CSV files of many dialects are read bit for bit, and a file that cannot be read is refused in one clear line.
 #include "tests/files.hpp"
 
 #include <rlslab/model/csv.hpp>

@@ -1,4 +1,4 @@
-// The certified solution: every exact rational solution lies inside it, and it says so when there is none.
+// The certified solution: every exact rational solution lies inside its enclosure, and its status says when there is none.
 #include <rlslab/reference/certified.hpp>
 
 #include <flint/flint.h>

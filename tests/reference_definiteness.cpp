@@ -1,4 +1,4 @@
-// Definiteness is decided for the very bits stored; the quick proof in double never claims what is not so.
+// Definiteness is decided for exactly the stored bits; the quick proof in double never claims it wrongly.
 #include <rlslab/reference/definiteness.hpp>
 
 #include <gtest/gtest.h>

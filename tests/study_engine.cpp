@@ -1,4 +1,4 @@
-// The study engine: the same bytes on any number of threads, nothing lost by a kill, a false claim caught.
+// The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
 #include "catalogue/catalogue.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/journal.hpp"

@@ -31,8 +31,9 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
     return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));
 }
 
-/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, under the prior that the widest of them asks for.
-/// Every length for every variant on the same data, from the longest down: what is needed is the shortest from which on all do.
+/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, with a prior that fits the widest of them. Every variant
+/// is run on the same data with every length, from the longest down. The length needed is the least one from which on all longer ones
+/// suffice.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
     Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;  // few, or ten to twenty memories of 0.99
@@ -60,7 +61,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         double needed = INFINITY, half = INFINITY;
         for (size_t i = 0; i < of.size() && of[i] >= three_digits; ++i) needed = lengths[i];
         for (size_t i = 0; i < of.size() && of[i] >= lengths[i] * correctly::log10(2) / 2; ++i) half = lengths[i];
-        for (size_t i = of.size(); i-- > 0;)  // ascending, as a figure wants them
+        for (size_t i = of.size(); i-- > 0;)  // ascending, as a figure needs them
             out({std::get<std::string>(name), correctly::log2(kappa), double(lengths[i]), of[i],
                  std::min(1.0, of[i] / (lengths[i] * correctly::log10(2))), needed, half});
     }

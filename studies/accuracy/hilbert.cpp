@@ -26,7 +26,7 @@ Records rows_of(std::string const& matrix, double parameter) {
 void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"));
     Records const records = rows_of(trial.text("matrix"), trial.number("parameter"));
-    // A variance of 1e20 asks nothing of theta that binary64 could see here.
+    // A prior variance of 1e20 changes theta by less than binary64 can represent here.
     Problem<double> const problem{.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}};
     auto const filter = entry.make(problem, Seed{1});
     feed_rows(*filter, records, 0, records.rows());

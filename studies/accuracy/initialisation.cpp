@@ -44,7 +44,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // a hair wide: powers are computed
+Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // powers are computed, so the bounds are a little wider
     return t.where("start", "prior").where("amount", [=](double c2) { return from / 1.01 < c2 && c2 < to * 1.01; });
 }
 /// The least median error from any c^2 I, over the median error from the batch of 2 d rows: what the batch start gains.

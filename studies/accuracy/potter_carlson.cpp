@@ -57,7 +57,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table at_1e20(Table const& t) {  // powers are computed: a hair wide
+Table at_1e20(Table const& t) {  // powers are computed, so the bounds are a little wider
     return t.where("data", "norris").where("c2", [](double c2) { return 0.99e20 < c2 && c2 < 1.01e20; });
 }
 Table lines(Table const& t, double from, double to) {

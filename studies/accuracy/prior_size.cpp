@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table in(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants, double from, double to) {
-    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // a hair wide: powers are computed
+    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // powers are computed, so the bounds are wider
     return t.where("arithmetic", arithmetic).where("variant", variants).where("c2", inside);
 }
 

@@ -1,4 +1,4 @@
-// The data of studies, the families of variants, and what a filter has got wrong.
+// The data of studies, the families of variants, and the errors of a filter.
 #pragma once
 
 #include "studies/engine/study.hpp"
@@ -9,11 +9,11 @@ namespace rlslab {
 
 // --- variants, as factors of a study ----------------------------------------------------------------------------------
 
-/// Propagate P itself.
+/// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
-/// Propagate a factor of P or of its inverse; one row at a time.
+/// The variants that propagate a factor of P or of its inverse and take one row at a time.
 std::vector<Cell> factor_forms();
-/// Both, and `information`: every dense variant that takes one row at a time.
+/// Both of these and `information`: every dense variant that takes one row at a time.
 std::vector<Cell> row_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
@@ -35,11 +35,11 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1
 
 // --- answers ----------------------------------------------------------------------------------------------------------
 
-/// The problem and the data as an arithmetic stores them: what its reference must be given too.
+/// The problem and the data as an arithmetic stores them. The reference for that arithmetic must be computed from the same numbers.
 Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic);
 Records as_stored(Records records, Arithmetic const& arithmetic);
 
-/// Relative errors in the 2-norm and the Frobenius norm: 10^-digits. Infinity where the filter has an infinity or a NaN.
+/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a NaN.
 struct Errors {
     double theta, covariance;
 };
@@ -48,7 +48,7 @@ Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 /// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
 void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last);
 
-/// P in the 257 bits of Reference: F itself, multiplied out, or inverted.
+/// P in the 257 bits of Reference, from F itself, by multiplying factors out, or by inversion.
 Matrix<Reference> covariance_of(Stored<Reference> const& stored);
 /// ||A||_F.
 double frobenius(Matrix<Reference> const& A);

@@ -15,7 +15,7 @@ using M = Matrix<Reference>;
 M part(M const& A, std::string_view which) { return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2); }
 M inverse(M const& A) { return covariance_of({Stored<Reference>::Quantity::information, Stored<Reference>::Form::plain, A}); }
 
-/// A filter and its undisturbed twin, in 257 bits: what is measured is the recursion's and not the rounding's.
+/// A filter and an undisturbed copy of it, in 257 bits: the difference comes from the recursion, not from rounding.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda");
     Entry const& entry = trial.entry(trial.text("variant"), "reference");

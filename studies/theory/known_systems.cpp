@@ -1,4 +1,4 @@
-// Random stable systems, identified from their own records: do the parameters come back, and do the intervals keep their word?
+// Random stable systems, identified from simulated records: are the parameters found, and do the intervals have their coverage?
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

@@ -182,8 +182,8 @@ concept Contiguous = (OfEigen<C> && requires(C const& c) {
 }  // namespace detail
 
 /// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of data, numbers
-/// in braces. It copies nothing and must not outlive them. Numbers that are not contiguous do not compile: update(X.row(k).eval(), y)
-/// copies them first.
+/// in braces. It copies nothing and must not outlive them. An update accepts a view of the filter's own theta or gain. Numbers that are not
+/// contiguous do not compile: update(X.row(k).eval(), y) copies them first.
 template <Field T>
 class Regressor {
     T const* data_;

@@ -1,5 +1,5 @@
-// CSV in layers: lines out of bytes and cells out of lines (csv_text), numbers out of cells (csv_number), the format out of the
-// first rows, and here the columns.
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number), and here from the first rows to the format,
+// and from rows to columns.
 #include <rlslab/model/csv.hpp>
 
 #include <rlslab/core/suggestion.hpp>
@@ -26,14 +26,14 @@ std::string listed(std::vector<std::string> const& names) {
     return names.size() > shown ? fmt::format("{}, ... ({} in all)", list, names.size()) : list;
 }
 
-/// The separator that a line "sep=;" names, as spreadsheet programs write and obey it; 0: it is no such line.
+/// The separator that a line "sep=;" names, as spreadsheet programs write and read it; 0: the line is something else.
 char named_separator(std::string_view line) {
     if (line.size() >= 2 && line.front() == '"' && line.back() == '"') line = line.substr(1, line.size() - 2);
     bool const is_one = line.size() == 5 && (line.starts_with("sep=") || line.starts_with("SEP=") || line.starts_with("Sep="));
     return is_one ? line[4] : '\0';
 }
 
-/// A row as one separator would have it.
+/// The row as one possible separator divides it.
 struct Split {
     std::size_t cells = 0;               ///< 0: its quotes do not fit
     bool values = false, words = false;  ///< all cells are values; some are text
@@ -54,8 +54,8 @@ struct Split {
 
 struct CsvFile::State {
     Lines lines;
-    CsvFormat format;  // what is known of it
-    long most;         // numbers to be kept
+    CsvFormat format;  // as far as it is known
+    long most;         // numbers that may be stored
     Row row = {};
     bool header = false, finished = false;
     std::vector<std::string> names = {};
@@ -119,7 +119,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
     return whole += *text;
 }
 
-/// Out of the first row and, where it has only blanks between words, the row below.
+/// The separator, from the first row and, if that has only blanks between words, from the row below.
 char CsvFile::State::separator_of(std::string const& text) {
     Quotes quotes(0);
     quotes.take(text);
@@ -229,7 +229,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
     Columns data{.file = s.lines.name(), .header = s.header, .names = asked};
     data.values.resize(asked.size());
-    long const most_rows = s.most / long(asked.size() + 1);  // and where each begins
+    long const most_rows = s.most / long(asked.size() + 1);  // one more for the line on which each row begins
     for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();

@@ -1,4 +1,4 @@
-// One pass over each line; nothing is copied but lines that cross chunks, and cells.
+// One pass over each line. Only cells, and lines that cross chunks, are copied.
 #include <rlslab/model/csv_text.hpp>
 
 #include <fmt/format.h>

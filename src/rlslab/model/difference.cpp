@@ -1,4 +1,4 @@
-// Recursions as written.
+// The recursions of the difference equation, in the order in which they are written.
 #include <rlslab/model/difference.hpp>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ DifferenceEquation DifferenceEquation::of(Arx const& model, Vector<double> const
 
 namespace {
 
-/// The right-hand side but for xi, on whatever y holds so far.
+/// The right-hand side without xi, from the numbers that y holds so far.
 double predicted(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index k) {
     double sum = model.c;
     for (size_t j = 0; j < model.b.size(); ++j)

@@ -1,4 +1,4 @@
-// What is asked of a certified solution: its numbers, and how many digits of an estimate are right.
+// The members of CertifiedSolution: its numbers, and the digits of an estimate.
 #include <rlslab/reference/enclosure.hpp>
 #include <rlslab/reference/gram.hpp>
 
@@ -30,7 +30,7 @@ double relative_radius(BallMatrix const& A) {
     return mag_get_d(quotient);
 }
 
-/// ||A - B|| / ||B||, and what an error against an exactly vanishing B is worth.
+/// ||A - B|| / ||B||, and the result if B is exactly zero.
 double digits_between(BallMatrix const& A, BallMatrix const& B, long bits) {
     BallMatrix difference(A.rows(), A.cols());
     arb_mat_sub(difference, A, B, bits);
@@ -69,7 +69,7 @@ bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     return true;
 }
 
-/// P from what is stored:  F,  F D F',  F^-1,  F^-T D^-1 F^-1. False: not shown to be invertible at this precision.
+/// P from the stored numbers:  F,  F D F',  F^-1,  F^-T D^-1 F^-1. False: not shown to be invertible at this precision.
 bool rebuild(BallMatrix& P, Stored<Reference> const& stored, long bits) {
     using Quantity = Stored<Reference>::Quantity;
     using Form = Stored<Reference>::Form;
@@ -203,7 +203,7 @@ double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) c
     auto const& [of, kind, F, D] = estimate;
     expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_), "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
-    // As precise as the solution itself: relative to its largest entry, three digits more than were asked for.
+    // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called with.
     long const wanted = bits_for(enclosure_->digits + 3);
     bool known_regular = of == Stored<Reference>::Quantity::covariance;
     BallMatrix P;

@@ -1,4 +1,4 @@
-// Version 7.3, by matio: what a variable is comes before its numbers; those are read for the columns asked for alone.
+// Version 7.3, by matio. The kind of a variable is read first; its numbers are read only for the columns that are needed.
 #include <rlslab/model/doors/mat.hpp>
 #include <rlslab/model/doors/mat_variables.hpp>
 
