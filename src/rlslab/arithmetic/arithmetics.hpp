@@ -1,5 +1,5 @@
 // THE list of arithmetics that the catalogue holds, from the shortest to the longest. Variants are compiled once for
-// each, in an object library of its own (catalogue/CMakeLists.txt counts them).
+// each, in an object library of its own.
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -12,9 +12,21 @@
 namespace rlslab {
 
 namespace detail {
+// One a line: CMake reads them here. Extended... is long double or nothing.
+// clang-format off
 template <class... Extended>
-using ArithmeticsWith = std::tuple<Chopped<bfloat16>, Chopped<bfloat16, Rounding::stochastic>, Chopped<binary16>,
-                                   Chopped<binary16, Rounding::stochastic>, float, double, Extended..., Quad, Reference>;
+using ArithmeticsWith = std::tuple<
+    Chopped<bfloat16>,
+    Chopped<bfloat16, Rounding::stochastic>,
+    Chopped<binary16>,
+    Chopped<binary16, Rounding::stochastic>,
+    float,
+    double,
+    Extended...,
+    Quad,
+    Reference
+>;
+// clang-format on
 }  // namespace detail
 
 /// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not round once.

@@ -22,7 +22,7 @@ constexpr std::string_view separators = ",;\t| ";
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
-    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + quoted(names[i], 24);
+    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + in_quotes(names[i], 24);
     return names.size() > shown ? fmt::format("{}, ... ({} in all)", list, names.size()) : list;
 }
 
@@ -96,7 +96,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
         if (!text) return std::nullopt;
         if (char const named = searching && lines.number() == 1 ? named_separator(*text) : '\0') {
             if (separators.find(named) == separators.npos)
-                fail(1, "expected sep= with a comma, semicolon, tab, bar or blank, found " + quoted(*text));
+                fail(1, "expected sep= with a comma, semicolon, tab, bar or blank, found " + in_quotes(*text));
             if (format.separator == 0) format.separator = named;
             continue;
         }
@@ -185,7 +185,7 @@ void CsvFile::State::settle_decimal(char mark, std::size_t column) {
     }
     std::string const as = decimal_line > 0 ? fmt::format(" as in line {}", decimal_line) : "";
     fail(line, column,
-         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, quoted(row[column])));
+         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, in_quotes(row[column])));
 }
 
 double CsvFile::State::number_in(std::size_t column) {
@@ -246,7 +246,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
         s.fail(
             s.doubt->line, s.doubt->column,
             fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
-                        quoted(s.doubt->cell)));
+                        in_quotes(s.doubt->cell)));
     return data;
 }
 
@@ -259,12 +259,12 @@ std::size_t column_called(std::string const& asked, std::vector<std::string> con
     if (asked.empty()) throw InputError(file + ": expected the name of a column, found \"\"");
     auto const found = std::ranges::find(names, asked);
     if (found == names.end())
-        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, quoted(asked),
+        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, in_quotes(asked),
                                      header ? did_you_mean(asked, {names.begin(), names.end()}) : "",
                                      header ? "the columns are" : "without a header they are", listed(names)));
     auto const again = std::find(found + 1, names.end(), asked);
     if (again != names.end())
-        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, quoted(asked),
+        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, in_quotes(asked),
                                      found - names.begin() + 1, again - names.begin() + 1));
     return std::size_t(found - names.begin());
 }

@@ -80,10 +80,10 @@ bool is_value(Kind kind) { return kind <= Kind::comma_or_group || kind == Kind::
 
 std::string complaint(Kind kind, std::string_view cell) {
     switch (kind) {
-        case Kind::infinite: return "expected a finite number, found " + quoted(cell);
-        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + quoted(cell);
-        case Kind::grouped: return "expected a number without marks between thousands, found " + quoted(cell);
-        default: return "expected a number, found " + quoted(cell);
+        case Kind::infinite: return "expected a finite number, found " + in_quotes(cell);
+        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + in_quotes(cell);
+        case Kind::grouped: return "expected a number without marks between thousands, found " + in_quotes(cell);
+        default: return "expected a number, found " + in_quotes(cell);
     }
 }
 

@@ -5,7 +5,7 @@
 
 namespace rlslab::csv {
 
-std::string quoted(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
+std::string in_quotes(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
 
 std::string_view trimmed(std::string_view text) {
     auto const first = text.find_first_not_of(' ');

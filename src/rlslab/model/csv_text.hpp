@@ -11,7 +11,7 @@ namespace rlslab::csv {
 constexpr std::size_t longest_line = 1 << 20;  // a longer one is no row of numbers
 
 /// "text", shortened and printable.
-std::string quoted(std::string_view text, std::size_t limit = 40);
+std::string in_quotes(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 

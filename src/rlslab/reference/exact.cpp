@@ -115,7 +115,7 @@ std::string decimal(mpfr_srcptr x, int n) {
     mpfr_free_str(digits);
     if (mpfr_zero_p(x)) return "0";
     size_t const sign = text[0] == '-';
-    if (n > 1) text.insert(sign + 1, ".");
+    if (n > 1) text.insert(sign + 1, 1, '.');
     return text + "e" + std::to_string(exponent - 1);
 }
 
