@@ -98,8 +98,8 @@ Study const choose{
         "the orders kappa, kappa^2 and beyond: Golub & Wilkinson 1966, Björck 1967, part II (cited, not read), "
         "docs/literature.md 3.6, docs/theory.md 48; the map is measured here",
     .formula =
-        R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c
-              && \text{P or its inverse stored plainly} \\
+        R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\
+               p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
     .interpretation =
         "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "

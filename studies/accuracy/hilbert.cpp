@@ -51,8 +51,8 @@ Study const hilbert{
         "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an earlier "
         "experiment (docs/literature.md 3.6)",
     .formula =
-        R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad A
-              = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
+        R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad
+              A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
     .interpretation =
         "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 kappa u; "
         "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a prior of 1e20 "

@@ -86,8 +86,8 @@ Study const non_contraction{
         "docs/literature.md 3.8)",
     .formula =
         R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
-= \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
+P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
+        I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
     .interpretation =
         "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "

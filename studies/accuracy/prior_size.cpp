@@ -75,7 +75,7 @@ Study const prior_size{
     .question = "How large should the prior variance c^2 be?",
     .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
     .formula =
-        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|}
+        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \;
               \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
               P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
     .interpretation =
