@@ -1,4 +1,4 @@
-// rlslab list: what there is to choose from.
+// rlslab list: the names of variants, arithmetics and studies.
 #include "catalogue/catalogue.hpp"
 #include "program/commands.hpp"
 #include "program/described.hpp"

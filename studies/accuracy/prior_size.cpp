@@ -58,7 +58,7 @@ Number spread = [](Table const& t) {
     return most / least;
 };
 
-/// Where the least error lies, and what it is. A hair wide: powers are computed.
+/// The c^2 of the least error, and that error. The bounds are a little wider, because powers are computed.
 Finding valley(Table const& t, double c2_from, double c2_to, double error_from, double error_to) {
     Finding const c2 = within(t, {"variant"}, best_prior, c2_from / 1.01, c2_to * 1.01);
     Finding const error = within(t, {"variant"}, best_error, error_from, error_to);

@@ -1,4 +1,4 @@
-// No excitation with forgetting: P grows without bound where the data say nothing, and what each form makes of it.
+// No excitation with forgetting: P grows without bound in directions without data. How each form behaves.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -11,8 +11,8 @@
 namespace rlslab {
 namespace {
 
-/// The same psi for ever, until P breaks down, but no longer than 2.5 times as long as P stays in the arithmetic's range: the root of
-/// P lasts twice as long, and that of its inverse a little longer, by the subnormal numbers.
+/// The same psi in every row, until P breaks down, but at most 2.5 times as long as P stays in the arithmetic's range: the root of P stays
+/// in range twice as long, and that of its inverse a little longer, because of the subnormal numbers.
 void measure(Trial const& trial, TrialOutput& out) {
     Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Arithmetic const& arithmetic = *entry.arithmetic;
