@@ -38,24 +38,29 @@ public:
     std::optional<std::string_view> next();
 };
 
-/// Follows quotes over the lines of one row, as Row does: one opens at the start of a cell, one within stands doubled.
+/// Where in a cell a row stands after a character. quoted: inside quotes; quote: after a quote mark that ends them or is the first of
+/// two; closed: after their end and blanks; broken: text behind their end.
+enum class At { start, bare, quoted, quote, closed, broken };
+/// The next place: a quote opens at the start of a cell, one within stands doubled.
+At after(At at, char c, bool separates);
+
+/// Follows quotes over the lines of one row.
 class Quotes {
     std::string_view separators_;  // all that come into question
-    bool open_ = false, start_ = true, closed_ = false;
+    At at_ = At::start;
     std::string seen_;  // separators outside quotes, each once
 
 public:
     /// separator 0: not known yet.
     explicit Quotes(char separator);
     void take(std::string_view line);
-    bool open() const { return open_; }
+    bool open() const { return at_ == At::quoted; }
     bool saw(char separator) const { return seen_.find(separator) != seen_.npos; }
 };
 
 /// A row split into its cells, quotes resolved; its storage is reused from row to row. The separator ' ' stands for runs of
 /// blanks and tabs, which may also begin and end the row.
 class Row {
-    enum class At { start, bare, quoted, quote, closed };
     std::string text_;  // of all cells, without separators
     std::vector<std::size_t> ends_;
     At at_ = At::start;
