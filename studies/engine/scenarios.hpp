@@ -7,16 +7,29 @@
 
 namespace rlslab {
 
-// --- variants, as factors of a study ----------------------------------------------------------------------------------
+// --- families of variants ---------------------------------------------------------------------------------------------
+// Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
+// about these variants and no others. Without `kalman`: its random walk aside it is `conventional`.
 
 /// Propagate P itself.
 std::vector<Cell> covariance_forms();
-/// Propagate a factor of P or of its inverse; one row at a time.
+/// Those that subtract from P; Joseph's form adds products instead.
+std::vector<Cell> subtracting_forms();
+/// Propagate a factor of P or of its inverse.
 std::vector<Cell> factor_forms();
-/// Both, and `information`: every dense variant that takes one row at a time.
+/// Those whose factor is a triangle; Potter's is full.
+std::vector<Cell> triangular_forms();
+/// Correct theta by K e: all that propagate P or a factor of it, but for `conventional`, whose asymmetry is a matter of its own.
+std::vector<Cell> corrected_forms();
+/// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
+
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
+/// Those of a that are not in b.
+std::vector<Cell> without(std::vector<Cell> a, std::vector<Cell> const& b);
+/// As Table::where takes them.
+std::vector<std::string> words(std::vector<Cell> const& cells);
 
 /// base^first, base^(first + step), ... to base^last.
 std::vector<Cell> powers(double base, double first, double last, double step = 1);
@@ -34,10 +47,6 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1e-10);
 
 // --- answers ----------------------------------------------------------------------------------------------------------
-
-/// The problem and the data as an arithmetic stores them: what its reference must be given too.
-Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic);
-Records as_stored(Records records, Arithmetic const& arithmetic);
 
 /// Relative errors in the 2-norm and the Frobenius norm: 10^-digits. Infinity where the filter has an infinity or a NaN.
 struct Errors {
