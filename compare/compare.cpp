@@ -39,7 +39,7 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Certi
                 std::numeric_limits<double>::quiet_NaN(),
                 std::numeric_limits<double>::quiet_NaN()};
     CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
-    if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
+    if (is_forgetting_factor(problem.forgetting) && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
         CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
         if (exact)
@@ -93,8 +93,7 @@ std::string constants_text(Records const& records) {
 /// The entries that the options select, in the catalogue's order.
 std::vector<Entry const*> chosen(CompareOptions const& options) {
     std::vector<std::string_view> variants, scalars;
-    for (Entry const& entry : catalogue())
-        if (std::find(variants.begin(), variants.end(), entry.variant) == variants.end()) variants.push_back(entry.variant);
+    for (Entry const* const entry : one_entry_each()) variants.push_back(entry->variant);
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");

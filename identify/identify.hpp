@@ -41,7 +41,7 @@ struct Term {
 
 struct Parameter {
     std::string name, of;
-    double value, sd, low, high;  ///< NaN where the variant gave no number
+    double value, sd, lower, upper;  ///< lower and upper: of the confidence interval; NaN where the variant gave no number
 };
 
 /// theta(k) on its way, with its band.

@@ -14,6 +14,8 @@ namespace rlslab {
 CLI::Validator whole(long least, long most);
 /// A check for a finite number for which `holds` is true; its message is one line that says what was expected.
 CLI::Validator real(char const* expected, bool (*holds)(double));
+/// --forgetting of the commands that estimate.
+void take_forgetting(CLI::App& command, double& forgetting);
 
 /// A check for a name that is not empty; its message is one line that says what was expected.
 CLI::Validator named(char const* expected);

@@ -128,7 +128,7 @@ TEST_F(CompareCommand, AnswersInAnyUnits) {
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
-        "'" + root + "/tests/data/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+        "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
     json const out = compared(longley);
     // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
     constexpr double certified[] = {-3482258.63459582, 15.0618722713733,       -0.358191792925910e-01, -2.02022980381683,

@@ -104,8 +104,8 @@ TEST_F(IdentifyNumbers, ParametersAndTheirIntervals) {
         double const sd = exact.sd(i, N - d);
         EXPECT_NEAR(p.value, number(exact.theta[i]), 1e-12);
         EXPECT_NEAR(p.sd / sd, 1, 1e-12);
-        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.high - p.value) / sd), 0.9, 1e-9);
-        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.value - p.low) / sd), 0.9, 1e-9);
+        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.upper - p.value) / sd), 0.9, 1e-9);
+        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.value - p.lower) / sd), 0.9, 1e-9);
     }
 }
 TEST_F(IdentifyNumbers, CriteriaDigitsAndCondition) {

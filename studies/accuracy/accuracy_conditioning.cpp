@@ -43,8 +43,8 @@ Finding slopes(Table const& t, std::vector<std::string> const& variants, std::st
     return out;
 }
 
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph_rank_two"};
+std::vector<std::string> const factors = words(factor_forms());
+std::vector<std::string> const plain = words(subtracting_forms());
 
 }  // namespace
 

@@ -51,10 +51,10 @@ void measure(Trial const& trial, TrialOutput& out) {
             as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
-        for (Entry const& entry : variable_precision_catalogue())
-            for (Cell const& name : row_forms())
-                if (entry.variant == std::get<std::string>(name))
-                    kept[std::string(entry.variant)].push_back(digits(entry, problem, records, exact));
+        for (Cell const& form : row_forms()) {
+            std::string const& name = std::get<std::string>(form);
+            kept[name].push_back(digits(*find_entry(variable_precision_catalogue(), name, arithmetic.name), problem, records, exact));
+        }
     }
     for (Cell const& name : row_forms()) {
         std::vector<double> const& of = kept[std::get<std::string>(name)];
@@ -73,7 +73,7 @@ Table steep(Table const& t, std::vector<std::string> const& variants, std::strin
         return p <= longest;
     });
 }
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const factors = words(factor_forms());
 std::vector<std::string> const plain{"conventional_two_sided", "symmetric", "joseph_rank_two", "information"};
 
 /// needed - slope log2 kappa over the same rows.

@@ -37,8 +37,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({kappa, worst, worst / (kappa * 0x1p-53), errors(*filter, exact).covariance, worst < 1 ? "solved" : "lost"});
 }
 
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
-std::vector<std::string> const covariances{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
+std::vector<std::string> const factors = words(factor_forms());
+std::vector<std::string> const covariances = words(covariance_forms());
 Table of(Table const& t, std::string const& matrix) { return t.where("matrix", matrix); }
 
 }  // namespace
@@ -110,11 +110,7 @@ Study const hilbert{
              }},
             {"Läuchli, every other variant: 15 digits of theta at every delta down to 1e-12",
              [](Table const& t) {
-                 Table const others = of(t, "laeuchli").where("variant", [] {
-                     std::vector<std::string> all = factors;
-                     all.insert(all.end(), covariances.begin(), covariances.end());
-                     return all;
-                 }());
+                 Table const others = of(t, "laeuchli").where("variant", words(without(row_forms(), {"information"})));
                  return within(others, {"variant"}, greatest("theta_error"), 0, 1e-15);
              }},
         },

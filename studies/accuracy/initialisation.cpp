@@ -61,8 +61,8 @@ Finding gains(Table const& t, std::vector<std::string> const& variants, double f
     Finding const P = within(of, {"variant", "lambda"}, gain("covariance"), from, to);
     return {theta.holds && P.holds, "theta " + theta.measured + "; P " + P.measured};
 }
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const plain = words(covariance_forms());
+std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace
 

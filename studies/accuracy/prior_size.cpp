@@ -64,8 +64,8 @@ Finding valley(Table const& t, double c2_from, double c2_to, double error_from, 
     Finding const error = within(t, {"variant"}, best_error, error_from, error_to);
     return {c2.holds && error.holds, "c^2 " + c2.measured + "; error " + error.measured};
 }
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const plain = words(covariance_forms());
+std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53, replicates = 3;
 
 Entry const& of_any_length(std::string const& variant) {
-    return *std::ranges::find_if(variable_precision_catalogue(), [&](Entry const& entry) { return entry.variant == variant; });
+    return *find_entry(variable_precision_catalogue(), variant, variable_precision_catalogue().front().arithmetic->name);
 }
 
 /// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.

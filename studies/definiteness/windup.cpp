@@ -44,7 +44,7 @@ Finding none(Table const& t, std::string const& outcome) {
     return {!t.empty() && found == 0, fmt::format("{} of {} are {}", found, t.rows().size(), outcome)};
 }
 
-std::vector<std::string> const triangles{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const triangles = words(triangular_forms());
 
 }  // namespace
 
@@ -85,15 +85,12 @@ Study const windup{
                .log = "x",
                .x_label = "1/(1 - lambda)",
                .y_label = "first step / k*",
-               .where = {{"variant", {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}}},
+               .where = {{"variant", words(covariance_forms())}},
                .guides = {{"k*", [](double) { return 1.0; }}}}},
     .claims =
         {
             {"every covariance form becomes indefinite",
-             [](Table const& t) {
-                 return everywhere(t.where("variant", {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}),
-                                   "outcome", "indefinite");
-             }},
+             [](Table const& t) { return everywhere(t.where("variant", words(covariance_forms())), "outcome", "indefinite"); }},
             {"in double symmetric and joseph do so at 0.8 to 1.25 of k*",
              [](Table const& t) {
                  return within(t.where("arithmetic", "double").where("variant", {"symmetric", "joseph"}), {"variant", "lambda"},
@@ -122,10 +119,7 @@ Study const windup{
                  return Finding{overflow.holds && when.holds, when.measured};
              }},
             {"no other form overflows",
-             [](Table const& t) {
-                 return none(t.where("variant", {"potter", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"}), "nonfinite");
-             },
-             "measured here"},
+             [](Table const& t) { return none(t.where("variant", words(without(factor_forms(), {"ud"}))), "nonfinite"); }, "measured here"},
             {"the other roots of P stop growing: P settles between u^-1.5 and u^-2.2",
              [](Table const& t) {
                  return within(t.where("variant", {"carlson", "inverse_qr"}), {"arithmetic", "lambda", "variant"}, median("growth"), 1.5,

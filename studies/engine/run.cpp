@@ -29,8 +29,7 @@ Seed Trial::seed(std::vector<std::string> const& factors) const {
 }
 
 Entry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
-    for (Entry const& e : *entries_)
-        if (e.variant == variant && e.arithmetic->name == arithmetic) return e;
+    if (Entry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
     throw std::logic_error(fmt::format("study {}: no {} in {}", study_, variant, arithmetic));
 }
 

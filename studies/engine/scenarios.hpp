@@ -7,16 +7,30 @@
 
 namespace rlslab {
 
-// --- variants, as factors of a study ----------------------------------------------------------------------------------
+// --- families of variants ---------------------------------------------------------------------------------------------
+// Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
+// about these variants and no others. Without `kalman`: its random walk aside it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
-/// The variants that propagate a factor of P or of its inverse and take one row at a time.
+/// The variants that subtract from P; Joseph's form adds products instead.
+std::vector<Cell> subtracting_forms();
+/// The variants that propagate a factor of P or of its inverse.
 std::vector<Cell> factor_forms();
-/// Both of these and `information`: every dense variant that takes one row at a time.
+/// The variants whose factor is a triangle; Potter's is full.
+std::vector<Cell> triangular_forms();
+/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose asymmetry is studied
+/// apart.
+std::vector<Cell> corrected_forms();
+/// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
+
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
+/// Those of a that are not in b.
+std::vector<Cell> without(std::vector<Cell> a, std::vector<Cell> const& b);
+/// As Table::where takes them.
+std::vector<std::string> words(std::vector<Cell> const& cells);
 
 /// base^first, base^(first + step), ... to base^last.
 std::vector<Cell> powers(double base, double first, double last, double step = 1);
@@ -34,10 +48,6 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1e-10);
 
 // --- answers ----------------------------------------------------------------------------------------------------------
-
-/// The problem and the data as an arithmetic stores them. The reference for that arithmetic must be computed from the same numbers.
-Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic);
-Records as_stored(Records records, Arithmetic const& arithmetic);
 
 /// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a NaN.
 struct Errors {

@@ -29,7 +29,7 @@ void measure(Trial const& trial, TrialOutput& out) {
          broken.empty() ? "sound" : broken, entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
 }
 
-std::vector<std::string> const triangular{"ud", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const triangular = words(triangular_forms());
 Table of(Table const& t, char const* arithmetic, char const* eps) { return t.where("arithmetic", arithmetic).where("eps", eps); }
 
 /// The variance is positive up to 2^-last and negative from there on.

@@ -21,8 +21,9 @@ inline constexpr int Dynamic = Eigen::Dynamic;
 /// another one than the library. Without alignment all files lay out, allocate and free these types alike.
 template <class T, int N = Dynamic>
 using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
-template <class T, int N = Dynamic>
-using Matrix = Eigen::Matrix<T, N, N, Eigen::DontAlign>;
+/// Rows x Columns; Matrix<T, N> is square, Matrix<T> of any shape: each use says which.
+template <class T, int Rows = Dynamic, int Columns = Rows>
+using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
 
 /// What is known before the first row: theta0, and P0 = variance x I or a full P0. P0 is in units of the noise variance sigma^2.
 template <Field T>
@@ -40,7 +41,24 @@ struct Problem {
     Index size = 0;                              ///< d >= 1, the number of parameters
     T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
+
+    /// The problem with convert(x) in place of each number x.
+    template <Field To, class Convert>
+    Problem<To> mapped(Convert convert) const {
+        Problem<To> out{.size = size, .forgetting = convert(forgetting), .prior = std::nullopt};
+        if (!prior) return out;
+        out.prior = Prior<To>{.variance = convert(prior->variance)};
+        if (prior->theta) out.prior->theta = prior->theta->unaryExpr(convert);
+        if (prior->covariance) out.prior->covariance = prior->covariance->unaryExpr(convert);
+        return out;
+    }
 };
+
+/// Whether lambda is a forgetting factor.
+template <Field T>
+Truth<T> is_forgetting_factor(T const& lambda) {
+    return T(0) < lambda && lambda <= T(1);
+}
 
 /// Breakdown is a result.
 ///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are finite: tested
@@ -153,7 +171,7 @@ template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     expects(problem.size >= 1, "size >= 1");
     expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
-    expects(all(T(0) < problem.forgetting && problem.forgetting <= T(1)), "0 < forgetting <= 1");
+    expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
         expects(all(T(0) < prior.variance), "prior variance > 0");

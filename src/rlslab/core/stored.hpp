@@ -23,4 +23,20 @@ struct Stored {
     }
 };
 
+/// X, multiplied out where it is stored as a factor: F diag(D) F' summed in order, with T's roundings.
+template <class T>
+Matrix<T> multiplied_out(Stored<T> const& stored) {
+    if (stored.form == Stored<T>::Form::plain) return stored.F;
+    Matrix<T> FD = stored.F;
+    for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
+    return FD.lazyProduct(stored.F.transpose());
+}
+
+/// P: X, or inverse(X) where X = P^-1. For tests and studies; CertifiedSolution::covariance_digits rounds nothing.
+template <class T, class Inverse>
+Matrix<T> covariance_of(Stored<T> const& stored, Inverse inverse) {
+    Matrix<T> const X = multiplied_out(stored);
+    return stored.quantity == Stored<T>::Quantity::covariance ? X : Matrix<T>(inverse(X));
+}
+
 }  // namespace rlslab

@@ -41,6 +41,19 @@ struct Arithmetic {
     double decimal_digits() const { return digits * 0.30102999566398120; }  ///< log10 2
 };
 
+/// The problem and the data as an arithmetic stores them, each number rounded by `round`. The reference for that arithmetic must be
+/// computed from the same numbers.
+inline Problem<double> as_stored(Problem<double> const& problem, double (*round)(double)) { return problem.mapped<double>(round); }
+inline Problem<double> as_stored(Problem<double> const& problem, Arithmetic const& arithmetic) {
+    return as_stored(problem, arithmetic.round);
+}
+inline Records as_stored(Records records, double (*round)(double)) {
+    records.psi = records.psi.unaryExpr(round).eval();
+    records.y = records.y.unaryExpr(round).eval();
+    return records;
+}
+inline Records as_stored(Records records, Arithmetic const& arithmetic) { return as_stored(std::move(records), arithmetic.round); }
+
 /// One pair of variant and arithmetic.
 struct Entry {
     std::string_view variant;

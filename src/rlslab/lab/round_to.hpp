@@ -45,13 +45,7 @@ T round_to(double x) {
 /// The problem with every number as T stores it.
 template <class T>
 Problem<T> problem_as(Problem<double> const& problem) {
-    Problem<T> out{.size = problem.size, .forgetting = round_to<T>(problem.forgetting), .prior = std::nullopt};
-    if (problem.prior) {
-        out.prior = Prior<T>{.variance = round_to<T>(problem.prior->variance)};
-        if (problem.prior->theta) out.prior->theta = problem.prior->theta->unaryExpr(&round_to<T>);
-        if (problem.prior->covariance) out.prior->covariance = problem.prior->covariance->unaryExpr(&round_to<T>);
-    }
-    return out;
+    return problem.mapped<T>(&round_to<T>);
 }
 
 }  // namespace rlslab

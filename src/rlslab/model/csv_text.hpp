@@ -38,24 +38,29 @@ public:
     std::optional<std::string_view> next();
 };
 
-/// Follows the quotes over the lines of one row, by the rules of Row: a quote at the start of a cell opens it, one within is doubled.
+/// The state of a row after a character. start: at the start of a cell; bare: in a cell without quotes; quoted: inside quotes; quote: after
+/// a quote mark that closes them or is the first of two; closed: after the closing quote and blanks; broken: text behind the closing quote.
+enum class At { start, bare, quoted, quote, closed, broken };
+/// The state after the next character c; separates: c is a separator. A quote mark opens at the start of a cell; one within is doubled.
+At after(At at, char c, bool separates);
+
+/// Follows the quotes over the lines of one row.
 class Quotes {
     std::string_view separators_;  // all that are possible
-    bool open_ = false, start_ = true, closed_ = false;
+    At at_ = At::start;
     std::string seen_;  // separators outside quotes, each once
 
 public:
     /// separator 0: not known yet.
     explicit Quotes(char separator);
     void take(std::string_view line);
-    bool open() const { return open_; }
+    bool open() const { return at_ == At::quoted; }
     bool saw(char separator) const { return seen_.find(separator) != seen_.npos; }
 };
 
 /// A row split into its cells, quotes resolved; its storage is reused from row to row. The separator ' ' stands for runs of
 /// blanks and tabs, which may also begin and end the row.
 class Row {
-    enum class At { start, bare, quoted, quote, closed };
     std::string text_;  // of all cells, without separators
     std::vector<std::size_t> ends_;
     At at_ = At::start;

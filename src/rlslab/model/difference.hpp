@@ -8,6 +8,13 @@
 
 namespace rlslab {
 
+/// Where a parameter stands in the equation: with -y[k-lag], with u_j[k-lag] of an input, or with 1.
+struct EquationTerm {
+    static constexpr int output = -1, constant = -2;
+    int signal;   ///< j >= 0 of the input, or one of these
+    int lag = 0;  ///< at least 1 of the output
+};
+
 /// y_k + a_1 y_{k-1} + ... + a_na y_{k-na} = sum_j (b_{j,0} u_{j,k-delay} + ... + b_{j,nb} u_{j,k-delay-nb}) + c + xi_k.
 struct DifferenceEquation {
     std::vector<double> a;               ///< a_1 ... a_na
@@ -15,7 +22,10 @@ struct DifferenceEquation {
     int delay = 0;
     double c = 0;
 
-    /// The equation of a model with one input, theta in the order of its regressors.
+    /// Parameter theta_i belongs to terms[i]; a coefficient without a term is 0. The delay is the shortest lag of any input, 0 without one.
+    /// Throws std::invalid_argument unless there is a term for each parameter, of one of the inputs.
+    static DifferenceEquation of(std::span<EquationTerm const> terms, Vector<double> const& theta, std::size_t inputs);
+    /// The equation of a model, theta in the order of its regressors.
     static DifferenceEquation of(Arx const& model, Vector<double> const& theta);
 };
 

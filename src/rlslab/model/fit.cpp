@@ -232,14 +232,14 @@ Fit fit(Records const& given, FitBy by, double confidence, double tolerance) {
     out.sigma2 = freedom > 0 ? out.J / double(freedom) : nan;
     out.percent = fit_percent(records.y, predicted);
     double const t = freedom > 0 ? correctly::student_quantile(double(freedom), 0.5 + confidence / 2) : nan;
-    out.sd.resize(d), out.low.resize(d), out.high.resize(d);
+    out.sd.resize(d), out.lower.resize(d), out.upper.resize(d);
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) out.covariance(i, j) *= out.sigma2;
     for (Index i = 0; i < d; ++i) {
         int const unit = units.y - f[size_t(i)];
         out.sd[i] = std::sqrt(out.covariance(i, i));
-        out.low[i] = std::scalbn(out.theta[i] - t * out.sd[i], unit);
-        out.high[i] = std::scalbn(out.theta[i] + t * out.sd[i], unit);
+        out.lower[i] = std::scalbn(out.theta[i] - t * out.sd[i], unit);
+        out.upper[i] = std::scalbn(out.theta[i] + t * out.sd[i], unit);
         out.sd[i] = std::scalbn(out.sd[i], unit);
         out.theta[i] = std::scalbn(out.theta[i], unit);
     }

@@ -18,9 +18,9 @@ struct Fit {
     Matrix<double> covariance;
     double J = 0, sigma2 = 0, percent = 0;
     Index rank = 0;
-    Vector<double> singular = {};  ///< singular values of Phi, largest first (svd alone)
-    Vector<double> low = {}, high = {};
-    bool converged = true;  ///< false: svd's rotations were stopped before the columns were orthogonal to rounding
+    Vector<double> singular = {};           ///< singular values of Phi, largest first (svd alone)
+    Vector<double> lower = {}, upper = {};  ///< ends of the confidence intervals
+    bool converged = true;                  ///< false: svd's rotations were stopped before the columns were orthogonal to rounding
 };
 
 enum class FitBy { normal_equations, qr, svd };

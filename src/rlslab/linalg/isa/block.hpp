@@ -11,10 +11,9 @@ struct ScalarRow {
     static constexpr bool padded = false;
     T x;
 
-    [[gnu::always_inline]] void zero(RowRange) { x = T(0); }
-    [[gnu::always_inline]] void load(T const* from, RowRange) { x = *from; }
+    [[gnu::always_inline]] void zero() { x = T(0); }
+    [[gnu::always_inline]] void load(T const* from) { x = *from; }
     [[gnu::always_inline]] void store(T* to) const { *to = x; }
-    [[gnu::always_inline]] void store_present(T* to, RowRange) const { *to = x; }
     [[gnu::always_inline]] void scale(T const& a) { x *= a; }
     [[gnu::always_inline]] void divide(T const& a) { x /= a; }
     [[gnu::always_inline]] void scale(ScalarRow const& a) { x *= a.x; }
@@ -40,10 +39,10 @@ struct SimdBlock {
     static constexpr bool padded = true;
     V v[registers];
 
-    [[gnu::always_inline]] void zero(RowRange) {
+    [[gnu::always_inline]] void zero() {
         for (V& r : v) r = V{};
     }
-    [[gnu::always_inline]] void load(T const* from, RowRange) {
+    [[gnu::always_inline]] void load(T const* from) {
         for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
     }
     [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
@@ -172,7 +171,7 @@ struct SimdBlock {
         }
     }
     /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks. Always writes four numbers; out is padded.
-    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out, Index) {
+    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out) {
         if constexpr (W == 2) {
             V pair[4];
             for (int c = 0; c < 4; ++c) {

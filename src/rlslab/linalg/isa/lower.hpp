@@ -5,13 +5,12 @@
 /// in.
 template <class B, class S>
 [[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
-    RowRange const here = rows_of<B>(j0, s.d);
     B x;
-    x.load(s.x + j0, here);
+    x.load(s.x + j0);
     for (Index i = i0; i < i0 + B::rows; ++i) {
         auto* const column = s.L + i * s.ld + j0;
         B t;
-        t.load(column, here);
+        t.load(column);
         step(s, i, t, x);
         if constexpr (S::writes) t.store(column);
     }
@@ -147,11 +146,11 @@ template <class B, class T>
         if constexpr (B::rows > 1) {
             B x;
             Index const m = rows_of<B>(i0, s.d).last;
-            x.load(s.x + i0, {0, m});
+            x.load(s.x + i0);
             for (Index i = 0; i < m; ++i) {
                 T* const column = s.L + (i0 + i) * s.ld + i0;
                 B t;
-                t.load(column, {i + 1, m});
+                t.load(column);
                 step(s, i0 + i, t, x);
                 t.store_present(column, {i + 1, m});
             }

@@ -56,7 +56,7 @@ template <int P, class B, int K, class S>
         auto const at = s.at(j);
         for (int m = 0; m < P; ++m) {
             B t;
-            t.load(column + m * B::rows, rows_of<B>(i0 + m * B::rows, S::upper ? j + 1 : s.d));
+            t.load(column + m * B::rows);
             step(s, at, t, w[m]);
             if constexpr (S::writes) t.store(column + m * B::rows);
         }
@@ -77,13 +77,12 @@ template <class B, int K, Sweep S>
     Index j0 = 0;
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
-        RowRange const here = rows_of<B>(i, s.d);
         if constexpr (S::starts == Start::column) {
-            w[m].load(s.w + i, here);
+            w[m].load(s.w + i);
         } else if constexpr (S::starts == Start::zero) {
-            w[m].zero(here);
+            w[m].zero();
         } else {
-            w[m].load(s.A + i, here);
+            w[m].load(s.A + i);
             w[m].scale(s.at(0));
             j0 = 1;
         }
@@ -102,10 +101,10 @@ template <int m, int p, int c, class B, int K, class T>
 [[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
     Index const i = i0 + m * B::rows;
     B t;
-    t.load(here + m * B::rows, rows_of<B>(i, s.d));
+    t.load(here + m * B::rows);
     if constexpr (m < p) t.subtract_product(running[m], f);
     else if constexpr (m > p) t.subtract_product(running[m], w);
-    else t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
+    else t.template subtract_either<c + 1>(block_of<B>(s.w, i), f, running[m], w);
     t.add_product(t, s.correction);
     t.store(here + m * B::rows);
     if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
@@ -123,7 +122,7 @@ template <int p, class B, int K, class T>
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
         on_diagonal<p, 0>(s, running, i0, s.A + j0 * s.ld + i0);
-        running[p] = block_of<B>(s.w, j0, s.d);
+        running[p] = block_of<B>(s.w, j0);
         from_diagonal<p + 1>(s, running, i0);
     } else {
         for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
@@ -132,7 +131,7 @@ template <int p, class B, int K, class T>
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
     B running[K];
-    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
+    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
     for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
     from_diagonal<0>(s, running, i0);
 }
@@ -143,15 +142,15 @@ template <class B, int K, class T>
     B x[K], g[K];
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
-        x[m].load(s.x + i, rows_of<B>(i, s.d));
-        g[m].load(s.g + i, rows_of<B>(i, s.d));
+        x[m].load(s.x + i);
+        g[m].load(s.g + i);
     }
     for (Index j = 0; j < s.d; ++j) {
         T const xj = s.x[j], gj = s.g[j];
         for (int m = 0; m < K; ++m) {
             T* const here = s.A + j * s.ld + i0 + m * B::rows;
             B t, both = x[m];
-            t.load(here, rows_of<B>(i0 + m * B::rows, s.d));
+            t.load(here);
             both.scale(gj);
             both.add_product(g[m], xj);
             t.subtract(both);
