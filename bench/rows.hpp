@@ -90,7 +90,7 @@ class FilterRow {
             least = std::min(least, nanoseconds_of([&] {
                                         for (int i = 0; i < calls; ++i) {
                                             auto const& answer = filter.theta();
-                                            wanted(answer);
+                                            do_not_optimize(answer);
                                         }
                                     }) / calls);
         }

@@ -107,7 +107,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
                 Vector<T> const outputs = y.segment(k, rows);
                 took = nanoseconds_of([&] {
                     process(filter, block, outputs);
-                    wanted(Vector<T>(filter.theta()));
+                    do_not_optimize(Vector<T>(filter.theta()));
                 });
             } else {
                 took = stretch<Theta::asked>(filter, psi, y, k, k + rows);

@@ -97,12 +97,12 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
-    auto const wanted = [](std::vector<std::string> const& asked, std::string_view name) {
+    auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
         return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
     };
     std::vector<Entry const*> out;
     for (Entry const& entry : catalogue())
-        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
+        if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
     if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }

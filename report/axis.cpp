@@ -115,12 +115,12 @@ Ticks Axis::within_a_decade(int about) const {
     if (out.all.size() >= 3) {
         // The largest of these sets of digits that gives no more labels than wished for.
         for (std::string_view const labelled : {"123456789", "123468", "12357", "125", "13"}) {
-            auto const keeps = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
+            auto const is_kept = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
             int labels = 0;
-            for (size_t i = 0; i < digits.size(); ++i) labels += keeps(i);
+            for (size_t i = 0; i < digits.size(); ++i) labels += is_kept(i);
             if (labels > about && labelled != "13") continue;
             for (size_t i = 0; i < digits.size(); ++i)
-                if (!keeps(i)) out.all[i].text.clear(), out.all[i].power.clear();
+                if (!is_kept(i)) out.all[i].text.clear(), out.all[i].power.clear();
             break;
         }
         return out;

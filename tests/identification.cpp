@@ -240,8 +240,8 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
         EXPECT_NEAR(m.parameters[3].value, 0.5, 1e-12);
         EXPECT_TRUE(m.warnings.empty()) << m.warnings.front();
     }
-    std::string const still = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
-    EXPECT_THAT(files::message_of([&] { identify(still, {.inputs = {"u"}, .output = "y", .order = 1}); }),
+    std::string const constant = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
+    EXPECT_THAT(files::message_of([&] { identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
                 HasSubstr("column \"y\" does not change"));
 }
 /// With forgetting the estimate scatters as its own standard deviation says.

@@ -20,7 +20,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = kappa * kappa}}, *entry.arithmetic);
     Records const records = as_stored(graded(size, rows, kappa, trial.seed({"kappa", "replicate"}), noise), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
-    feed_rows(*filter, records, 0, rows);
+    process_rows(*filter, records, 0, rows);
     Errors const error = errors(*filter, certified(problem, records, {rows}, 60).front());
     out({error.theta, error.covariance});
 }

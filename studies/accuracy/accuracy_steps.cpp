@@ -22,7 +22,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
         out({double(at), error.theta / u, error.covariance / u});

@@ -24,7 +24,7 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
-        feed_rows(*filter, records, k, std::min(k + stride, rows));
+        process_rows(*filter, records, k, std::min(k + stride, rows));
         if (!breakdown(*filter, *entry.arithmetic).empty()) return 0;
     }
     Errors const e = errors(*filter, exact);

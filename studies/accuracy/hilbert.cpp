@@ -29,7 +29,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     // A prior variance of 1e20 changes theta by less than binary64 can represent here.
     Problem<double> const problem{.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}};
     auto const filter = entry.make(problem, Seed{1});
-    feed_rows(*filter, records, 0, records.rows());
+    process_rows(*filter, records, 0, records.rows());
     CertifiedSolution const exact = certified(problem, records, {records.rows()}).front();
     double const digits = exact.theta_digits_worst(filter->theta());
     double const worst = digits == digits ? correctly::pow(10, -digits) : INFINITY;

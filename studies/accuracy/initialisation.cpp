@@ -37,7 +37,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : row_forms()) {
         Entry const& entry = trial.entry(std::get<std::string>(variant));
         auto const filter = entry.make(problem, Seed{1});
-        feed_rows(*filter, records, first, rows);
+        process_rows(*filter, records, first, rows);
         Errors const error = errors(*filter, exact);
         std::string const status = breakdown(*filter, *entry.arithmetic);
         out({variant, status.empty() ? "sound" : status, error.theta, error.covariance});

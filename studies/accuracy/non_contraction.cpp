@@ -133,8 +133,8 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
              [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }},
             {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
              [](Table const& t) {
-                 Number const excess = [](Table const& rows) { return least("norm")(rows) - 1; };
-                 Finding out = within(t.where("psi", "none"), {}, excess, 1e-12, 1e9);
+                 Number const over_one = [](Table const& rows) { return least("norm")(rows) - 1; };
+                 Finding out = within(t.where("psi", "none"), {}, over_one, 1e-12, 1e9);
                  Table const chance = t.where("psi", "eigenvector");
                  for (double const norm : chance.numbers("norm")) out.holds = out.holds && norm == 1;
                  out.measured = fmt::format("by at least {}; {} eigenvectors", out.measured, chance.rows().size());

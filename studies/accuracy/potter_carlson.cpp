@@ -50,7 +50,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         auto const filter = trial.entry(variant).make(problem, Seed{1});
         filter->update(records.sample(0), records.y[0]);
         double const first = determinant_error(filter->stored(), determinant);
-        feed_rows(*filter, records, 1, rows);
+        process_rows(*filter, records, 1, rows);
         double const predicted = static_cast<double>(0x1p-53 * sqrt(Reference(c2) * (1 + x * x)));
         Errors const error = errors(*filter, exact);
         out({variant, exact.theta_digits_worst(filter->theta()), error.theta, error.covariance, first, first / predicted});

@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : row_forms()) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, rows);
+        process_rows(*filter, records, 0, rows);
         std::string const status = breakdown(*filter, arithmetic);
         out({name, status.empty() ? "sound" : status, relative_change(with_prior, without), errors(*filter, with_prior).theta,
              errors(*filter, without).theta});

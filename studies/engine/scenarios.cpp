@@ -116,7 +116,7 @@ Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
     return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
 }
 
-void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
+void process_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
 
 Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
     return covariance_of(

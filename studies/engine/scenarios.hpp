@@ -56,7 +56,7 @@ struct Errors {
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 
 /// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
-void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last);
+void process_rows(AnyFilter& filter, Records const& records, Index first, Index last);
 
 /// P in the 257 bits of Reference, from F itself, by multiplying factors out, or by inversion.
 Matrix<Reference> covariance_of(Stored<Reference> const& stored);

@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Index at = 0;
     double theta = 0, covariance = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
         theta += error.theta * error.theta / double(steps.size());

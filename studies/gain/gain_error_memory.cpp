@@ -22,7 +22,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     int const last = 400;
     Records const records = white(size, start + last, trial.seed({"replicate"}));
     auto const wrong = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
-    feed_rows(*wrong, records, 0, start - 1);
+    process_rows(*wrong, records, 0, start - 1);
     auto const right = wrong->clone();
     // Along K the error of P is symmetric; in any other direction the forms that subtract K psi'P get both parts.
     bool const along = trial.text("direction") == "along K";

@@ -22,7 +22,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const norm = frobenius(P), last = static_cast<double>(P(2, 2));
     auto const run = [&](std::string const& variant) {
         auto filter = trial.entry(variant).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, 2);
+        process_rows(*filter, records, 0, 2);
         return filter;
     };
     double const carlson = errors(*run("carlson"), exact).covariance * norm;

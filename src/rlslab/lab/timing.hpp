@@ -9,7 +9,7 @@ namespace rlslab {
 
 /// Makes the compiler assume that x, and everything it points to, is read here. Otherwise it leaves out work whose result is not used.
 template <class T>
-void wanted(T const& x) {
+void do_not_optimize(T const& x) {
     asm volatile("" : : "r"(&x) : "memory");
 }
 
@@ -37,10 +37,10 @@ double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first,
             else filter.update(row, y[k]);
             if constexpr (theta == Theta::asked) {
                 auto const& answer = filter.theta();
-                wanted(answer);
+                do_not_optimize(answer);
             }
         }
-        wanted(filter);
+        do_not_optimize(filter);
     });
 }
 

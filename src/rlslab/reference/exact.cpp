@@ -204,13 +204,13 @@ double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) c
     expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_), "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
     // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called with.
-    long const wanted = bits_for(enclosure_->digits + 3);
+    long const needed = bits_for(enclosure_->digits + 3);
     bool known_regular = of == Stored<Reference>::Quantity::covariance;
     BallMatrix P;
-    for (long bits = wanted + 128; bits <= 1L << 20; bits *= 2) {
+    for (long bits = needed + 128; bits <= 1L << 20; bits *= 2) {
         if (rebuild(P, estimate, bits)) {
             auto [size, radius] = size_and_radius(P);
-            mag_mul_2exp_si(size, size, -wanted);
+            mag_mul_2exp_si(size, size, -needed);
             if (mag_cmp(radius, size) <= 0) return digits_between(P, enclosure_->covariance, bits + enclosure_->bits);
         }
         if (!known_regular && singular(estimate)) return nan;

@@ -141,15 +141,15 @@ double widened(Reader const& r, Type type, std::span<char const> at) {
 
 /// The numbers of the columns that are needed.
 void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& asked) {
-    std::vector<std::size_t> const wanted = columns_asked(v, asked);
-    if (wanted.empty()) return;
+    std::vector<std::size_t> const asked_for = columns_asked(v, asked);
+    if (asked_for.empty()) return;
     Tag const tag = tag_within(r, "numbers");
     std::size_t const size = size_of(tag.type);
     if (size == 0 || tag.bytes != size * v.rows * v.cols)
         r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
     std::array<char, 4096> chunk;
     for (std::size_t j = 0; j < v.cols; ++j) {
-        bool const skipped = std::ranges::count(wanted, j) == 0;
+        bool const skipped = std::ranges::count(asked_for, j) == 0;
         for (std::size_t i = 0, count = 0; i < v.rows; i += count) {
             count = std::min(v.rows - i, chunk.size() / size);
             std::span<char> const raw = std::span(chunk).first(count * size);
