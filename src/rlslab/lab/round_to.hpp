@@ -2,7 +2,6 @@
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/problem.hpp>
 
 namespace rlslab {
@@ -17,23 +16,24 @@ struct RoundingSeedScope<Chopped<F, Rounding::stochastic>> : StochasticStream {
     using StochasticStream::StochasticStream;
 };
 
-/// How T stores a binary64 number. Data are rounded to nearest, whatever the rounding of the operations, and the reference is given the
-/// same bits. A scalar that is shorter than double specialises this.
+/// How T stores a binary64 number: through T's constructor and back where T has at most 53 bits, as it is otherwise.
 template <class Scalar>
 struct DataRounding {
     static constexpr bool stochastic = false;
-    static double round(double x) { return std::same_as<Scalar, float> ? double(float(x)) : x; }
+    static double round(double x) {
+        if constexpr (requires {
+                          static_cast<double>(Scalar(x));
+                          requires ArithmeticTraits<Scalar>::digits <= 53;
+                      })
+            return static_cast<double>(Scalar(x));
+        else return x;
+    }
 };
+/// Data are rounded to nearest, whatever the rounding of the operations, and the reference is given the same bits.
 template <Format F, Rounding R>
 struct DataRounding<Chopped<F, R>> {
     static constexpr bool stochastic = R == Rounding::stochastic;
     static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
-};
-
-template <>
-struct DataRounding<VariablePrecision> {
-    static constexpr bool stochastic = false;
-    static double round(double x) { return static_cast<double>(VariablePrecision(x)); }
 };
 
 /// x as T stores it.
