@@ -3,6 +3,7 @@
 #include "report/svg.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/report.hpp"
+#include "studies/engine/verdicts.hpp"
 
 #include <rlslab/core/suggestion.hpp>
 
@@ -14,11 +15,17 @@ namespace {
 struct StudyArguments {
     std::vector<std::string> names;
     bool all = false, fresh = false;
-    std::string budget = "quick", out = "out";
+    std::string budget = "quick", out = "out", record;
     RunOptions options;
 };
 
-/// 1 if a claim failed.
+std::string listed(std::string_view head, std::vector<std::string> const& lines) {
+    std::string out;
+    for (std::string const& line : lines) out += "  " + line + '\n';
+    return out.empty() ? "" : fmt::format("{}\n{}", head, out);
+}
+
+/// 1 if a verdict changed against the record, or a verification failed.
 int run_study(StudyArguments a) {
     std::vector<Study const*> chosen;
     std::vector<std::string_view> known;
@@ -42,17 +49,21 @@ int run_study(StudyArguments a) {
         for (Figure const& figure : figures(*outcome.study, outcome.table))
             replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
+    replace_file(a.options.out / "verdicts.csv", verdicts_csv(outcomes));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
     std::string text;
-    size_t failed = 0, claims = 0;
-    for (Outcome const& outcome : outcomes) {
-        text += verdict_lines(outcome, colour()) + '\n';
-        claims += outcome.findings.size();
-        for (Finding const& finding : outcome.findings) failed += !finding.holds;
-    }
-    text += fmt::format("{} of {} claims hold; tables, figures and the report are in {}\n", claims - failed, claims, a.out);
+    for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';
+    Record const& record = recorded(a.options.budget);
+    if (!a.record.empty()) replace_file(a.record, record_json(outcomes, record));
+    std::vector<std::string> const changed = changes(outcomes, record), broken = failed_verifications(outcomes);
+    text += listed("Changed against the recorded verdicts (of seed 1):", changed);
+    text += listed("Verifications that fail:", broken);
+    text += listed("Not in the record:", record.empty() ? std::vector<std::string>{} : unrecorded(outcomes, record));
+    text += count_lines(outcomes);
+    text += fmt::format("at most {:.2f} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
+                        expected_errors(outcomes), a.out);
     print(text);
-    return failed ? 1 : 0;
+    return changed.empty() && broken.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -64,7 +75,10 @@ Command study_command(CLI::App& app) {
         "One study:    rlslab study gain_error\n"
         "All of them:  rlslab study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
-        "Exit code: 0 every claim holds; 1 a claim fails; 2 the study could not be run.");
+        "A claim is a verification (the code does what the formula says), a reproduction (a published number) or a finding (ours). It "
+        "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided otherwise. The "
+        "verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and in this program.\n\n"
+        "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could not be run.");
     studying->add_option("NAME", st->names, "names of studies, as rlslab list shows them")->type_name("");
     studying->add_flag("--all", st->all, "every study");
     studying->add_option("--budget", st->budget, "quick: seconds a study; full: minutes, for numbers to quote; default quick")
@@ -82,6 +96,9 @@ Command study_command(CLI::App& app) {
     studying->add_option("--out", st->out, "folder for tables, figures and the report; default: out")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("DIR");
+    studying->add_option("--record", st->record, "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("FILE");
     studying->add_flag("--fresh", st->fresh, "forget what an earlier run of these studies has finished");
     return {studying, [st] { return run_study(*st); }};
 }

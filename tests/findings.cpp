@@ -46,34 +46,210 @@ TEST(Numbers, SlopesAreThoseOfTheirScales) {
     EXPECT_NEAR(rate("k", "e")(decay), -0.69314718055994531, 1e-14);
 }
 
-TEST(Findings, HoldAtBothEndsOfTheIntervalAndNotBeyond) {
+// ---- without seeds: the number is its own interval ---------------------------------------------------------------------------
+
+TEST(Findings, HoldAtBothEndsOfTheBandAndNotBeyond) {
     Table const t = column_of({2});
-    EXPECT_TRUE(within(t, {}, greatest("x"), 2, 3).holds);
-    EXPECT_TRUE(within(t, {}, greatest("x"), 1, 2).holds);
-    EXPECT_FALSE(within(t, {}, greatest("x"), std::nextafter(2, 3), 3).holds);
-    EXPECT_FALSE(within(t, {}, greatest("x"), 1, std::nextafter(2, 1)).holds);
+    EXPECT_TRUE(within(t, {}, greatest("x"), 2, 3).holds());
+    EXPECT_TRUE(within(t, {}, greatest("x"), 1, 2).holds());
+    EXPECT_EQ(within(t, {}, greatest("x"), std::nextafter(2, 3), 3).verdict, Verdict::fails);
+    EXPECT_EQ(within(t, {}, greatest("x"), 1, std::nextafter(2, 1)).verdict, Verdict::fails);
+    EXPECT_EQ(within(t, {}, greatest("x"), 2, 3).risk, 0) << "nothing was estimated";
 }
 TEST(Findings, HoldOnlyWhereEveryGroupDoes) {
     for (int outside = 0; outside < 3; ++outside) {
         Table t({"word", "x"});
         for (int i = 0; i < 3; ++i) t.add({std::string(1, char('a' + i)), i == outside ? 9.0 : 1.0 + i});
         Finding const f = within(t, {"word"}, greatest("x"), 0, 5);
-        EXPECT_FALSE(f.holds) << outside;
+        EXPECT_EQ(f.verdict, Verdict::fails) << outside;
         EXPECT_EQ(f.measured, outside == 0 ? "2 (b) ... 9 (a)" : outside == 1 ? "1 (a) ... 9 (b)" : "1 (a) ... 9 (c)");
-        EXPECT_TRUE(within(t, {"word"}, greatest("x"), 0, 9).holds);
+        EXPECT_TRUE(within(t, {"word"}, greatest("x"), 0, 9).holds());
     }
     Table t({"word", "x"});
     t.add({"a", nan}), t.add({"b", 1.0});
-    EXPECT_FALSE(within(t, {"word"}, greatest("x"), 0, 5).holds);
+    EXPECT_EQ(within(t, {"word"}, greatest("x"), 0, 5).verdict, Verdict::fails);
     EXPECT_EQ(within(t, {"word"}, greatest("x"), 0, 5).measured, "not a number (a)");
 }
 TEST(Findings, AWordStandsEverywhereOrNot) {
     Table t({"health"});
     t.add({"sound"}), t.add({"sound"});
-    EXPECT_TRUE(everywhere(t, "health", "sound").holds);
+    EXPECT_TRUE(everywhere(t, "health", "sound").holds());
     t.add({"indefinite"});
-    EXPECT_FALSE(everywhere(t, "health", "sound").holds);
+    EXPECT_EQ(everywhere(t, "health", "sound").verdict, Verdict::fails);
     EXPECT_EQ(everywhere(t, "health", "sound").measured, "2 of 3 are \"sound\"");
+}
+TEST(Findings, TogetherAreAsGoodAsTheWorst) {
+    Finding const good(Verdict::holds, "a", 0.001), open(Verdict::undecided, "b", 0.001), bad(Verdict::fails, "c");
+    EXPECT_EQ((good && open).verdict, Verdict::undecided);
+    EXPECT_EQ((open && bad).verdict, Verdict::fails);
+    EXPECT_EQ((good && open).measured, "a; b");
+    EXPECT_EQ((good && open).risk, 0.002);
+    EXPECT_EQ(together({good, good, bad}).verdict, Verdict::fails);
+    EXPECT_EQ(together({}).verdict, Verdict::fails) << "a claim about nothing";
+    EXPECT_EQ(labelled("P", good).measured, "P: a");
+}
+
+// ---- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know ----------------------
+
+/// x is right within 1 %, and noisy by 0.5 %; y = x k^2 over k = 1, 2, 4, 8; z, which falls by e a step, and r, are the same with e^-k.
+Table seeds(int n, double x, std::string const& replicate = "replicate", double noise = 0.005) {
+    Seed seed{7};
+    Table out({replicate, "k", "x", "y", "z", "line", "word"});
+    for (int i = 0; i < n; ++i) {
+        double const own = x * (1 + noise * seed.bell()), tilt = noise * seed.bell();
+        for (double const k : {1.0, 2.0, 4.0, 8.0})
+            out.add({double(i), k, own, own * std::pow(k, 2 + tilt), own * std::exp(-k * (1 + tilt)), own * k, "sound"});
+    }
+    return out;
+}
+struct Predicate {
+    char const* name;
+    Number number;
+    double truth;  ///< for seeds(n, 1)
+};
+std::vector<Predicate> predicates() {
+    return {{"slope", slope("k", "y"), 2},
+            {"rate", rate("k", "z"), -1},
+            {"linear_slope", linear_slope("k", "line"), 1},
+            {"mean", mean("x"), 1},
+            {"median", median("x"), 1},
+            {"root_mean_square", root_mean_square("x"), 1},
+            {"ratio", Number([](Table const& t) { return mean("line")(t) / mean("k")(t); }, Estimate::geometric), 1},
+            {"a number of one's own", Number([](Table const& t) { return mean("x")(t); }), 1}};
+}
+
+TEST(Saboteurs, AFalseClaimFailsWithEnoughSeeds) {
+    for (int const n : {5, 12, 20, 60})
+        for (Predicate const& p : predicates()) {
+            Finding const f = within(seeds(n, 1), {}, p.number, p.truth + 0.05, p.truth + 0.15);
+            EXPECT_EQ(f.verdict, Verdict::fails) << p.name << " " << n << ": " << f.measured;
+        }
+}
+TEST(Saboteurs, ATrueClaimHoldsWithEnoughSeeds) {
+    for (int const n : {12, 20, 60})
+        for (Predicate const& p : predicates()) {
+            Finding const f = within(seeds(n, 1), {}, p.number, p.truth - 0.05, p.truth + 0.05);
+            EXPECT_EQ(f.verdict, Verdict::holds) << p.name << " " << n << ": " << f.measured;
+            EXPECT_EQ(f.risk, claim_risk);
+            EXPECT_NE(f.measured.find(n == 12 ? "], 12 seeds" : "seeds"), f.measured.npos) << f.measured;
+        }
+}
+TEST(Saboteurs, TooFewSeedsLeaveItUndecidedWhetherTrueOrFalse) {
+    for (int const n : {1, 2, 4})
+        for (Predicate const& p : predicates())
+            for (double const off : {0.0, 0.1})
+                EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth + off - 0.05, p.truth + off + 0.05).verdict, Verdict::undecided)
+                    << p.name << " " << n << " " << off;
+}
+TEST(Saboteurs, ABandWhoseEndLiesInTheIntervalIsUndecided) {
+    for (int const n : {5, 20, 60})
+        for (Predicate const& p : predicates())
+            EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth, p.truth + 1).verdict, Verdict::undecided) << p.name << " " << n;
+}
+TEST(Saboteurs, AClaimAboutEveryRunFallsByOneAndNeedsFive) {
+    Number const most = greatest("x"), any = median("x").as(Estimate::every);
+    for (Number const& number : {most, any}) {
+        EXPECT_EQ(within(seeds(5, 1), {}, number, 0.9, 1.1).verdict, Verdict::holds);
+        EXPECT_EQ(within(seeds(4, 1), {}, number, 0.9, 1.1).verdict, Verdict::undecided);
+        Table bad = seeds(40, 1);
+        bad.add({40.0, 1.0, 1.2, 1.2, 1.2, 1.2, "indefinite"});
+        EXPECT_EQ(within(bad, {}, number, 0.9, 1.1).verdict, Verdict::fails);
+        EXPECT_EQ(within(bad, {}, number, 0.9, 1.1).risk, 0);
+    }
+    EXPECT_EQ(everywhere(seeds(5, 1), "word", "sound").verdict, Verdict::holds);
+    EXPECT_EQ(everywhere(seeds(4, 1), "word", "sound").verdict, Verdict::undecided);
+    Table bad = seeds(3, 1);
+    bad.add({3.0, 1.0, 1.0, 1.0, 1.0, 1.0, "indefinite"});
+    EXPECT_EQ(everywhere(bad, "word", "sound").verdict, Verdict::fails);
+}
+TEST(Saboteurs, AProportionIsJudgedByItsInterval) {
+    EXPECT_EQ(proportion(50, 50, 0.5, 1).verdict, Verdict::holds);
+    EXPECT_EQ(proportion(8, 8, 0.5, 1).verdict, Verdict::undecided) << "eight heads in a row are no proof";
+    EXPECT_EQ(proportion(3, 50, 0.5, 1).verdict, Verdict::fails);
+    EXPECT_EQ(proportion(0, 0, 0, 1).verdict, Verdict::fails);
+}
+TEST(Saboteurs, AGroupThatIsOutsideMakesTheClaimFail) {
+    Table t({"replicate", "form", "x"});
+    Seed seed{3};
+    for (int i = 0; i < 20; ++i)
+        for (int form = 0; form < 10; ++form)
+            t.add({double(i), std::string(1, char('a' + form)), (form == 4 ? 2 : 1) + 0.01 * seed.bell()});
+    Finding const f = within(t, {"form"}, mean("x"), 0.9, 1.1);
+    EXPECT_EQ(f.verdict, Verdict::fails) << f.measured;
+    EXPECT_NE(f.measured.find("(e)"), f.measured.npos) << f.measured;
+    EXPECT_TRUE(within(t.where("form", {"a", "b", "c"}), {"form"}, mean("x"), 0.9, 1.1).holds());
+}
+TEST(Saboteurs, AnotherColumnMayTellTheSeedsApart) {
+    EXPECT_TRUE(within(seeds(20, 1, "batch"), {}, mean("x").over("batch"), 0.95, 1.05).holds());
+    EXPECT_EQ(within(seeds(3, 1, "batch"), {}, mean("x").over("batch"), 0.95, 1.05).verdict, Verdict::undecided);
+    EXPECT_EQ(within(seeds(3, 1), {}, mean("x").as(Estimate::fixed), 0.95, 1.05).verdict, Verdict::holds) << "no seed matters";
+}
+
+// ---- intervals ---------------------------------------------------------------------------------------------------------------
+
+TEST(Intervals, AreThoseOfTheBooks) {
+    // Mean 3, standard deviation sqrt(2.5), t(4, 0.975) = 2.7764.
+    Interval const t = student_interval({1, 2, 3, 4, 5}, 0.05);
+    EXPECT_NEAR(t.low, 3 - 2.77644510519779 * std::sqrt(0.5), 1e-12);
+    EXPECT_NEAR(t.high, 3 + 2.77644510519779 * std::sqrt(0.5), 1e-12);
+    // 2 P(Bin(20, 1/2) < 3) = 4.0e-4, < 4: 2.6e-3.
+    std::vector<double> x(20);
+    for (int i = 0; i < 20; ++i) x[size_t(i)] = 20 - i;
+    Interval const m = median_interval(x, 0.001);
+    EXPECT_EQ(m.low, 3);
+    EXPECT_EQ(m.high, 18);
+    x.resize(10);
+    EXPECT_EQ(median_interval(x, 0.001).low, -std::numeric_limits<double>::infinity()) << "2^-9 is more than the risk";
+    // Clopper & Pearson: nothing seen in n has the upper end 1 - (risk/2)^(1/n).
+    Interval const none = proportion_interval(0, 20, 0.05), all = proportion_interval(20, 20, 0.05);
+    EXPECT_EQ(none.low, 0);
+    EXPECT_NEAR(none.high, 1 - std::pow(0.025, 1.0 / 20), 1e-12);
+    EXPECT_NEAR(all.low, std::pow(0.025, 1.0 / 20), 1e-12);
+    EXPECT_EQ(all.high, 1);
+    EXPECT_NEAR(proportion_interval(7, 20, 0.05).low, 0.15390920, 1e-7);
+    EXPECT_NEAR(proportion_interval(7, 20, 0.05).high, 0.59218885, 1e-7);
+}
+/// How often intervals of nominal 95 % hold the true number, over 2000 samples; the standard deviation of the share is 0.5 %.
+TEST(Intervals, HoldTheNumberAsOftenAsTheySay) {
+    Seed seed{11};
+    for (size_t const n : {size_t(5), size_t(20)}) {
+        int student = 0, hull = 0, middle = 0;
+        constexpr int samples = 400;
+        for (int s = 0; s < samples; ++s) {
+            std::vector<double> x(n);
+            for (double& v : x) v = seed.bell();
+            auto const has = [](Interval const& i) { return i.low <= 0 && 0 <= i.high; };
+            Interval const t = student_interval(x, 0.05), b = bootstrap_interval(x, 0.05);
+            student += has(t);
+            hull += has({std::min(t.low, b.low), std::max(t.high, b.high)});
+            middle += has(median_interval(x, 0.0625 + 1e-9));  // n = 5: its least and its greatest
+        }
+        EXPECT_GT(student, 0.91 * samples) << n;
+        EXPECT_LT(student, 0.99 * samples) << n;
+        EXPECT_GE(hull, student) << n;
+        EXPECT_GT(middle, 0.89 * samples) << n;
+        EXPECT_LT(middle, 0.99 * samples) << n;
+    }
+}
+TEST(Intervals, DependOnNeitherTheOrderOfTheSeedsNorTheRun) {
+    std::vector<double> x{3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8, 9, 7, 9, 3, 2, 3, 8, 4}, y(x.rbegin(), x.rend());
+    Interval const a = bootstrap_interval(x, 0.001), b = bootstrap_interval(y, 0.001);
+    EXPECT_EQ(a.low, b.low);
+    EXPECT_EQ(a.high, b.high);
+    EXPECT_LT(a.low, 4.85);
+    EXPECT_GT(a.high, 4.85);
+}
+TEST(Intervals, SayNothingOfWhatIsNotFinite) {
+    double const inf = std::numeric_limits<double>::infinity();
+    for (double const odd : {nan, inf, -inf}) {
+        EXPECT_EQ(student_interval({1, 2, odd, 4, 5}, 0.05).high, inf);
+        EXPECT_EQ(bootstrap_interval({1, 2, odd, 4, 5}, 0.05).low, -inf);
+    }
+    EXPECT_EQ(student_interval({1}, 0.05).high, inf);
+    EXPECT_EQ(student_interval({2, 2, 2, 2, 2}, 0.05).high, 2);
+    EXPECT_EQ(median_interval({1, 2, 3, 4, 5, inf}, 0.05).high, inf);
+    EXPECT_EQ(median_interval({1, 2, 3, 4, 5, nan}, 0.05).low, -inf);
+    EXPECT_EQ(median_interval({}, 0.05).low, -inf);
 }
 
 TEST(Tables, RefuseEveryCellThatWouldNeedQuotes) {

@@ -4,6 +4,7 @@
 #include "studies/engine/journal.hpp"
 #include "studies/engine/run.hpp"
 #include "studies/engine/scenarios.hpp"
+#include "studies/engine/verdicts.hpp"
 #include "tests/files.hpp"
 
 #include <gtest/gtest.h>
@@ -48,9 +49,11 @@ Study toy(int fails = 0) {
                     for (int row = 0; row < 3; ++row) out({double(row), sum});
                 },
             .plots = {},
-            .claims = {{"there are 120 rows", [](Table const& t) {
+            .claims = {{"there are 120 rows",
+                        [](Table const& t) {
                             return Finding{t.rows().size() == 120, ""};
-                        }}}};
+                        },
+                        verification("2 x 20 x 3")}}};
 }
 Outcome run(Study const& study, RunOptions options) { return std::move(run_studies({&study}, options, {}).front()); }
 
@@ -136,21 +139,21 @@ TEST(StudyEngine, AFalseClaimIsCaught) {
         if (entry.variant == "joseph") entry.make = find_entry("symmetric", entry.arithmetic->name)->make;
     Outcome const outcome = run(study, {.out = folder.path / "false", .entries = &entries});
     EXPECT_FALSE(outcome.holds());
-    EXPECT_NE(verdict_lines(outcome, false).find("FAILS  Joseph's forms: slope 2.00"), std::string::npos);
+    EXPECT_NE(verdict_lines(outcome, false).find("FAILS      reproduction  Joseph's forms: slope 2.00"), std::string::npos);
 }
 
 TEST(Findings, AreNotMadeOfNothing) {
     Table const empty({"x", "y"});
-    EXPECT_FALSE(within(empty, {}, slope("x", "y"), -1e300, 1e300).holds);
-    EXPECT_FALSE(everywhere(empty, "x", "sound").holds);
+    EXPECT_FALSE(within(empty, {}, slope("x", "y"), -1e300, 1e300).holds());
+    EXPECT_FALSE(everywhere(empty, "x", "sound").holds());
     Table table({"x", "y", "word"});
     table.add({1.0, 1.0, "a"});
-    EXPECT_FALSE(within(table, {}, slope("x", "y"), -1e300, 1e300).holds) << "one point has no slope";
+    EXPECT_FALSE(within(table, {}, slope("x", "y"), -1e300, 1e300).holds()) << "one point has no slope";
     table.add({10.0, 100.0, "a"});
     table.add({100.0, 1e4, "a"});
     table.add({100.0, NAN, "a"});
-    EXPECT_TRUE(within(table, {"word"}, slope("x", "y"), 1.99, 2.01).holds);
-    EXPECT_FALSE(within(table, {}, slope("x", "y"), 2.01, 3).holds);
+    EXPECT_TRUE(within(table, {"word"}, slope("x", "y"), 1.99, 2.01).holds());
+    EXPECT_FALSE(within(table, {}, slope("x", "y"), 2.01, 3).holds());
     EXPECT_THROW(within(table, {}, greatest("word"), 0, 1), std::logic_error);
 }
 

@@ -61,6 +61,7 @@ P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
         "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
         "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "
         "correlations, and the law fails at once.",
+    .data = "random integer rows, d = 3",
     .factors =
         [](Budget) {
             std::vector<Cell> names;
@@ -84,16 +85,19 @@ P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
             {"psi'P0 v = 0: v'P_k v = lambda^-k v'P0 v with == after every row, for every P0 and variant",
              [](Table const& t) {
                  return within(t.where("rows", "psi'P0 v = 0"), {"prior", "lambda", "variant"}, least("share"), 1, 1);
-             }},
+             },
+             verification("docs/theory.md 40")},
             {"psi'v = 0 is enough where P0 = c^2 I",
              [](Table const& t) {
                  return within(of(t, "c^2 I", "psi'v = 0"), {"lambda", "variant"}, least("share"), 1, 1);
-             }},
+             },
+             verification("docs/theory.md 40")},
             {"and not enough with a full P0: after two rows the law holds in no case",
              [](Table const& t) {
                  Table const rows = of(t, "full", "psi'v = 0").where("steps", [](double k) { return k >= 2; });
                  return within(rows, {"lambda", "variant"}, greatest("share"), 0, 0);
-             }},
+             },
+             verification("docs/theory.md 40")},
         },
 };
 

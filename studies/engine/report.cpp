@@ -2,7 +2,9 @@
 #include "studies/engine/report.hpp"
 
 #include "report/page.hpp"
+#include "studies/engine/interval.hpp"
 #include "studies/engine/revision.hpp"
+#include "studies/engine/verdicts.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -22,18 +24,58 @@ std::string beginning(Table const& table) {
     return table.rows().size() > most ? out + fmt::format("<p class=\"soft\">the first {} rows</p>\n", most) : out;
 }
 
+/// With its kind, where its band is from, and the data. The class colours it.
+std::string claim_html(Study const& study, size_t i, Finding const& finding, bool named) {
+    Claim const& claim = study.claims[i];
+    std::string const& data = claim.basis.data.empty() ? study.data : claim.basis.data;
+    std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(finding.verdict));
+    if (named) out += fmt::format("<a href=\"#{0}\">{0}</a>: ", study.name);
+    out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(finding.measured));
+    out += fmt::format("<span class=\"soft\">{}; band: {}{}</span></li>\n", name_of(claim.basis.kind), escaped(claim.basis.band),
+                       data.empty() ? "" : "; data: " + escaped(data));
+    return out;
+}
+
+/// All claims with this verdict, of every study.
+std::string list_of(std::vector<Outcome> const& outcomes, Verdict verdict) {
+    std::string out;
+    for (Outcome const& outcome : outcomes)
+        for (size_t i = 0; i < outcome.findings.size(); ++i)
+            if (outcome.findings[i].verdict == verdict) out += claim_html(*outcome.study, i, outcome.findings[i], true);
+    return out.empty() ? "<p>None.</p>\n" : "<ul class=\"claims\">\n" + out + "</ul>\n";
+}
+
+/// What fails first, what is undecided next, and how far to believe the rest.
+std::string summary(std::vector<Outcome> const& outcomes) {
+    std::string rows;
+    auto const counts = counted(outcomes);
+    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding}) {
+        Count const& c = counts[size_t(kind)];
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", name_of(kind), c.holds, c.fails, c.undecided);
+    }
+    return fmt::format(
+        "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose interval reaches over an "
+        "end of the band, or that have fewer than {} seeds</summary>{}</details>\n<h2>How many claims</h2>\n"
+        "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n{}</tbody></table>\n"
+        "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction has the band of the number "
+        "published, a finding one that stood before the run. A claim that is estimated from seeds holds when its interval lies inside "
+        "the band, fails when it lies outside, and is undecided otherwise. Each interval misses its number with probability {} at most, "
+        "so that at most {:.2f} of these verdicts are expected to be wrong. Intervals: Student's t over the seeds, on logarithms where "
+        "the number is a size; from {} seeds on order statistics of a median, else the wider of Student's t and the percentiles of {} "
+        "resamples (SplitMix64, its seed the number of seeds). Fewer than {} seeds have none. A claim about every run fails by one "
+        "counterexample.</p></section>\n",
+        list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, claim_risk, expected_errors(outcomes),
+        many_seeds, resamples, fewest_seeds);
+}
+
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     Study const& study = *outcome.study;
     std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name, escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
     out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
-    for (size_t i = 0; i < outcome.findings.size(); ++i) {
-        Claim const& claim = study.claims[i];
-        Finding const& finding = outcome.findings[i];
-        out += fmt::format("<li class=\"{}\"><b>{}</b> {}<span class=\"measured\">{}</span>{}</li>\n", finding.holds ? "holds" : "fails",
-                           finding.holds ? "holds" : "fails", escaped(claim.text), escaped(finding.measured),
-                           claim.source.empty() ? "" : fmt::format("<span class=\"soft\">{}</span>", escaped(claim.source)));
-    }
+    for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
+        for (size_t i = 0; i < outcome.findings.size(); ++i)
+            if (outcome.findings[i].verdict == verdict) out += claim_html(study, i, outcome.findings[i], false);
     out += "</ul>\n";
     for (Figure const& figure : drawn) out += figure_html(figure);
     out += fmt::format("<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n", study.name,
@@ -48,19 +90,20 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
 std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options) {
     std::string sections, contents;
     size_t claims = 0, held = 0;
+    for (Count const& c : counted(outcomes)) claims += c.claims(), held += c.holds;
     for (Outcome const& outcome : outcomes) {
         sections += section(outcome, figures(*outcome.study, outcome.table));
-        claims += outcome.findings.size();
-        for (Finding const& finding : outcome.findings) held += finding.holds;
-        contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n", outcome.holds() ? "holds" : "fails",
-                                outcome.study->name, escaped(outcome.study->question));
+        auto const worst = std::ranges::min_element(outcome.findings, {}, &Finding::verdict);
+        contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
+                                name_of(worst == outcome.findings.end() ? Verdict::holds : worst->verdict), outcome.study->name,
+                                escaped(outcome.study->question));
     }
     return page("rlslab: studies",
                 fmt::format("<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} {}. "
                             "Every error is measured against the exact minimiser for the bits the variant was given, with a proven bound. "
                             "<span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
                             held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-                            options.budget == Budget::quick ? "quick" : "full", options.seed, contents, sections));
+                            name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
 }
 
 }  // namespace rlslab

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
@@ -34,14 +33,14 @@ Entry const& Trial::entry(std::string_view variant, std::string_view arithmetic)
 }
 
 bool Outcome::holds() const {
-    return std::ranges::all_of(findings, [](Finding const& finding) { return finding.holds; });
+    return std::ranges::all_of(findings, [](Finding const& finding) { return finding.holds(); });
 }
-
-namespace {
 
 std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
 
-/// Identifies the program: results of another program are not mixed with its own.
+namespace {
+
+/// The program as it is: results of another one are not to be mixed with its own.
 std::uint64_t identity() {
     static std::uint64_t const value = [] {
         std::ifstream file("/proc/self/exe", std::ios::binary);
@@ -123,7 +122,7 @@ Outcome finish(Running const& run, RunOptions const& options) {
             out.table.add_line(line);
         }
     replace_file(options.out / (study.name + ".csv"), csv);
-    for (Claim const& claim : study.claims) out.findings.push_back(claim.holds(out.table));
+    for (Claim const& claim : study.claims) out.findings.push_back(claim.judge(out.table));
     return out;
 }
 
@@ -168,41 +167,6 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
     std::vector<Outcome> out;
     for (Running const& run : running) out.push_back(finish(run, options));
     return out;
-}
-
-std::string verdict_lines(Outcome const& outcome, bool colour) {
-    auto const painted = [&](std::string_view text, int code) {
-        return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
-    };
-    std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
-    for (size_t i = 0; i < outcome.findings.size(); ++i) {
-        Finding const& finding = outcome.findings[i];
-        out += fmt::format("  {}  {}: {}\n", finding.holds ? painted("holds", 32) : painted("FAILS", 31), outcome.study->claims[i].text,
-                           finding.measured);
-    }
-    return out;
-}
-
-std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const& options) {
-    using Json = nlohmann::ordered_json;
-    Json out = {{"version", RLSLAB_VERSION},
-                {"revision", revision},
-                {"budget", name_of(options.budget)},
-                {"seed", options.seed},
-                {"studies", Json::array()}};
-    for (Outcome const& outcome : outcomes) {
-        Json claims = Json::array();
-        for (size_t i = 0; i < outcome.findings.size(); ++i) {
-            Claim const& claim = outcome.study->claims[i];
-            claims.push_back({{"claim", claim.text},
-                              {"source", claim.source.empty() ? outcome.study->source : claim.source},
-                              {"holds", outcome.findings[i].holds},
-                              {"measured", outcome.findings[i].measured}});
-        }
-        out["studies"].push_back(
-            {{"name", outcome.study->name}, {"question", outcome.study->question}, {"holds", outcome.holds()}, {"claims", claims}});
-    }
-    return out.dump(2) + '\n';
 }
 
 }  // namespace rlslab

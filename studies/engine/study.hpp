@@ -9,6 +9,7 @@ namespace rlslab {
 
 /// quick: seconds, for tests. full: what is quoted.
 enum class Budget { quick, full };
+std::string_view name_of(Budget budget);
 
 struct Factor {
     std::string name;
@@ -77,16 +78,49 @@ struct Plot {
     bool cells = false;
 };
 
-/// Whether a claim holds, and the numbers measured.
-struct Finding {
-    bool holds;
-    std::string measured;
+/// What a claim is.
+enum class Kind {
+    verification,  ///< the code does what the formula says; no finding
+    reproduction,  ///< a published number comes out again, in the band as published
+    finding        ///< ours: hypothesis and band stand before the full run
 };
+
+/// What a claim stands on. There is no claim without.
+struct Basis {
+    Kind kind;
+    std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run"
+    std::string data;  ///< the data it was tried on; the study's if empty
+
+    Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
+};
+inline Basis verification(std::string band, std::string data = {}) { return {Kind::verification, std::move(band), std::move(data)}; }
+inline Basis reproduction(std::string band, std::string data = {}) { return {Kind::reproduction, std::move(band), std::move(data)}; }
+inline Basis finding(std::string band, std::string data = {}) { return {Kind::finding, std::move(band), std::move(data)}; }
+
+enum class Verdict { fails, undecided, holds };
+
+/// The verdict on a claim, and what was measured.
+struct Finding {
+    Verdict verdict;
+    std::string measured;
+    double risk = 0;  ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
+
+    Finding(Verdict verdict_, std::string measured_, double risk_ = 0) : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
+    /// Of what has no interval: it holds or it does not.
+    Finding(bool holds_, std::string measured_) : Finding(holds_ ? Verdict::holds : Verdict::fails, std::move(measured_)) {}
+    bool holds() const { return verdict == Verdict::holds; }
+};
+/// Both: the worse of the two verdicts, both measurements.
+Finding operator&&(Finding const& a, Finding const& b);
+/// All of them.
+Finding together(std::vector<Finding> const& parts);
+/// "label: " before what was measured.
+Finding labelled(std::string const& label, Finding of);
 
 struct Claim {
     std::string text;
-    std::function<Finding(Table const&)> holds;
-    std::string source = {};  ///< where the claim is from; the study's if empty
+    std::function<Finding(Table const&)> judge;
+    Basis basis;
 };
 
 struct Study {
@@ -94,7 +128,8 @@ struct Study {
     std::string question;        ///< one sentence
     std::string source;          ///< where the law is from, and how certain that is (docs/literature.md 0)
     std::string formula;         ///< LaTeX; lines apart by \\ .
-    std::string interpretation;  ///< of the result, and where it differs from published ones
+    std::string interpretation;  ///< what one sees, and where it differs from what was published
+    std::string data = {};       ///< the models of data that its claims were tried on
     std::function<std::vector<Factor>(Budget)> factors;
     std::function<bool(Trial const&)> admits = {};  ///< combinations that make sense; all if empty
     std::vector<std::string> measures;              ///< the columns behind the factors

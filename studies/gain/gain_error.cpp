@@ -48,6 +48,7 @@ Study const gain_error{
         "P and take no error (one of the vector that they compute with passes on in first order: docs/theory.md 32, 33). In float "
         "and double the curves end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "
         "forgetting the conventional form's asymmetry grows as lambda^-k on top (study gain_error_memory).",
+    .data = "white rows, d = 5, one draw",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"arithmetic", {"float", "double", "reference"}},
@@ -72,12 +73,14 @@ Study const gain_error{
              [](Table const& t) {
                  return within(in_reference(t).where("variant", {"conventional_two_sided", "symmetric"}), {"variant", "lambda"},
                                slope("epsilon", "error"), 0.98, 1.02);
-             }},
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.1")},
             {"the same of the conventional form where nothing is forgotten",
              [](Table const& t) {
                  return within(in_reference(t).where("variant", "conventional").where("lambda", 1.0), {}, slope("epsilon", "error"), 0.98,
                                1.02);
-             }},
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.1")},
             {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at least 5 times "
              "symmetric's",
              [](Table const& t) {
@@ -85,18 +88,21 @@ Study const gain_error{
                  double const ratio =
                      last.where("variant", "conventional").number("error") / last.where("variant", "symmetric").number("error");
                  return Finding{ratio >= 5, fmt::format("{:.3g} times", ratio)};
-             }},
+             },
+             finding("first edition, set after its run")},
             {"Joseph's forms: slope 2.00 +- 0.02 over twelve decades",
              [](Table const& t) {
                  return within(in_reference(t).where("variant", {"joseph", "joseph_rank_two"}), {"variant", "lambda"},
                                slope("epsilon", "error"), 1.98, 2.02);
-             }},
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.1")},
             {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on",
              [](Table const& t) {
                  Table const small = t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
                  return within(small.where("variant", {"joseph", "joseph_rank_two"}), {"variant", "lambda"}, greatest("error"), 1e-17,
                                1e-14);
-             }},
+             },
+             finding("first edition, set after its run")},
         },
 };
 

@@ -103,6 +103,7 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
         "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric form obeys "
         "the first law with the triangle it computes mirrored. These are laws of the formulas; what rounding leaves of them is "
         "another question (study gain_error).",
+    .data = "random rationals, d = 2 to 4",
     .factors =
         [](Budget) {
             return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", covariance_forms()}};
@@ -120,17 +121,19 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
     .claims =
         {
             {"forms that subtract K psi'P: deltaP = -deltaK psi'P / lambda to exactly 0 in every case",
-             [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); }},
+             [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); }, verification("docs/theory.md 16")},
             {"Joseph's forms: deltaP = s deltaK deltaK' / lambda to exactly 0 in every case",
-             [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); }},
+             [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); }, verification("docs/theory.md 17")},
             {"the test can fail: no case of a form that subtracts obeys Joseph's law",
-             [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); }},
-            {"nor any of a Joseph form the first-order law", [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); }},
+             [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); }, verification("docs/theory.md 16")},
+            {"nor any of a Joseph form the first-order law", [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); },
+             verification("docs/theory.md 17")},
             {"with gain (1 + eps) K, forms that subtract stay positive definite up to 0.999 of lambda / psi'P psi, in every case",
-             [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); }},
-            {"and from the threshold itself on, in no case", [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); }},
+             [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); }, verification("docs/theory.md 29")},
+            {"and from the threshold itself on, in no case", [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); },
+             verification("docs/theory.md 29")},
             {"Joseph's forms stay positive definite at every eps, in every case",
-             [](Table const& t) { return share(t, "definite", josephs, -2, 2, 1); }},
+             [](Table const& t) { return share(t, "definite", josephs, -2, 2, 1); }, verification("docs/theory.md 30")},
         },
 };
 

@@ -37,7 +37,7 @@ Finding flips(Table const& t, char const* arithmetic, double last, std::vector<s
     Table const rows = of(t, arithmetic, "2^-k").where("variant", variants);
     Finding const before = everywhere(rows.where("power", [=](double k) { return k <= last; }), "sign", "positive");
     Finding const after = everywhere(rows.where("power", [=](double k) { return k > last; }), "sign", "negative");
-    return {before.holds && after.holds, before.measured + " up to it; " + after.measured + " beyond"};
+    return labelled("up to it", before) && labelled("beyond", after);
 }
 
 }  // namespace
@@ -59,6 +59,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
         "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that they lose "
         "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is lost, at powers "
         "of two only. The other factor forms, and here even the normal equations, stay within 8 u.",
+    .data = "Bierman's two rows",
     .factors =
         [](Budget) {
             return std::vector<Factor>{
@@ -94,15 +95,18 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
     .claims =
         {
             {"double: conventional's first variance is positive up to eps = 2^-26 and negative from 2^-27 on",
-             [](Table const& t) { return flips(t, "double", 26, {"conventional"}); }},
+             [](Table const& t) { return flips(t, "double", 26, {"conventional"}); },
+             reproduction("earlier experiment, docs/literature.md 3.3")},
             {"float: positive up to eps = 2^-11 and negative from 2^-12 on",
-             [](Table const& t) { return flips(t, "float", 11, {"conventional"}); }},
+             [](Table const& t) { return flips(t, "float", 11, {"conventional"}); },
+             reproduction("earlier experiment, docs/literature.md 3.3")},
             {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
              [](Table const& t) {
                  std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
                  Finding const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
-                 return Finding{in_double.holds && in_float.holds, "double: " + in_double.measured + "; float: " + in_float.measured};
-             }},
+                 return labelled("double", in_double) && labelled("float", in_float);
+             },
+             finding("first edition, set after its run")},
             {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md "
              "3.3",
              [](Table const& t) {
@@ -110,34 +114,40 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
                  double const before = rows.where("power", 26.0).number("variance"), after = rows.where("power", 27.0).number("variance");
                  bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
                  return Finding{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
-             }},
+             },
+             reproduction("earlier experiment, docs/literature.md 3.3")},
             {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
              [](Table const& t) {
                  Table const rows = t.where("variant", "joseph");
                  Finding const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
                  Finding const sound = everywhere(rows, "outcome", "sound");
-                 return Finding{error.holds && sound.holds, error.measured + "; " + sound.measured};
-             }},
+                 return error && sound;
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
             {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
              [](Table const& t) {
                  Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
                  double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
                  return Finding{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
-             }},
+             },
+             finding("first edition, set after its run")},
             {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
              [](Table const& t) {
                  return within(t.where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30);
-             }},
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
             {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
              [](Table const& t) {
                  Table const rows = t.where("variant", "potter").where("eps", "2^-k").where("square", "lost");
                  Number const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
                  return within(rows, {"arithmetic", "power"}, in_eps, 0, 4);
-             }},
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.3")},
             {"potter: error below 4 u / eps at every eps of either kind",
              [](Table const& t) {
                  return within(t.where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 4);
-             }},
+             },
+             finding("first edition, set after its run")},
         },
 };
 

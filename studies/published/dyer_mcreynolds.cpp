@@ -64,6 +64,7 @@ Study const dyer_mcreynolds{
         "(about delta / 4), where the u / delta of docs/literature.md 3.4 is the rounding of 1 + delta, which no filter can undo. "
         "The published script adds each squared error to Carlson's sum in place of its own when it forms ||P||, so its norm is P33 "
         "and its errors are plotted 2.5 times too large; column as_published repeats that.",
+    .data = "Dyer and McReynolds' two rows, d = 3",
     .factors =
         [](Budget) {
             return std::vector<Factor>{{"delta", powers(10, -1, -15, 0.125)}};
@@ -87,15 +88,18 @@ Study const dyer_mcreynolds{
     .claims =
         {
             {"P forms: slope of log error against log delta -2.0 +- 0.2 over 1e-2 ... 1e-6",
-             [](Table const& t) { return slopes(t, P_forms, -2.2, -1.8); }},
-            {"factor forms: -1.0 +- 0.2", [](Table const& t) { return slopes(t, factors, -1.2, -0.8); }},
+             [](Table const& t) { return slopes(t, P_forms, -2.2, -1.8); },
+             reproduction("set with the earlier experiment, docs/literature.md 3.4")},
+            {"factor forms: -1.0 +- 0.2", [](Table const& t) { return slopes(t, factors, -1.2, -0.8); },
+             reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"factor forms keep an error below 1e-6 at delta = 1e-9, and row by row below 2 u / delta from 1e-1 to 1e-15",
              [](Table const& t) {
                  Finding const at = within(between(t, 1e-9, 1e-9).where("variant", factors), {"variant"}, greatest("error"), 0, 1e-6);
                  Number const in_law = [](Table const& row) { return row.number("error") * row.number("delta") * 0x1p53; };
                  Finding const law = within(t.where("variant", rows_by_one), {"variant", "delta"}, in_law, 0, 2);
-                 return Finding{at.holds && law.holds, at.measured + "; of u / delta " + law.measured};
-             }},
+                 return at && labelled("of u / delta", law);
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"P forms other than Joseph's products saturate at 0.2 +- 0.06: the median over delta = 1e-10 ... 1e-15, and no error above "
              "0.3",
              [](Table const& t) {
@@ -103,33 +107,38 @@ Study const dyer_mcreynolds{
                  Table const small = between(t, 1e-15, 1e-10).where("variant", saturating);
                  Finding const middle = within(small, {"variant"}, median("error"), 0.14, 0.26);
                  Finding const most = within(small, {"variant"}, greatest("error"), 0, 0.3);
-                 return Finding{middle.holds && most.holds, "median " + middle.measured + "; greatest " + most.measured};
-             }},
+                 return labelled("median", middle) && labelled("greatest", most);
+             },
+             reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"Joseph's products do not saturate: the largest error below delta = 1e-10 exceeds 1e4",
-             [](Table const& t) { return within(between(t, 1e-15, 1e-10).where("variant", "joseph"), {}, greatest("error"), 1e4, 1e300); }},
+             [](Table const& t) { return within(between(t, 1e-15, 1e-10).where("variant", "joseph"), {}, greatest("error"), 1e4, 1e300); },
+             finding("first edition, set after its run")},
             {"joseph is indefinite at a delta at least 10 times as large as any at which conventional is",
              [](Table const& t) {
                  Table const bad = t.where("outcome", "indefinite");
                  Number const first = greatest("delta");
                  double const joseph = first(bad.where("variant", "joseph")), conventional = first(bad.where("variant", "conventional"));
                  return Finding{joseph >= 10 * conventional, fmt::format("{:.3g} and {:.3g}", joseph, conventional)};
-             }},
+             },
+             finding("first edition, set after its run")},
             {"factor forms are positive definite at every delta",
-             [](Table const& t) { return everywhere(t.where("variant", factors), "outcome", "sound"); }},
+             [](Table const& t) { return everywhere(t.where("variant", factors), "outcome", "sound"); },
+             reproduction("earlier experiment, docs/literature.md 3.4")},
             {"information: slope -2.0 +- 0.3, and not positive definite at any delta of 1e-8 or less",
              [](Table const& t) {
                  Finding const line = slopes(t, {"information"}, -2.3, -1.7);
                  Table const small = between(t, 1e-15, 1e-8).where("variant", "information");
                  size_t const sound = small.where("outcome", "sound").rows().size();
-                 return Finding{line.holds && sound == 0,
-                                fmt::format("slope {}; {} of {} sound", line.measured, sound, small.rows().size())};
-             }},
+                 return labelled("slope", line) && Finding(sound == 0, fmt::format("{} of {} sound", sound, small.rows().size()));
+             },
+             finding("first edition, set after its run")},
             {"the published figure's errors are 2.50 +- 0.02 times the relative errors (delta = 1e-2 ... 1e-12)",
              [](Table const& t) {
                  Table const rows = between(t, 1e-12, 1e-2).where("error", [](double e) { return e < 1e300; });
                  Number const ratio = [](Table const& row) { return row.number("as_published") / row.number("error"); };
                  return within(rows, {"variant", "delta"}, ratio, 2.48, 2.52);
-             }},
+             },
+             reproduction("the published script, docs/literature.md 3.4")},
         },
 };
 

@@ -97,6 +97,7 @@ J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma 
         "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "
         "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S = P / "
         "lambda, which is how forgetting looks to it. J is computed by its definition, from all rows and the prior.",
+    .data = "random integers, d = 3",
     .factors =
         [](Budget) {
             std::vector<Cell> names;
@@ -118,16 +119,19 @@ J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma 
             {"thirteen identities hold with == in every case, for every variant that exists in rationals",
              [](Table const& t) {
                  return within(of(t, false), {"variant", "lambda", "identity"}, least("share"), 1, 1);
-             }},
+             },
+             verification("docs/theory.md 12, 14, 15, 17, 18, 20 to 23")},
             {"the control fails in every case",
              [](Table const& t) {
                  return within(of(t, true), {"variant", "lambda"}, greatest("share"), 0, 0);
-             }},
+             },
+             verification("a control: not an identity")},
             {"every variant that exists in exact arithmetic was asked: nine",
              [](Table const& t) {
                  double const n = double(t.distinct("variant").size());
                  return Finding{n == 9, fmt::format("{}", n)};
-             }},
+             },
+             verification("the list of variants")},
         },
 };
 

@@ -81,6 +81,7 @@ Study const prbs_gram{
         "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
         "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "
         "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + Gram matrix.",
+    .data = "maximum-length sequences of 3 to 10 bits",
     .factors =
         [](Budget) {
             return std::vector<Factor>{{"m", {3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}}};
@@ -97,18 +98,20 @@ Study const prbs_gram{
     .claims =
         {
             {"R(0) = M and R(tau) = -1 for every other tau, m = 3 ... 10, as integers",
-             [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); }},
+             [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); }, verification("docs/theory.md 53")},
             {"the Gram matrix of n = 2, 3, 4, 6 and M delays has the eigenvalue M + 1 n - 1 times and M + 1 - n once, as integers",
-             [](Table const& t) { return everywhere(t, "eigenvalues", "exact"); }},
+             [](Table const& t) { return everywhere(t, "eigenvalues", "exact"); }, verification("docs/theory.md 53")},
             {"with all M delays the condition number is M + 1: the smallest eigenvalue is 1",
              [](Table const& t) {
                  return within(
                      t, {"m"}, [](Table const& rows) { return greatest("kappa_P")(rows) - rows.numbers("period")[0]; }, 1, 1);
-             }},
+             },
+             verification("docs/theory.md 53")},
             {"every variant in rationals, from P0 = I, holds exactly the inverse of I + Gram matrix (n = 2, 3, 4)",
              [](Table const& t) {
                  return everywhere(t.where("filters", {"exact", "different"}), "filters", "exact");
-             }},
+             },
+             verification("docs/theory.md 53")},
         },
 };
 

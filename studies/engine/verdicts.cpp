@@ -1,0 +1,195 @@
+// Verdicts: said, counted, recorded.
+#include "studies/engine/verdicts.hpp"
+
+#include "studies/engine/revision.hpp"
+
+#include <rlslab/core/input_error.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+namespace rlslab {
+
+extern char const* const recorded_quick;  // of the generated file
+extern char const* const recorded_full;
+
+std::string_view name_of(Kind kind) {
+    constexpr std::array<std::string_view, 3> names{"verification", "reproduction", "finding"};
+    return names[size_t(kind)];
+}
+std::string_view name_of(Verdict verdict) {
+    constexpr std::array<std::string_view, 3> names{"fails", "undecided", "holds"};
+    return names[size_t(verdict)];
+}
+
+namespace {
+
+template <class Heard>
+void each_claim(std::span<Outcome const> outcomes, Heard heard) {
+    for (Outcome const& outcome : outcomes)
+        for (size_t i = 0; i < outcome.findings.size(); ++i) heard(*outcome.study, outcome.study->claims[i], outcome.findings[i]);
+}
+using Json = nlohmann::ordered_json;
+Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"undecided", c.undecided}}; }
+
+}  // namespace
+
+std::array<Count, 3> counted(std::span<Outcome const> outcomes) {
+    std::array<Count, 3> out;
+    each_claim(outcomes, [&](Study const&, Claim const& claim, Finding const& f) {
+        Count& count = out[size_t(claim.basis.kind)];
+        ++(f.holds() ? count.holds : f.verdict == Verdict::fails ? count.fails : count.undecided);
+    });
+    return out;
+}
+
+std::string count_lines(std::span<Outcome const> outcomes) {
+    auto const [verified, reproduced, found] = counted(outcomes);
+    auto const line = [](std::string_view what, Count const& c) {
+        return fmt::format("{:<11} {:>3}: {} hold, {} fail, {} undecided\n", what, c.claims(), c.holds, c.fails, c.undecided);
+    };
+    return line("verified", verified) + line("reproduced", reproduced) + line("found", found);
+}
+
+double expected_errors(std::vector<Outcome> const& outcomes) {
+    double sum = 0;
+    each_claim(outcomes, [&](Study const&, Claim const&, Finding const& f) { sum += f.risk; });
+    return sum;
+}
+
+std::string verdict_lines(Outcome const& outcome, bool colour) {
+    auto const painted = [&](std::string_view text, int code) {
+        return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
+    };
+    std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
+    std::vector<size_t> order(outcome.findings.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.findings[i].verdict; });
+    for (size_t i : order) {
+        Finding const& finding = outcome.findings[i];
+        Claim const& claim = outcome.study->claims[i];
+        std::string const verdict = finding.verdict == Verdict::fails ? painted("FAILS    ", 31)
+                                    : finding.holds()                 ? painted("holds    ", 32)
+                                                                      : painted("undecided", 33);
+        out += fmt::format("  {}  {:<12}  {}: {}\n", verdict, name_of(claim.basis.kind), claim.text, finding.measured);
+    }
+    return out;
+}
+
+std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    auto const [verified, reproduced, found] = counted(outcomes);
+    Json out = {{"version", RLSLAB_VERSION},         {"revision", revision},
+                {"budget", name_of(options.budget)}, {"seed", options.seed},
+                {"verification", json_of(verified)}, {"reproduction", json_of(reproduced)},
+                {"finding", json_of(found)},         {"expected_errors", std::round(1000 * expected_errors(outcomes)) / 1000},
+                {"studies", Json::array()}};
+    for (Outcome const& outcome : outcomes) {
+        Json claims = Json::array();
+        for (size_t i = 0; i < outcome.findings.size(); ++i) {
+            Claim const& claim = outcome.study->claims[i];
+            claims.push_back({{"claim", claim.text},
+                              {"kind", name_of(claim.basis.kind)},
+                              {"band", claim.basis.band},
+                              {"data", claim.basis.data.empty() ? outcome.study->data : claim.basis.data},
+                              {"verdict", name_of(outcome.findings[i].verdict)},
+                              {"measured", outcome.findings[i].measured}});
+        }
+        out["studies"].push_back({{"name", outcome.study->name},
+                                  {"question", outcome.study->question},
+                                  {"source", outcome.study->source},
+                                  {"holds", outcome.holds()},
+                                  {"claims", claims}});
+    }
+    return out.dump(2) + '\n';
+}
+
+std::string verdicts_csv(std::vector<Outcome> const& outcomes) {
+    std::string out = "study,kind,hold,fail,undecided\n";
+    for (Outcome const& outcome : outcomes) {
+        auto const counts = counted({&outcome, 1});
+        for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding})
+            if (Count const& c = counts[size_t(kind)]; c.claims() > 0)
+                out += fmt::format("{},{},{},{},{}\n", outcome.study->name, name_of(kind), c.holds, c.fails, c.undecided);
+    }
+    return out;
+}
+
+Record record_from(std::string const& json) {
+    Record out;
+    try {
+        for (auto const& [study, claims] : Json::parse(json).items())
+            for (auto const& [claim, verdict] : claims.items()) {
+                std::string const& said = verdict.get_ref<std::string const&>();
+                Verdict& at = out[study][claim];
+                if (said == "holds") at = Verdict::holds;
+                else if (said == "fails") at = Verdict::fails;
+                else if (said == "undecided") at = Verdict::undecided;
+                else
+                    throw InputError(
+                        fmt::format("a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
+            }
+    } catch (nlohmann::json::exception const& error) {
+        throw InputError(fmt::format("a record of verdicts: {}", error.what()));
+    }
+    return out;
+}
+
+Record const& recorded(Budget budget) {
+    static Record const quick = record_from(recorded_quick), full = record_from(recorded_full);
+    return budget == Budget::quick ? quick : full;
+}
+
+std::string record_json(std::vector<Outcome> const& outcomes, Record const& old) {
+    Json out = Json::object();
+    for (Study const* study : studies()) {
+        auto const run = std::ranges::find(outcomes, study, &Outcome::study);
+        Json claims = Json::object();
+        for (size_t i = 0; i < study->claims.size(); ++i) {
+            std::string const& text = study->claims[i].text;
+            if (run != outcomes.end()) claims[text] = name_of(run->findings[i].verdict);
+            else if (old.contains(study->name) && old.at(study->name).contains(text)) claims[text] = name_of(old.at(study->name).at(text));
+        }
+        if (!claims.empty()) out[study->name] = claims;
+    }
+    return out.dump(1) + '\n';
+}
+
+std::vector<std::string> changes(std::vector<Outcome> const& outcomes, Record const& record) {
+    std::vector<std::string> out;
+    each_claim(outcomes, [&](Study const& study, Claim const& claim, Finding const& f) {
+        auto const known = record.find(study.name);
+        if (known == record.end()) return;
+        auto const was = known->second.find(claim.text);
+        if (was != known->second.end() && was->second != f.verdict)
+            out.push_back(fmt::format("{}: {}: {}, {} in the record", study.name, claim.text, name_of(f.verdict), name_of(was->second)));
+    });
+    return out;
+}
+
+std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record const& record) {
+    std::vector<std::string> out;
+    for (Outcome const& outcome : outcomes) {
+        std::string const& name = outcome.study->name;
+        auto const known = record.find(name);
+        std::map<std::string, Verdict> left;
+        if (known != record.end()) left = known->second;
+        for (Claim const& claim : outcome.study->claims)
+            if (left.erase(claim.text) == 0) out.push_back(fmt::format("{}: {}: not in the record", name, claim.text));
+        for (auto const& [text, verdict] : left) out.push_back(fmt::format("{}: {}: in the record, no longer claimed", name, text));
+    }
+    return out;
+}
+
+std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcomes) {
+    std::vector<std::string> out;
+    each_claim(outcomes, [&](Study const& study, Claim const& claim, Finding const& f) {
+        if (claim.basis.kind == Kind::verification && f.verdict == Verdict::fails)
+            out.push_back(fmt::format("{}: {}: {}", study.name, claim.text, f.measured));
+    });
+    return out;
+}
+
+}  // namespace rlslab
