@@ -106,7 +106,7 @@ Finding earlier_in_longer_words(Table const& t) {
 }
 /// The step at which the antisymmetric rounding error has grown to 1: ln(1/u) / -ln lambda.
 double antisymmetric_law(Table const& rows) {
-    std::string const& name = std::get<std::string>(rows.distinct("arithmetic").front());
+    std::string const name = std::get<std::string>(rows.distinct("arithmetic").front());
     int const bits = name == "bfloat16" ? 8 : name == "binary16" ? 11 : name == "float" ? 24 : 53;
     return bits * correctly::log(2) / -correctly::log(lambda);
 }

@@ -67,7 +67,7 @@ Study const steady_state{
                                        {"pole", {0.0, 0.99}},
                                        {"lambda", {0.9, 0.97, 0.99, 0.997, 0.999}},
                                        {"variant", without(row_forms(), {"conventional"})},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 40 : 5)}};
         },
 
     .measures = {"memory", "theta_error", "c", "covariance_error"},

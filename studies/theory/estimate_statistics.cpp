@@ -128,7 +128,7 @@ Number efficiency(std::string const& name) {
     using S = Stored<Reference>;
     Matrix<Reference> const inverse = covariance_of({S::Quantity::information, S::Form::plain, second_moments(system)});
     return Number([=](Table const& t) {
-               std::string const& parameter = std::get<std::string>(t.distinct("parameter").front());
+               std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
                Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
                double const bound = sigma * sigma * static_cast<double>(inverse(i, i)) / t.numbers("rows").front();
                return mean("mean_square")(t) / bound;

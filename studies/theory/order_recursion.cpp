@@ -83,7 +83,7 @@ Study const order_recursion{
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"kappa", powers(10, 1, 12, budget == Budget::full ? 0.25 : 0.5)},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 100 : 20)}};
         },
     .measures = {"variant", "error"},
     .measure = measure,
