@@ -11,9 +11,15 @@
 
 namespace rlslab {
 
-/// The arithmetics whose kernels are compiled for the machine's registers.
+/// The arithmetics whose kernels are compiled for the machine's registers. A Cortex-M has none that hold several numbers: there
+/// the text for any arithmetic is a third of the instructions.
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+template <class T>
+concept Hardware = false;
+#else
 template <class T>
 concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
+#endif
 
 /// Where kernels work on whole blocks of rows, columns are padded to them; nothing reads the padding.
 template <class T, int N>
@@ -36,21 +42,6 @@ struct Aligned {
     friend bool operator==(Aligned, Aligned) { return true; }
 };
 
-/// size numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
-template <class T, int Capacity>
-struct Buffer {
-    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
-    alignas(alignment) std::array<T, size_t(Capacity)> values;
-    explicit Buffer(Index) { values.fill(T(0)); }
-};
-template <class T>
-struct Buffer<T, Dynamic> {
-    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
-    explicit Buffer(Index size) : values(size_t(size), T(0)) {}
-};
-}  // namespace detail
-
-namespace detail {
 /// A size that goes away with what it is the size of: a filter that was moved from has none, and refuses every row.
 struct MovedSize {
     Index value;
@@ -63,6 +54,21 @@ struct MovedSize {
         return *this;
     }
 };
+
+/// As many numbers as asked for: an array when the capacity is fixed, else a vector that is never resized after construction, and
+/// the size of what is kept in it.
+template <class T, int Capacity>
+struct Buffer {
+    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
+    alignas(alignment) std::array<T, size_t(Capacity)> values;
+    Buffer(Index, Index) { values.fill(T(0)); }
+};
+template <class T>
+struct Buffer<T, Dynamic> {
+    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
+    MovedSize held;
+    Buffer(Index numbers, Index size) : values(size_t(numbers), T(0)), held(size) {}
+};
 }  // namespace detail
 
 /// d numbers, zero at first.
@@ -70,11 +76,13 @@ template <class T, int N = Dynamic>
 class StateVector {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    detail::MovedSize size_;
 
 public:
-    explicit StateVector(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_.value : N; }
+    explicit StateVector(Index size) : buffer_(padded<T, N>(size), size) {}
+    Index size() const {
+        if constexpr (N == Dynamic) return buffer_.held.value;
+        else return N;
+    }
     T* data() { return buffer_.values.data(); }
     T const* data() const { return buffer_.values.data(); }
     T& operator[](Index i) { return data()[i]; }
@@ -87,11 +95,13 @@ template <class T, int N = Dynamic>
 class StateMatrix {
     static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    detail::MovedSize size_;
 
 public:
-    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_.value : N; }
+    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size), size) {}
+    Index size() const {
+        if constexpr (N == Dynamic) return buffer_.held.value;
+        else return N;
+    }
     Index stride() const { return padded<T, N>(size()); }  ///< from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }

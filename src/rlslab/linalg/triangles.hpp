@@ -10,7 +10,7 @@ namespace rlslab {
 /// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
 /// Returns false when a pivot is not positive (the factors are then meaningless).
 template <Field T, int N>
-Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     Truth<T> positive = true;
     for (Index j = D.size() - 1; j >= 0; --j) {
         D[j] = X(j, j);
