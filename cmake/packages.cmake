@@ -67,7 +67,8 @@ foreach(package "program;rlslab" "headers;librlslab-dev")
   list(GET package 0 component)
   list(GET package 1 name)
   if(component IN_LIST CPACK_COMPONENTS_ALL)
-    install(FILES ${PROJECT_BINARY_DIR}/copyright ${PROJECT_BINARY_DIR}/changelog DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+    install(FILES ${PROJECT_BINARY_DIR}/copyright ${PROJECT_BINARY_DIR}/changelog
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
   endif()
 endforeach()
 
