@@ -116,7 +116,7 @@ std::vector<Folder> const house{
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"src/rlslab/lab", "variants"}},
     {"tests/consumer", {"src/rlslab/model", "variants"}},
-    {"tests/embedded", {"variants"}},
+    {"tests/embedded", {"src/rlslab/adapt", "variants"}},
     {"examples/echo_canceller", {"src/rlslab/adapt", "variants"}},
     {"examples/battery_cell", {"src/rlslab/adapt", "variants"}},
     {"examples/drift_and_silence", {"src/rlslab/adapt", "variants"}},

@@ -1,5 +1,6 @@
 // One line for each variant of fixed size: a digest of every bit that 100 rows leave. No heap, no exceptions, no streams. The
 // same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
+#include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -75,9 +76,23 @@ struct Sizes<V<T, Dynamic>> {
     }
 };
 
+/// Rows from a delay line.
+void digest_of_delayed() {
+    DelayLine<float, 5> line;
+    Ud<float, 5> filter({.size = 5});
+    Seed seed{5};
+    for (int k = 0; k < 50; ++k) filter.update(line.push(float(seed.bell())), line[3] + 0.125f * line[0]);
+    Digest out;
+    out.add_all(filter.covariance());
+    print("ud delayed 5 ");
+    print_hex(out.hash);
+    print("\n");
+}
+
 }  // namespace
 
 int main() {
+    digest_of_delayed();
     for_each(Variants<float>{}, []<class F>() { Sizes<F>::all(); });
     for_each(Variants<double>{}, []<class F>() { Sizes<F>::all(); });
 }
