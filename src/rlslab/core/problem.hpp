@@ -7,9 +7,11 @@
 #include <initializer_list>
 #include <optional>
 #include <span>
+#include <string_view>
+#ifdef __cpp_exceptions
 #include <stdexcept>
 #include <string>
-#include <string_view>
+#endif
 
 namespace rlslab {
 
@@ -158,9 +160,21 @@ Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determ
     return select(determined, step, report_undetermined(eta));
 }
 
-/// Throws std::invalid_argument("expected " + what) unless `holds`.
+#ifndef __cpp_exceptions
+/// Called on misuse where exceptions are compiled out (-fno-exceptions), with what was expected: "size >= 1". An application may
+/// define it; it must not return. Where it is not defined, or returns, the program stops at a trap.
+[[gnu::weak]] void on_misuse(char const* expected);
+#endif
+
+/// Throws std::invalid_argument("expected " + what) unless `holds`; without exceptions calls on_misuse(what).
 inline void expects(bool holds, char const* what) {
-    if (!holds) throw std::invalid_argument(std::string("expected ") + what);
+    if (holds) return;
+#ifdef __cpp_exceptions
+    throw std::invalid_argument(std::string("expected ") + what);
+#else
+    if (on_misuse) on_misuse(what);
+    __builtin_trap();
+#endif
 }
 
 /// Returns the problem. Throws std::invalid_argument unless size >= 1 (and equal to fixed_size, if that is not Dynamic),

@@ -306,14 +306,14 @@ namespace rlslab {
 enum class Isa { baseline, avx2 };
 
 namespace kernels {
-inline bool has_avx2() {
 #ifdef __x86_64__
+inline bool has_avx2() {
     __builtin_cpu_init();
     return __builtin_cpu_supports("avx2");
-#else
-    return false;
-#endif
 }
+#else
+constexpr bool has_avx2() { return false; }
+#endif
 /// The instruction set that the kernels use: baseline until this variable is initialised. A test may change it; the bits stay the same.
 inline Isa isa = has_avx2() ? Isa::avx2 : Isa::baseline;
 

@@ -11,9 +11,15 @@
 
 namespace rlslab {
 
-/// The arithmetics whose kernels are compiled for the machine's registers.
+/// The arithmetics whose kernels are compiled for the machine's registers. A Cortex-M has none that hold several numbers: there the
+/// text for any arithmetic takes about half the instructions, and leaves the same bits.
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+template <class T>
+concept Hardware = false;
+#else
 template <class T>
 concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
+#endif
 
 /// The length of a column of `size` numbers in memory. For float and double it is a multiple of the block of rows on which kernels work
 /// (8; 4 for fixed sizes up to 4). What the padding holds never enters a result.
@@ -37,21 +43,6 @@ struct Aligned {
     friend bool operator==(Aligned, Aligned) { return true; }
 };
 
-/// `size` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction.
-template <class T, int Capacity>
-struct Buffer {
-    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
-    alignas(alignment) std::array<T, size_t(Capacity)> values;
-    explicit Buffer(Index) { values.fill(T(0)); }
-};
-template <class T>
-struct Buffer<T, Dynamic> {
-    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
-    explicit Buffer(Index size) : values(size_t(size), T(0)) {}
-};
-}  // namespace detail
-
-namespace detail {
 /// A size that becomes 0 when it is moved from: a filter that was moved from has size 0 and refuses every row.
 struct MovedSize {
     Index value;
@@ -64,6 +55,21 @@ struct MovedSize {
         return *this;
     }
 };
+
+/// `numbers` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction, with the size d
+/// that it was made for. A fixed d is not stored.
+template <class T, int Capacity>
+struct Buffer {
+    static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
+    alignas(alignment) std::array<T, size_t(Capacity)> values;
+    Buffer(Index, Index) { values.fill(T(0)); }
+};
+template <class T>
+struct Buffer<T, Dynamic> {
+    std::vector<T, std::conditional_t<Hardware<T>, Aligned<T>, std::allocator<T>>> values;
+    MovedSize held;
+    Buffer(Index numbers, Index size) : values(size_t(numbers), T(0)), held(size) {}
+};
 }  // namespace detail
 
 /// d numbers, zero at first. N: d if it is fixed, or Dynamic. The constructor may throw std::bad_alloc if N is Dynamic. view() is Eigen's
@@ -72,11 +78,13 @@ template <class T, int N = Dynamic>
 class StateVector {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    detail::MovedSize size_;
 
 public:
-    explicit StateVector(Index size) : buffer_(padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_.value : N; }
+    explicit StateVector(Index size) : buffer_(padded<T, N>(size), size) {}
+    Index size() const {
+        if constexpr (N == Dynamic) return buffer_.held.value;
+        else return N;
+    }
     T* data() { return buffer_.values.data(); }
     T const* data() const { return buffer_.values.data(); }
     T& operator[](Index i) { return data()[i]; }
@@ -89,11 +97,13 @@ template <class T, int N = Dynamic>
 class StateMatrix {
     static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
-    detail::MovedSize size_;
 
 public:
-    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
-    Index size() const { return N == Dynamic ? size_.value : N; }
+    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size), size) {}
+    Index size() const {
+        if constexpr (N == Dynamic) return buffer_.held.value;
+        else return N;
+    }
     Index stride() const { return padded<T, N>(size()); }  ///< numbers from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }

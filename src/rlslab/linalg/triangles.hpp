@@ -11,7 +11,7 @@ namespace rlslab {
 /// Sets U (unit upper triangular) and D of X = U diag(D) U', columns from the last to the first. Reads X's upper triangle; leaves what is
 /// below U's diagonal. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
 template <Field T, int N>
-Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     Truth<T> positive = true;
     for (Index j = D.size() - 1; j >= 0; --j) {
         D[j] = X(j, j);
