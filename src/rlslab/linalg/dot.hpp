@@ -24,14 +24,14 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y over n numbers; 0 over none.
+/// x'y over n numbers; 0 over none. Where T has a wider accumulator the sum is in it: whoever stores the result rounds.
 template <Field T>
-T dot(T const* x, T const* y, Index n) {
+Accumulator<T> dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
-        return T(0);
+        return Accumulator<T>(0);
     if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: one lane after another leaves them in registers
         return detail::lanes_summed<0, 1>(x, y, n);
-    T lane[8];
+    Accumulator<T> lane[8];
     Index const lanes = std::min<Index>(n, 8);
     for (Index i = 0; i < lanes; ++i) lane[i] = x[i] * y[i];
     Index k = 8;

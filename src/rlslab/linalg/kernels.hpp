@@ -11,11 +11,11 @@
 namespace rlslab {
 
 template <Field T, int N>
-T dot(Regressor<T> const& x, StateVector<T, N> const& y) {
+Accumulator<T> dot(Regressor<T> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), y.size());
 }
 template <Field T, int N>
-T dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
+Accumulator<T> dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), x.size());
 }
 
@@ -53,7 +53,7 @@ void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const&
 
 /// Elementwise: out = x / s,  x / y,  a x,  x y,  sqrt(x),  x + y,  x + y z; out may be any of them.
 template <Field T, int N>
-void divide(StateVector<T, N> const& x, T const& s, StateVector<T, N>& out) {
+void divide(StateVector<T, N> const& x, std::type_identity_t<T> const& s, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
 }
 template <Field T, int N>

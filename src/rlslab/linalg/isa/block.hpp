@@ -9,7 +9,7 @@ struct ScalarRow {
     using scalar = T;
     static constexpr int rows = 1, registers = 2;  // what a Pack takes
     static constexpr bool padded = false;
-    T x;
+    Accumulator<T> x;
 
     [[gnu::always_inline]] void zero(RowRange) { x = T(0); }
     [[gnu::always_inline]] void load(T const* from, RowRange) { x = *from; }

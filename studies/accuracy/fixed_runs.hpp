@@ -1,0 +1,81 @@
+// A filter's run in fixed-point words: how it ends, and how many bits it needs.
+#pragma once
+
+#include "studies/accuracy/fixed_filters.hpp"
+#include "studies/engine/scenarios.hpp"
+
+#include <map>
+
+namespace rlslab {
+
+/// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is measured
+/// against the certified solution in every trial.
+struct InDouble {
+    double lambda;
+    Matrix<double> P, M;  ///< M = P^-1
+    Vector<double> theta, f;
+
+    explicit InDouble(Problem<double> const& problem);
+    void take(Records const& records, Index k);
+};
+
+/// Extremes over a run, after every row: lambda_min and lambda_max of P; of 1-norms |P| and |P| |P^-1|; |psi|_2^2.
+struct Extremes {
+    double least, greatest, P, condition, psi;
+};
+Extremes extremes(Problem<double> const& problem, Records const& records);
+/// -log2 of the relative precision that suffices (docs/theory.md 67).
+double sufficient_bits(Extremes const& x, double lambda);
+
+/// A problem, its data, and both as each format stores them.
+class Setting {
+    Problem<double> problem_;
+    Records records_;
+    struct AsStored {
+        Problem<double> problem;
+        Records records;
+        Matrix<double> P;
+    };
+    std::map<int, AsStored> by_fraction_;
+
+public:
+    Setting(Problem<double> problem, Records records) : problem_(std::move(problem)), records_(std::move(records)) {}
+    Problem<double> const& problem() const { return problem_; }
+    Records const& records() const { return records_; }
+    /// As words with so many bits behind the point hold them, with the exact P at the end: bits before the point change nothing while
+    /// they suffice.
+    AsStored const& stored(int fraction, Arithmetic const& arithmetic) {
+        if (auto const found = by_fraction_.find(fraction); found != by_fraction_.end()) return found->second;
+        AsStored out{as_stored(problem_, arithmetic), as_stored(records_, arithmetic), {}};
+        InDouble exact(out.problem);
+        for (Index k = 0; k < out.records.rows(); ++k) exact.take(out.records, k);
+        out.P = exact.P;
+        return by_fraction_[fraction] = std::move(out);
+    }
+};
+
+/// How a run ended, in a word:
+///   survives        sound and 0 < gamma <= 1 at every step, P definite at 200 looks, and at the end within half of the exact P
+///   no_forgetting   lambda < 1 is the word 1       no_prior   the word for P0 is 0, or P0 does not fit
+///   overflow        reported by the step (nonfinite), or seen in what is stored
+///   indefinite, zero_pivot (a zero in D or on the diagonal of a triangle), gamma, undetermined, inaccurate
+struct Run {
+    std::string outcome;
+    double error = INFINITY;
+    std::int64_t peak = 0;
+};
+Run run_in(Entry const& entry, Setting& setting, FixedFormat format);
+
+/// Upward to the first length behind the point that survives, with 48 bits in all; none up to 30: infinity.
+struct Need {
+    double fraction = INFINITY, integer = INFINITY;
+    std::string below = "none";  ///< how the run with a bit less ended
+};
+Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding);
+
+/// The rms error of theta from rounding alone over the law's (docs/theory.md 66), in words with 28 bits behind the point.
+double theta_noise(Entry const& entry, Setting& setting, double lambda);
+/// The shortest significand of floating point with which the symmetric form survives, by the same criterion; infinity: none up to 30.
+double floating_bits(Setting const& setting);
+
+}  // namespace rlslab
