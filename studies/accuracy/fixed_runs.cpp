@@ -5,13 +5,12 @@
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/lab/breakdown.hpp>
 
-#include <bit>
 #include <cmath>
 
 namespace rlslab {
 namespace {
 
-constexpr int longest = 30, looks = 200;
+constexpr int longest = 30, ample = 24, looks = 200;
 
 /// The largest eigenvalue of a symmetric A >= 0 by the power method. Where 60 steps have not told it from the next, the two differ by a few
 /// per cent, and the answer lies between them.
@@ -83,28 +82,30 @@ void InDouble::take(Records const& records, Index k) {
 Extremes extremes(Problem<double> const& problem, Records const& records) {
     InDouble exact(problem);
     double M = 1 / problem.prior->variance;
-    Extremes out{0, problem.prior->variance, 0, 0, 0};
+    Extremes out{.greatest = problem.prior->variance};
     for (Index k = 0; k < records.rows(); ++k) {
         exact.take(records, k);
-        double trace_M = 0, trace_P = 0, squares = 0;
+        double trace_M = 0, trace_P = 0, sum = 0;
         for (Index i = 0; i < problem.size; ++i) {
             trace_M += exact.M(i, i);
             trace_P += exact.P(i, i);
-            squares += records.psi(i, k) * records.psi(i, k);
+            sum += std::abs(records.psi(i, k));
+            out.largest = std::max(out.largest, std::abs(records.psi(i, k)));
         }
         if (trace_M > M) M = std::max(M, largest_eigenvalue(exact.M));  // it is at most the trace
         if (trace_P > out.greatest) out.greatest = std::max(out.greatest, largest_eigenvalue(exact.P));
         double const norm = norm_1(exact.P);
         out.P = std::max(out.P, norm);
         out.condition = std::max(out.condition, norm * norm_1(exact.M));
-        out.psi = std::max(out.psi, squares);
+        out.psi = std::max(out.psi, sum);
     }
     out.least = 1 / M;
     return out;
 }
 
 double sufficient_bits(Extremes const& x, double lambda) {
-    double const phi2 = x.psi, A1 = phi2 * (x.condition + x.P * phi2) * (x.condition + x.P * phi2), A2 = lambda * (1 - lambda) * phi2;
+    double const phi2 = x.psi * x.psi, A1 = phi2 * (x.condition + x.P * phi2) * (x.condition + x.P * phi2),
+                 A2 = lambda * (1 - lambda) * phi2;
     double const p1 = lambda / phi2 * A2 / (A1 + A2 + std::sqrt(A1 * (A1 + A2)));
     double const eps =
         (1 - lambda) / (x.condition * x.condition * x.P) * (p1 - A1 * p1 * p1 / (lambda * (1 - lambda) * (lambda - phi2 * p1)));
@@ -118,28 +119,20 @@ Run run_in(Entry const& entry, Setting& setting, FixedFormat format) {
     auto const& [problem, records, exact] = setting.stored(format.fraction, *entry.arithmetic);
     if (problem.forgetting == 1) return {"no_forgetting"};
     if (!(problem.prior->variance > 0)) return {"no_prior"};
-    Run out;
-    auto const filter = entry.make(problem, Seed{1});  // P0 as a word is no number of the recursion where that propagates 1/P0
-    FixedEvents const events = fixed_events([&] {
-        Index const rows = records.rows();
-        for (Index k = 0; k < rows && out.outcome.empty(); ++k) {
-            Step<double> const step = filter->update(records.sample(k), records.y[k]);
-            if (step.health == Health::nonfinite) out.outcome = "overflow";
-            else if (step.health != Health::sound) out.outcome = name_of(step.health);
-            else if (!(step.gamma > 0 && step.gamma <= 1)) out.outcome = "gamma";
-            else if ((k + 1) % std::max<Index>(1, rows / looks) == 0) {
-                std::string const broken = breakdown(*filter, *entry.arithmetic);
-                if (broken == "nonfinite") out.outcome = "overflow";
-                else if (!broken.empty()) out.outcome = has_zero_pivot(*filter) ? "zero_pivot" : broken;
-            }
-        }
-        if (out.outcome.empty()) {
-            out.error = relative_error(*filter, exact);
-            out.outcome = out.error < 0.5 ? "survives" : "inaccurate";
-        }
-    });
-    out.peak = events.peak;
-    return out;
+    auto const filter = entry.make(problem, Seed{1});
+    Index const rows = records.rows();
+    for (Index k = 0; k < rows; ++k) {
+        Step<double> const step = filter->update(records.sample(k), records.y[k]);
+        if (step.health == Health::nonfinite) return {"overflow"};
+        if (step.health != Health::sound) return {std::string(name_of(step.health))};
+        if (!(step.gamma > 0 && step.gamma <= 1)) return {"gamma"};
+        if ((k + 1) % std::max<Index>(1, rows / looks) != 0) continue;
+        std::string const broken = breakdown(*filter, *entry.arithmetic);
+        if (broken == "nonfinite") return {"overflow"};
+        if (!broken.empty()) return {has_zero_pivot(*filter) ? "zero_pivot" : broken};
+    }
+    double const error = relative_error(*filter, exact);
+    return {error < 0.5 ? "survives" : "inaccurate", error};
 }
 
 Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
@@ -155,7 +148,12 @@ Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
             continue;
         }
         out.fraction = fraction;
-        out.integer = std::max(1, int(std::bit_width(std::uint64_t(run.peak))) - fraction);
+        break;
+    }
+    int const fits_P0 = std::max(1, std::ilogb(setting.problem().prior->variance) + 1);
+    for (int integer = fits_P0; integer <= 47 - ample; ++integer) {
+        if (run_in(entry, setting, {1 + integer + ample, ample, rounding}).outcome != "survives") continue;
+        out.integer = integer;
         break;
     }
     return out;

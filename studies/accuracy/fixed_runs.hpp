@@ -19,9 +19,9 @@ struct InDouble {
     void take(Records const& records, Index k);
 };
 
-/// Extremes over a run, after every row: lambda_min and lambda_max of P; of 1-norms |P| and |P| |P^-1|; |psi|_2^2.
+/// Extremes over a run, after every row: the eigenvalues of P; in 1-norms |P|, |P| |P^-1| and |psi|; the largest |psi_i|.
 struct Extremes {
-    double least, greatest, P, condition, psi;
+    double least = 0, greatest = 0, P = 0, condition = 0, psi = 0, largest = 0;
 };
 Extremes extremes(Problem<double> const& problem, Records const& records);
 /// -log2 of the relative precision that suffices (docs/theory.md 67).
@@ -62,14 +62,14 @@ public:
 struct Run {
     std::string outcome;
     double error = INFINITY;
-    std::int64_t peak = 0;
 };
 Run run_in(Entry const& entry, Setting& setting, FixedFormat format);
 
-/// Upward to the first length behind the point that survives, with 48 bits in all; none up to 30: infinity.
+/// The least bits behind the point with which a filter survives, 48 bits in all; and before it, with 24 behind it and room for P0.
+/// Infinity: none up to 30, to 23.
 struct Need {
     double fraction = INFINITY, integer = INFINITY;
-    std::string below = "none";  ///< how the run with a bit less ended
+    std::string below = "none";  ///< how the run with a bit less behind the point ended
 };
 Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding);
 
