@@ -7,6 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
+#ifndef __SIZEOF_INT128__
+#error "rlslab: fixed-point words need the compiler's 128-bit integers, which 32-bit targets lack"
+#endif
+
 namespace rlslab {
 
 /// How a number between two words is rounded.
