@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     bool const first_model = d == 4 && down == 0;
     for (Entry const& entry : fixed_point_filters()) {
         Need const need = need_of(entry, setting, FixedRounding::nearest);
-        bool const probed = entry.variant == "symmetric" || entry.variant == "ud" || entry.variant == "qr";
+        bool const probed = down > 0 && (entry.variant == "symmetric" || entry.variant == "ud" || entry.variant == "qr");
         Need const truncated = probed ? need_of(entry, setting, FixedRounding::down) : Need{NAN, NAN};
         bool const keeps_theta = entry.variant == "symmetric" || entry.variant == "ud";
         double const noise = keeps_theta && trial.number("pole") == 0 ? theta_noise(entry, setting, lambda) : NAN;
@@ -72,8 +72,18 @@ Finding at_each_pole(Table const& t, std::string const& column, std::map<double,
     }
     return together(out);
 }
+/// The mean over seeds of what f says of the rows of one.
+Number of_each_seed(std::function<double(Table const&)> f) {
+    return [=](Table const& t) {
+        auto const seeds = t.groups({"replicate"});
+        double sum = 0;
+        for (auto const& seed : seeds) sum += f(seed.second);
+        return sum / double(seeds.size());
+    };
+}
+/// The column less what a law says of the same row.
 Number less(std::string column, std::function<double(Table const&)> law) {
-    return [=](Table const& row) { return row.number(column) - law(row); };
+    return of_each_seed([=](Table const& row) { return row.number(column) - law(row); });
 }
 double memory(Table const& row) { return row.number("log2_memory"); }
 /// (1/2) log2 1/(1 - lambda^2).
@@ -212,7 +222,8 @@ Study const fixed_point{
             {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law (symmetric, ud; white rows)",
              [](Table const& t) {
                  return within(some(t.where("pole", 0.0), {"symmetric", "ud"}), by_data,
-                               Number([](Table const& r) { return r.number("theta_noise"); }, Estimate::geometric), 1 / 1.25, 1.25);
+                               of_each_seed([](Table const& r) { return r.number("theta_noise"); }).as(Estimate::geometric), 1 / 1.25,
+                               1.25);
              },
              finding("docs/theory.md 66, set before the run")},
             {"in words of 32 bits, rows in [-1, 1), every dense variant survives but conventional and kalman",

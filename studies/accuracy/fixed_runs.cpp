@@ -10,7 +10,7 @@
 namespace rlslab {
 namespace {
 
-constexpr int longest = 30, ample = 24, looks = 200;
+constexpr int longest = 30, in_a_row = 3, ample = 24, looks = 200;
 
 /// The largest eigenvalue of a symmetric A >= 0 by the power method. Where 60 steps have not told it from the next, the two differ by a few
 /// per cent, and the answer lies between them.
@@ -114,8 +114,9 @@ double sufficient_bits(Extremes const& x, double lambda) {
 
 Run run_in(Entry const& entry, Setting& setting, FixedFormat format) {
     FixedScope const scope(format);
-    if (setting.problem().prior->variance > std::ldexp(1, format.bits - 1 - format.fraction) - std::ldexp(1, -format.fraction))
-        return {"no_prior"};
+    double const top = std::ldexp(1.0, format.bits - 1 - format.fraction) - std::ldexp(1.0, -format.fraction);
+    if (setting.problem().prior->variance > top) return {"no_prior"};
+    if (setting.largest() > top) return {"overflow"};
     auto const& [problem, records, exact] = setting.stored(format.fraction, *entry.arithmetic);
     if (problem.forgetting == 1) return {"no_forgetting"};
     if (!(problem.prior->variance > 0)) return {"no_prior"};
@@ -141,17 +142,21 @@ Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
     if ((entry.variant == "conventional" || entry.variant == "kalman") &&
         run_in(entry, setting, {48, longest, rounding}).outcome != "survives")
         return {INFINITY, INFINITY, "all"};
-    for (int fraction = 1; fraction <= longest; ++fraction) {
+    std::string below = "none";
+    int survived = 0;
+    for (int fraction = 1; fraction <= longest && survived < in_a_row; ++fraction) {
         Run const run = run_in(entry, setting, {48, fraction, rounding});
-        if (run.outcome != "survives") {
-            out.below = run.outcome;
-            continue;
+        if (run.outcome == "survives") {
+            if (survived++ == 0) out.fraction = fraction, out.below = below;
+        } else {
+            survived = 0;
+            below = run.outcome;
         }
-        out.fraction = fraction;
-        break;
     }
-    int const fits_P0 = std::max(1, std::ilogb(setting.problem().prior->variance) + 1);
-    for (int integer = fits_P0; integer <= 47 - ample; ++integer) {
+    if (survived < in_a_row) return {INFINITY, INFINITY, below};
+    int integer = 1;
+    while (std::ldexp(1.0, integer) <= setting.problem().prior->variance) ++integer;
+    for (; integer <= 47 - ample; ++integer) {
         if (run_in(entry, setting, {1 + integer + ample, ample, rounding}).outcome != "survives") continue;
         out.integer = integer;
         break;

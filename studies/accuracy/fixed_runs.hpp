@@ -31,6 +31,7 @@ double sufficient_bits(Extremes const& x, double lambda);
 class Setting {
     Problem<double> problem_;
     Records records_;
+    double largest_ = 0;
     struct AsStored {
         Problem<double> problem;
         Records records;
@@ -39,9 +40,13 @@ class Setting {
     std::map<int, AsStored> by_fraction_;
 
 public:
-    Setting(Problem<double> problem, Records records) : problem_(std::move(problem)), records_(std::move(records)) {}
+    Setting(Problem<double> problem, Records records) : problem_(std::move(problem)), records_(std::move(records)) {
+        for (double const x : records_.psi.reshaped()) largest_ = std::max(largest_, std::abs(x));
+        for (double const y : records_.y) largest_ = std::max(largest_, std::abs(y));
+    }
     Problem<double> const& problem() const { return problem_; }
     Records const& records() const { return records_; }
+    double largest() const { return largest_; }  ///< of all |psi_i| and |y|
     /// As words with so many bits behind the point hold them, with the exact P at the end: bits before the point change nothing while
     /// they suffice.
     AsStored const& stored(int fraction, Arithmetic const& arithmetic) {
@@ -65,8 +70,8 @@ struct Run {
 };
 Run run_in(Entry const& entry, Setting& setting, FixedFormat format);
 
-/// The least bits behind the point with which a filter survives, 48 bits in all; and before it, with 24 behind it and room for P0.
-/// Infinity: none up to 30, to 23.
+/// The least bits behind the point from which on three lengths in a row survive, 48 bits in all: single ones survive by luck. And the
+/// least before it, with 24 behind it and room for P0 and the data. Infinity: none up to 30, to 23.
 struct Need {
     double fraction = INFINITY, integer = INFINITY;
     std::string below = "none";  ///< how the run with a bit less behind the point ended
