@@ -107,6 +107,14 @@ struct ArithmeticTraits<long double> {
     static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1, max_exp = Limits::max_exponent - 1;
 };
 
+/// What a sum of products of T is kept in until it is stored as a T: T itself, but for scalars that specialise it.
+template <class T>
+struct AccumulatorOf {
+    using type = T;
+};
+template <class T>
+using Accumulator = typename AccumulatorOf<T>::type;
+
 /// The number of bits p of the significand; for VariablePrecision the one that holds in the calling thread now.
 template <class T>
 constexpr int significand_bits() {

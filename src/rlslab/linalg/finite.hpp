@@ -57,6 +57,9 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
     if constexpr (!Real<T>) {  // the rationals are finite
         return true;
+    } else if constexpr (ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits >=
+                         0) {  // fixed point: no errors relative to numbers below 1
+        return false;
     } else {
         using Traits = ArithmeticTraits<T>;
         Bound q(1), least(1), most = right;

@@ -15,11 +15,11 @@ namespace rlslab {
 
 /// x'y, in the order above.
 template <Field T, int N>
-T dot(Regressor<T> const& x, StateVector<T, N> const& y) {
+Accumulator<T> dot(Regressor<T> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), y.size());
 }
 template <Field T, int N>
-T dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
+Accumulator<T> dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), x.size());
 }
 
@@ -58,7 +58,7 @@ void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const&
 /// Elementwise, in the order of the functions below: out = x / s,  x / y,  x y,  a x,  x + y,  x + y z,  sqrt(x). out may be any of the
 /// inputs.
 template <Field T, int N>
-void divide(StateVector<T, N> const& x, T const& s, StateVector<T, N>& out) {
+void divide(StateVector<T, N> const& x, std::type_identity_t<T> const& s, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
 }
 template <Field T, int N>

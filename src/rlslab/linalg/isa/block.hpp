@@ -9,7 +9,7 @@ struct ScalarRow {
     using scalar = T;
     static constexpr int rows = 1, registers = 2;  // as many as fit if T is a Pack
     static constexpr bool padded = false;
-    T x;
+    Accumulator<T> x;
 
     [[gnu::always_inline]] void zero() { x = T(0); }
     [[gnu::always_inline]] void load(T const* from) { x = *from; }
