@@ -16,8 +16,11 @@ public:
     virtual ~AnyFilter() = default;
     /// One row. A step's numbers are rounded to binary64.
     virtual Step<double> update(Regressor<double> psi, double y) = 0;
-    /// One row, with K_i (1 + relative_i) in place of K_i. Throws std::invalid_argument unless Entry::gain_perturbable.
-    virtual Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) = 0;
+    /// One row, with relative errors in the vector that plays the gain in the update of P. One column: K_i (1 + relative_i)
+    /// in place of K_i, wherever it is used, in a sweep's running gain too. A column for each number of the gain: column j are
+    /// errors that enter a sweep's running gain after its column j, and stay; a gain computed at once takes the last. Throws
+    /// std::invalid_argument unless Entry::gain_perturbable, and for errors of another shape.
+    virtual Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) = 0;
     /// Rows first ... last-1 as the variant likes them best: blocks where it TakesBlocks, else one by one. The step is
     /// the last row's, or for a block its health alone.
     virtual Step<double> update_block(Records const& records, Index first, Index last) = 0;
@@ -47,7 +50,7 @@ struct Entry {
     bool starts_without_prior;
     Index block;                  ///< rows absorbed at once; 1 for most
     std::string_view propagates;  ///< "covariance" or "information"
-    bool gain_perturbable;        ///< an error in K changes P
+    bool gain_perturbable;        ///< takes an error in what plays the gain in its update of P
     /// The filter for a problem given in binary64; the seed is that of stochastic rounding, unused elsewhere.
     /// Throws std::invalid_argument on misuse.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);
