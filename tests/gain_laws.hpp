@@ -35,9 +35,10 @@ T trace(Matrix<T> const& A) {
     return sum;
 }
 template <class T>
-T determinant(Matrix<T> A) {  // elimination without pivoting: definite matrices only
+T determinant(Matrix<T> A) {  // elimination without pivoting: semidefinite matrices only
     T out = T(1);
     for (Index j = 0; j < A.rows(); ++j) {
+        if (A(j, j) == T(0)) return T(0);
         out *= A(j, j);
         for (Index i = j + 1; i < A.rows(); ++i) {
             T const m = A(i, j) / A(j, j);

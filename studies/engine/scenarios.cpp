@@ -13,6 +13,8 @@ std::vector<Cell> covariance_forms() { return {"conventional", "conventional_two
 std::vector<Cell> factor_forms() { return {"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}; }
 std::vector<Cell> row_forms() { return joined(covariance_forms(), joined(factor_forms(), {"information"})); }
 
+std::vector<Cell> gain_forms() { return joined(covariance_forms(), {"kalman", "potter", "carlson", "ud", "inverse_qr", "extended_qr"}); }
+
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
     a.insert(a.end(), b.begin(), b.end());
     return a;

@@ -15,6 +15,8 @@ std::vector<Cell> covariance_forms();
 std::vector<Cell> factor_forms();
 /// Both, and `information`: every dense variant that takes one row at a time.
 std::vector<Cell> row_forms();
+/// Whose update of P uses a vector as the gain, and lets it be changed: K in the first six, v or a running gain in the others.
+std::vector<Cell> gain_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
 
