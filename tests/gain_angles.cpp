@@ -122,8 +122,11 @@ TEST(AngleLaws, OfQr) {
             e[j] = T(1);
             V const x = qr(c, j, T(0)).second;
             EXPECT_LE(largest<T>(slope - R(j, j) * symmetric_product(e, x)), tolerance) << n << " " << j;
-            if (j + 1 == c.size) EXPECT_LE(largest<T>(slope), tolerance) << "the last rotation has no effect";
-            else if (!x.isZero(T(0))) EXPECT_GT(largest<T>(slope + R(j, j) * symmetric_product(e, x)), tolerance) << "the other sign";
+            if (j + 1 == c.size) {
+                EXPECT_LE(largest<T>(slope), tolerance) << "the last rotation has no effect";
+            } else if (!x.isZero(T(0))) {
+                EXPECT_GT(largest<T>(slope + R(j, j) * symmetric_product(e, x)), tolerance) << "the other sign";
+            }
         }
     }
 }

@@ -99,7 +99,7 @@ Study const gain_error{
                      t.where("arithmetic", "reference").where("lambda", 0.98).where("epsilon", [](double e) { return e < 2e-13; }), {},
                      ratio, 5, 1e6);
              },
-             finding("of the first edition: docs/theory.md 28, law ii")},
+             finding("first edition, set after its run (docs/theory.md 28, law ii)")},
             {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
              finding("derived beforehand: docs/theory.md 17")},
             {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on",
@@ -107,7 +107,7 @@ Study const gain_error{
                  Table const small = t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
                  return within(small.where("variant", josephs), {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14);
              },
-             finding("of the first edition")},
+             finding("first edition, set after its run")},
         },
 };
 
