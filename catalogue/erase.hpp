@@ -27,6 +27,26 @@ Stored<double> in_double(Stored<T> const& stored) {
     });
 }
 
+/// AnyFilter::update's errors.
+template <class T>
+struct RelativeErrors {
+    Matrix<double> const& relative;
+    std::vector<T> left;  ///< of the running gain, by the column before
+
+    void operator()(auto& K) {
+        for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative(i, relative.cols() - 1));
+    }
+    void operator()(std::span<T> v, T const& kept) {
+        bool const stays = relative.cols() > 1;
+        Index const column = stays ? Index(v.size()) - 1 : 0;
+        for (size_t i = 0; i < v.size(); ++i) {
+            bool const fresh = stays || i + 1 == v.size();  // else what is new in v_i alone: the rest has its error
+            T const changed = fresh ? v[i] : v[i] - kept * left[i];
+            left[i] = v[i] += changed * T(relative(Index(i), column));
+        }
+    }
+};
+
 template <RecursiveLeastSquares F>
 class Erased final : public AnyFilter {
     using T = typename F::scalar;
@@ -50,14 +70,13 @@ public:
         RoundingSeedScope<T> const draws(seed_);
         return step_in_double(filter_.update(row, round_to<T>(y)));
     }
-    Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
+    Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
         if constexpr (GainPerturbable<F>) {
-            expects(relative.size() == psi.size(), "an error for each number of the gain");
+            Index const columns = relative.cols();
+            expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()), "an error for each number of the gain");
             Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
             RoundingSeedScope<T> const draws(seed_);
-            return step_in_double(filter_.update(row, round_to<T>(y), [&relative](auto& K) {
-                for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
-            }));
+            return step_in_double(filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
         } else {
             throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
         }

@@ -40,7 +40,9 @@ public:
         walks_ = true;
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(K)` changes K between (4) and (5). Its error reaches P in first order: docs/theory.md 16.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         for (Index j = 0; j < f_.size(); ++j)                                                            // (1)
             for (Index i = 0; i < f_.size(); ++i) {
@@ -50,6 +52,7 @@ public:
         multiply(P_, psi.data(), f_);                                                                    // (2)
         T const s = T(1) + dot(psi, f_);                                                                 // (3)
         divide(f_, s, K_);                                                                               // (4)
+        perturb(K_);
         subtract_rank_one(P_, K_, f_, DivisorNearOne<T>(T(1)));                                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
         return report(e, T(1), s, theta_);
@@ -60,6 +63,6 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(ReportsCovariance<Kalman<double>>);
+static_assert(GainPerturbable<Kalman<double>>);
 
 }  // namespace rlslab

@@ -18,6 +18,8 @@ std::vector<Cell> corrected_forms() {
 }
 std::vector<Cell> row_forms() { return joined(covariance_forms(), joined(factor_forms(), {"information"})); }
 
+std::vector<Cell> gain_forms() { return joined(covariance_forms(), {"kalman", "potter", "carlson", "ud", "inverse_qr", "extended_qr"}); }
+
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
     a.insert(a.end(), b.begin(), b.end());
     return a;

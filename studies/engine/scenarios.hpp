@@ -24,7 +24,8 @@ std::vector<Cell> triangular_forms();
 std::vector<Cell> corrected_forms();
 /// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
-
+/// Whose update of P uses a vector as the gain, and lets it be changed: K in the first six, v or a running gain in the others.
+std::vector<Cell> gain_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
 /// Those of a that are not in b.

@@ -3,6 +3,8 @@
 
 #include <rlslab/core/stored.hpp>
 
+#include <span>
+
 namespace rlslab {
 
 /// Mathematics: after k updates theta() minimises J_k (see Problem), exactly in exact arithmetic; stored() is P_k, its
@@ -41,13 +43,22 @@ concept ReportsInformation = RecursiveLeastSquares<F> && requires(F const c) {
 template <class F>
 concept StartsWithoutPrior = RecursiveLeastSquares<F> && F::starts_without_prior;
 
+/// Changes a gain that is computed at once: perturb(K). Its type is K's.
+template <class Perturb, class K>
+concept PerturbsGain = std::invocable<Perturb&, K&>;
+/// Changes a gain that a sweep builds column by column: perturb(v, kept), v its first j numbers after column j, and kept what
+/// column j multiplied the earlier ones by before it added to them. What is changed stays so in all later columns.
+template <class Perturb, class T>
+concept PerturbsSweep = std::invocable<Perturb&, std::span<T>, T const&>;
+
 /// The default argument `perturb` of update: leaves the gain as it is.
 struct NoPerturbation {
-    template <class K>
-    void operator()(K&) const {}
+    template <class V, class... Kept>
+    void operator()(V&&, Kept const&...) const {}
 };
 
-/// Uses the gain K in the update of P. update(psi, y, perturb) calls perturb(K) before that use; perturb may change the d numbers of K.
+/// Uses a vector as the gain in its update of P (K itself, v = s K, or one that grows to it), and lets it be changed first:
+/// update(psi, y, perturb) with a perturb that PerturbsGain, or PerturbsSweep; which one is said on the variant's page.
 template <class F>
 concept GainPerturbable = ReportsCovariance<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
     { f.update(psi, y, NoPerturbation{}) } -> std::same_as<Step<typename F::scalar>>;

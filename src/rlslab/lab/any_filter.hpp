@@ -16,9 +16,11 @@ public:
     virtual ~AnyFilter() = default;
     /// One row, psi of d numbers. The numbers of the step are rounded to binary64. Throws std::invalid_argument for another size.
     virtual Step<double> update(Regressor<double> psi, double y) = 0;
-    /// One row, with K_i (1 + relative_i) in place of K_i, `relative` of d numbers. Throws std::invalid_argument also unless
-    /// Entry::gain_perturbable.
-    virtual Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) = 0;
+    /// One row, with relative errors in the vector that plays the gain in the update of P. One column: K_i (1 + relative_i)
+    /// in place of K_i, wherever it is used, in a sweep's running gain too. A column for each number of the gain: column j are
+    /// errors that enter a sweep's running gain after its column j, and stay; a gain computed at once takes the last. Throws
+    /// std::invalid_argument unless Entry::gain_perturbable, and for errors of another shape.
+    virtual Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) = 0;
     /// Rows first ... last-1 of the records, in blocks if the variant TakesBlocks, otherwise one by one. Returns the step of the last row;
     /// after blocks its numbers are NaN and its health is that of the last block.
     virtual Step<double> update_block(Records const& records, Index first, Index last) = 0;
@@ -61,7 +63,7 @@ struct Entry {
     bool starts_without_prior;
     Index block;                  ///< rows processed at once; 1 for most
     std::string_view propagates;  ///< "covariance" or "information"
-    bool gain_perturbable;        ///< an error in K changes P
+    bool gain_perturbable;        ///< takes an error in what plays the gain in its update of P
     /// Makes the filter for a problem given in binary64. The seed is for stochastic rounding; other arithmetics ignore it.
     /// Throws std::invalid_argument for a problem that is not well posed.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);

@@ -4,9 +4,43 @@
 // docstring allows more.
 #pragma once
 
+#include <rlslab/core/concept.hpp>
 #include <rlslab/linalg/kernels.hpp>
 
 namespace rlslab {
+
+namespace detail {
+/// What step j of a sweep multiplies the running column by before it adds to it.
+template <class T, class At>
+T kept(At const& at) {
+    if constexpr (requires { at.c; }) return at.c;
+    else return T(1);
+}
+
+/// The kernel; or, for a perturbation, its text one column after another, with perturb(v_1 ... v_j, kept_j) after column j.
+/// The bits are the same if that changes nothing (stochastic rounding aside, which draws in another order).
+template <Field T, int N, class Kernel, class Perturb>
+void run_sweep(Kernel const& kernel, Perturb& perturb) {
+    if constexpr (std::same_as<Perturb, NoPerturbation>) {
+        run_kernel<T, N>(kernel);
+    } else {
+        using Row = kernels::portable::ScalarRow<T>;
+        for (Index j = 0; j < kernel.d; ++j) {
+            auto const at = kernel.at(j);
+            for (Index i = 0; i <= j; ++i) {
+                Row t, v;
+                t.load(kernel.A + j * kernel.ld + i, {0, 1});
+                if (i < j) v.load(kernel.w + i, {0, 1});
+                else v.zero({0, 1});
+                step(kernel, at, t, v);
+                t.store(kernel.A + j * kernel.ld + i);
+                v.store(kernel.w + i);
+            }
+            perturb(std::span<T>(kernel.w, size_t(j + 1)), kept<T>(at));
+        }
+    }
+}
+}  // namespace detail
 
 // --- upper triangles of a covariance --------------------------------------------------------------------------------------
 
@@ -17,24 +51,26 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 }
 
 /// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
-template <Field T, int N>
-void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v) {
-    run_kernel<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()});
+template <Field T, int N, class Perturb>
+void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb) {
+    detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()}, perturb);
 }
 
 /// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
-template <Field T, int N>
+template <Field T, int N, class Perturb>
 void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<T, N> const& keep, StateVector<T, N> const& mix,
-                   DivisorNearOne<T> const& by_r, StateVector<T, N>& v) {
-    run_kernel<T, N>(
-        kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()});
+                   DivisorNearOne<T> const& by_r, StateVector<T, N>& v, Perturb& perturb) {
+    detail::run_sweep<T, N>(
+        kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},
+        perturb);
 }
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
-template <Real T, int N>
+template <Real T, int N, class Perturb>
 void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r,
-                     StateVector<T, N>& g) {
-    run_kernel<T, N>(kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()});
+                     StateVector<T, N>& g, Perturb& perturb) {
+    detail::run_sweep<T, N>(
+        kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb);
 }
 
 /// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a
