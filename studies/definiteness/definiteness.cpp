@@ -1,4 +1,4 @@
-// Which stored covariances stop being positive definite, and when: decided for the very bits at every step.
+// Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -62,7 +62,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-/// The last row of each curve: what became of all runs.
+/// The last row of each curve: the outcome of all runs.
 Table ends(Table const& t) { return t.where("step", double(horizon)); }
 
 /// The median first step of one variant over another's, and where it lies: by order statistics of both, to a risk of 0.001.

@@ -1,31 +1,39 @@
-// The loops of a Householder reflection on columns of any length, with one order of evaluation whatever the registers.
+// The loops of a Householder reflection on columns of any length, with one order of evaluation for registers of any width.
 // Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 
-/// Eight running lanes, one number each: every arithmetic.
+/// A register that is one number, for every arithmetic: eight of them are the running lanes.
 template <class T>
 struct Lane {
     using scalar = T;
     using Register = T;
+    using Sum = Accumulator<T>;
     static constexpr int width = 1, columns = 1;  // one column after another, as the formula reads
-    static T const& load(T const* x) { return *x; }
-    static void store(T* to, T const& x) { *to = x; }
+    template <class X>
+    static X const& load(X const* x) {
+        return *x;
+    }
+    template <class X>
+    static void store(X* to, std::type_identity_t<X> const& x) {
+        *to = x;
+    }
 };
 
-/// Eight running lanes in registers of so many bytes. As many columns at once as keep eight of them busy.
+/// Registers of `bytes` bytes, which together hold the eight running lanes. `columns` columns at once keep eight registers busy.
 template <class T, int bytes>
 struct Packed {
     using scalar = T;
     typedef T Register __attribute__((vector_size(bytes)));
     typedef T Anywhere __attribute__((vector_size(bytes), aligned(alignof(T)), may_alias));
+    using Sum = Register;
     static constexpr int width = bytes / int(sizeof(T)), columns = width;
     [[gnu::always_inline]] static Register load(T const* x) { return *reinterpret_cast<Anywhere const*>(x); }
     [[gnu::always_inline]] static void store(T* to, Register const& x) { *reinterpret_cast<Anywhere*>(to) = x; }
 };
 
-/// v'a for fewer than eight numbers: the lanes that are there, and of the tree what they leave.
+/// v'a for n < 8 numbers: the tree without the lanes that do not exist.
 template <class T>
 T short_dot(T const* v, T const* a, Index n) {
-    T lane[8]{};  // or g++ 12 warns in whoever includes this
+    Accumulator<T> lane[8]{};  // otherwise g++ 12 warns in every file that includes this
     for (Index i = 0; i < n; ++i) lane[i] = v[i] * a[i];
     for (Index half = 4; half >= 1; half /= 2)
         for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];
@@ -40,7 +48,7 @@ template <class P, int C, class T = typename P::scalar>
         return;
     }
     constexpr int registers = 8 / P::width;
-    typename P::Register sum[C][registers];
+    typename P::Sum sum[C][registers];
     for (int c = 0; c < C; ++c)
         for (int r = 0; r < registers; ++r) sum[c][r] = P::load(v + r * P::width) * P::load(a[c] + r * P::width);
     Index k = 8;
@@ -50,7 +58,7 @@ template <class P, int C, class T = typename P::scalar>
             for (int c = 0; c < C; ++c) sum[c][r] += x * P::load(a[c] + k + r * P::width);
         }
     for (int c = 0; c < C; ++c) {
-        alignas(64) T lane[8];
+        alignas(64) Accumulator<T> lane[8];
         if (k < n) {  // the last few numbers go to the first few lanes
             for (int r = 0; r < registers; ++r) P::store(lane + r * P::width, sum[c][r]);
             for (Index i = 0; k + i < n; ++i) lane[i] += v[k + i] * a[c][k + i];

@@ -1,0 +1,39 @@
+// The only place where the variants are compiled in fixed-point words.
+#include "studies/accuracy/fixed_filters.hpp"
+
+#include "catalogue/erase.hpp"
+
+#include <rlslab/arithmetic/fixed.hpp>
+#include <rlslab/variants/variants.hpp>
+
+namespace rlslab {
+namespace {
+
+template <RecursiveLeastSquares F>
+Entry entry_in(Arithmetic const* arithmetic) {
+    Index block = 1;
+    if constexpr (TakesBlocks<F>) block = F::block;
+    return {
+        F::name,          arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
+        &Erased<F>::make, nullptr};
+}
+
+}  // namespace
+
+std::vector<Entry> const& fixed_point_filters() {
+    static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return VariableFixed(x).value(); }};
+    static std::vector<Entry> const entries = [] {
+        std::vector<Entry> out;
+        for_each(Variants<VariableFixed>{}, [&]<class F>() { out.push_back(entry_in<F>(&arithmetic)); });
+        return out;
+    }();
+    return entries;
+}
+
+Entry const& symmetric_of_any_length() {
+    static Arithmetic const arithmetic = arithmetic_of<VariablePrecision>();
+    static Entry const entry = entry_in<Symmetric<VariablePrecision>>(&arithmetic);
+    return entry;
+}
+
+}  // namespace rlslab

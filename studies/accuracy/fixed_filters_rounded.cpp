@@ -1,0 +1,24 @@
+// A few variants in fixed-point words that are rounded after every operation.
+#include "studies/accuracy/fixed_filters.hpp"
+
+#include "catalogue/erase.hpp"
+
+#include <rlslab/arithmetic/fixed.hpp>
+#include <rlslab/variants/qr.hpp>
+#include <rlslab/variants/symmetric.hpp>
+#include <rlslab/variants/ud.hpp>
+
+namespace rlslab {
+
+Entry const* rounding_every_operation(std::string_view variant) {
+    using T = VariableFixedRounded;
+    static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return T(x).value(); }};
+    static Entry const entries[] = {{Symmetric<T>::name, &arithmetic, false, 1, "covariance", true, &Erased<Symmetric<T>>::make, nullptr},
+                                    {Ud<T>::name, &arithmetic, false, 1, "covariance", false, &Erased<Ud<T>>::make, nullptr},
+                                    {Qr<T>::name, &arithmetic, true, 1, "information", false, &Erased<Qr<T>>::make, nullptr}};
+    for (Entry const& entry : entries)
+        if (entry.variant == variant) return &entry;
+    return nullptr;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,208 @@
+// The runs: words against binary64, upward until a filter survives.
+#include "studies/accuracy/fixed_runs.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/lab/breakdown.hpp>
+
+#include <cmath>
+
+namespace rlslab {
+namespace {
+
+constexpr int longest = 30, in_a_row = 3, ample = 24, looks = 200;
+
+/// The largest eigenvalue of a symmetric A >= 0 by the power method. Where 60 steps have not told it from the next, the two differ by a few
+/// per cent, and the answer lies between them.
+double largest_eigenvalue(Matrix<double> const& A) {
+    Index const d = A.rows();
+    std::vector<double> x(size_t(d), 1.0), y(x);
+    x[0] = 1.25;  // not orthogonal to the eigenvector by symmetry
+    double value = 0;
+    for (int n = 0; n < 60; ++n) {
+        double squares = 0, along = 0;
+        for (Index i = 0; i < d; ++i) {
+            y[size_t(i)] = 0;
+            for (Index j = 0; j < d; ++j) y[size_t(i)] += A(i, j) * x[size_t(j)];
+            squares += x[size_t(i)] * x[size_t(i)];
+            along += x[size_t(i)] * y[size_t(i)];
+        }
+        value = along / squares;
+        double const length = std::sqrt(squares) * value;
+        for (Index i = 0; i < d; ++i) x[size_t(i)] = y[size_t(i)] / length;
+    }
+    return value;
+}
+double norm_1(Matrix<double> const& A) {
+    double out = 0;
+    for (Index j = 0; j < A.cols(); ++j) {
+        double sum = 0;
+        for (Index i = 0; i < A.rows(); ++i) sum += std::abs(A(i, j));
+        out = std::max(out, sum);
+    }
+    return out;
+}
+double relative_error(AnyFilter const& filter, Matrix<double> const& exact) {
+    Matrix<Reference> const P = covariance_of(filter.stored()), difference = P - exact.cast<Reference>();
+    double const error = frobenius(difference) / frobenius(exact.cast<Reference>());
+    return error == error ? error : INFINITY;
+}
+bool has_zero_pivot(AnyFilter const& filter) {
+    Stored<double> const stored = filter.stored_in_double();
+    bool zero = false;
+    if (stored.form == Stored<double>::Form::factor)
+        for (Index i = 0; i < stored.F.rows(); ++i) zero = zero || stored.F(i, i) == 0 || (stored.D.size() > 0 && stored.D[i] == 0);
+    return zero;
+}
+
+}  // namespace
+
+InDouble::InDouble(Problem<double> const& problem)
+    : lambda(problem.forgetting), P(problem.prior->variance * Matrix<double>::Identity(problem.size, problem.size)),
+      M(Matrix<double>::Identity(problem.size, problem.size) / problem.prior->variance), theta(Vector<double>::Zero(problem.size)),
+      f(theta) {}
+void InDouble::take(Records const& records, Index k) {
+    Index const d = theta.size();
+    double s = lambda, e = records.y[k];
+    for (Index i = 0; i < d; ++i) {
+        f[i] = 0;
+        for (Index j = 0; j < d; ++j) f[i] += P(i, j) * records.psi(j, k);
+        s += records.psi(i, k) * f[i];
+        e -= records.psi(i, k) * theta[i];
+    }
+    for (Index i = 0; i < d; ++i) {
+        theta[i] += f[i] / s * e;
+        for (Index j = 0; j <= i; ++j) {
+            P(i, j) = P(j, i) = (P(i, j) - f[i] * f[j] / s) / lambda;
+            M(i, j) = M(j, i) = lambda * M(i, j) + records.psi(i, k) * records.psi(j, k);
+        }
+    }
+}
+
+Extremes extremes(Problem<double> const& problem, Records const& records) {
+    InDouble exact(problem);
+    double M = 1 / problem.prior->variance;
+    Extremes out{.greatest = problem.prior->variance};
+    for (Index k = 0; k < records.rows(); ++k) {
+        exact.take(records, k);
+        double trace_M = 0, trace_P = 0, sum = 0;
+        for (Index i = 0; i < problem.size; ++i) {
+            trace_M += exact.M(i, i);
+            trace_P += exact.P(i, i);
+            sum += std::abs(records.psi(i, k));
+            out.largest = std::max(out.largest, std::abs(records.psi(i, k)));
+        }
+        if (trace_M > M) M = std::max(M, largest_eigenvalue(exact.M));  // it is at most the trace
+        if (trace_P > out.greatest) out.greatest = std::max(out.greatest, largest_eigenvalue(exact.P));
+        double const norm = norm_1(exact.P);
+        out.P = std::max(out.P, norm);
+        out.condition = std::max(out.condition, norm * norm_1(exact.M));
+        out.psi = std::max(out.psi, sum);
+    }
+    out.least = 1 / M;
+    return out;
+}
+
+double sufficient_bits(Extremes const& x, double lambda) {
+    double const phi2 = x.psi * x.psi, A1 = phi2 * (x.condition + x.P * phi2) * (x.condition + x.P * phi2),
+                 A2 = lambda * (1 - lambda) * phi2;
+    double const p1 = lambda / phi2 * A2 / (A1 + A2 + std::sqrt(A1 * (A1 + A2)));
+    double const eps =
+        (1 - lambda) / (x.condition * x.condition * x.P) * (p1 - A1 * p1 * p1 / (lambda * (1 - lambda) * (lambda - phi2 * p1)));
+    return -correctly::log2(eps);
+}
+
+Run run_in(Entry const& entry, Setting& setting, FixedFormat format) {
+    FixedScope const scope(format);
+    double const top = std::ldexp(1.0, format.bits - 1 - format.fraction) - std::ldexp(1.0, -format.fraction);
+    if (setting.problem().prior->variance > top) return {"no_prior"};
+    if (setting.largest() > top) return {"overflow"};
+    auto const& [problem, records, exact] = setting.stored(format.fraction, *entry.arithmetic);
+    if (problem.forgetting == 1) return {"no_forgetting"};
+    if (!(problem.prior->variance > 0)) return {"no_prior"};
+    auto const filter = entry.make(problem, Seed{1});
+    Index const rows = records.rows();
+    for (Index k = 0; k < rows; ++k) {
+        Step<double> const step = filter->update(records.sample(k), records.y[k]);
+        if (step.health == Health::nonfinite) return {"overflow"};
+        if (step.health != Health::sound) return {std::string(name_of(step.health))};
+        if (!(step.gamma > 0 && step.gamma <= 1)) return {"gamma"};
+        if ((k + 1) % std::max<Index>(1, rows / looks) != 0) continue;
+        std::string const broken = breakdown(*filter, *entry.arithmetic);
+        if (broken == "nonfinite") return {"overflow"};
+        if (!broken.empty()) return {has_zero_pivot(*filter) ? "zero_pivot" : broken};
+    }
+    double const error = relative_error(*filter, exact);
+    return {error < 0.5 ? "survives" : "inaccurate", error};
+}
+
+Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
+    Need out;
+    // One vector as row and column: its antisymmetric error grows as lambda^-k, and if 30 bits do not do no fewer will.
+    if ((entry.variant == "conventional" || entry.variant == "kalman") &&
+        run_in(entry, setting, {48, longest, rounding}).outcome != "survives")
+        return {INFINITY, INFINITY, "all"};
+    std::string below = "none";
+    int survived = 0;
+    for (int fraction = 1; fraction <= longest && survived < in_a_row; ++fraction) {
+        Run const run = run_in(entry, setting, {48, fraction, rounding});
+        if (run.outcome == "survives") {
+            if (survived++ == 0) out.fraction = fraction, out.below = below;
+        } else {
+            survived = 0;
+            below = run.outcome;
+        }
+    }
+    if (survived < in_a_row) return {INFINITY, INFINITY, below};
+    int integer = 1;
+    while (std::ldexp(1.0, integer) <= setting.problem().prior->variance) ++integer;
+    for (; integer <= 47 - ample; ++integer) {
+        if (run_in(entry, setting, {1 + integer + ample, ample, rounding}).outcome != "survives") continue;
+        out.integer = integer;
+        break;
+    }
+    return out;
+}
+
+double theta_noise(Entry const& entry, Setting& setting, double lambda) {
+    FixedFormat const format{48, 28};
+    FixedScope const scope(format);
+    auto const& stored = setting.stored(format.fraction, *entry.arithmetic);
+    auto const filter = entry.make(stored.problem, Seed{1});
+    InDouble exact(stored.problem);
+    Index const rows = stored.records.rows(), d = exact.theta.size(), settled = rows / 5;
+    double sum = 0;
+    for (Index k = 0; k < rows; ++k) {
+        filter->update(stored.records.sample(k), stored.records.y[k]);
+        exact.take(stored.records, k);
+        if (k < settled) continue;
+        Vector<Reference> const theta = filter->theta();
+        for (Index i = 0; i < d; ++i) {
+            double const error = static_cast<double>(theta[i]) - exact.theta[i];
+            sum += error * error;
+        }
+    }
+    double const q = std::ldexp(1.0, -format.fraction), forgets = 1 - lambda;
+    double const law = q / std::sqrt(12 * (2 * forgets - double(d + 2) * forgets * forgets));
+    return std::sqrt(sum / double((rows - settled) * d)) / law;
+}
+
+double floating_bits(Setting const& setting) {
+    Entry const& entry = symmetric_of_any_length();
+    for (int p = 3; p <= 30; ++p) {
+        PrecisionScope const precision(p);
+        Setting here(setting.problem(), setting.records());
+        auto const& [problem, records, exact] = here.stored(0, *entry.arithmetic);
+        auto const filter = entry.make(problem, Seed{1});
+        bool alive = problem.forgetting < 1;
+        for (Index k = 0; k < records.rows() && alive; ++k) {
+            Step<double> const step = filter->update(records.sample(k), records.y[k]);
+            alive = step.health == Health::sound && step.gamma > 0;
+            if ((k + 1) % std::max<Index>(1, records.rows() / looks) == 0) alive = alive && breakdown(*filter, *entry.arithmetic).empty();
+        }
+        if (alive && relative_error(*filter, exact) < 0.5) return p;
+    }
+    return INFINITY;
+}
+
+}  // namespace rlslab
