@@ -29,9 +29,9 @@ void run_sweep(Kernel const& kernel, Perturb& perturb) {
             auto const at = kernel.at(j);
             for (Index i = 0; i <= j; ++i) {
                 Row t, v;
-                t.load(kernel.A + j * kernel.ld + i, {0, 1});
-                if (i < j) v.load(kernel.w + i, {0, 1});
-                else v.zero({0, 1});
+                t.load(kernel.A + j * kernel.ld + i);
+                if (i < j) v.load(kernel.w + i);
+                else v.zero();
                 step(kernel, at, t, v);
                 t.store(kernel.A + j * kernel.ld + i);
                 v.store(kernel.w + i);
