@@ -185,6 +185,22 @@ TEST(Saboteurs, AnotherColumnMayTellTheSeedsApart) {
     EXPECT_EQ(within(seeds(3, 1), {}, mean("x").as(Estimate::fixed), 0.95, 1.05).verdict, Verdict::holds) << "no seed matters";
 }
 
+TEST(Saboteurs, ANumberIsAskedOfOneSeedAtATime) {
+    Number const of_one_row([](Table const& t) { return t.where("k", 1.0).number("x"); });
+    EXPECT_TRUE(within(seeds(20, 1), {}, of_one_row, 0.95, 1.05).holds());
+    EXPECT_THROW(within(seeds(20, 1), {}, of_one_row.as(Estimate::fixed), 0.95, 1.05), std::logic_error);
+}
+TEST(Saboteurs, ASeedWithoutANumberLeavesItUndecidedAndNoneFails) {
+    Table t = seeds(20, 1);
+    Number const but_one([](Table const& rows) { return rows.numbers("replicate")[0] == 3 ? nan : mean("x")(rows); });
+    EXPECT_EQ(within(t, {}, but_one, 0.95, 1.05).verdict, Verdict::undecided);
+    EXPECT_EQ(within(t, {}, but_one.as(Estimate::every), 0.95, 1.05).verdict, Verdict::fails);
+    EXPECT_EQ(within(
+                  t, {}, [](Table const&) { return nan; }, 0.95, 1.05)
+                  .verdict,
+              Verdict::fails);
+}
+
 // ---- intervals ---------------------------------------------------------------------------------------------------------------
 
 TEST(Intervals, AreThoseOfTheBooks) {

@@ -134,6 +134,17 @@ Interval estimated(std::vector<double> const& x, Estimate estimate, double risk)
     }
 }
 
+/// The seeds' numbers in one, on the scale on which their interval is; NaN only where each of them is.
+double in_one(std::vector<double> x, Estimate estimate) {
+    std::erase_if(x, [](double v) { return v != v; });
+    if (x.empty()) return std::nan("");
+    if (estimate == Estimate::middle || estimate == Estimate::every) return median(x);
+    bool const logarithmic = estimate == Estimate::geometric, square = estimate == Estimate::quadratic;
+    double sum = 0;
+    for (double const v : x) sum += (logarithmic ? log_10(v) : square ? v * v : v) / double(x.size());
+    return logarithmic ? power_of_10(sum) : square ? root(sum) : sum;
+}
+
 /// What a group gives: its number, the interval printed, and the verdict.
 struct Part {
     double point;
@@ -142,14 +153,17 @@ struct Part {
     size_t seeds;  ///< 0: none matters
 };
 
+/// `number` is asked of each seed's rows; of all rows only where no seed matters.
 Part part(Table const& rows, Number const& number, Interval const& band, size_t groups) {
-    double const point = number(rows);
-    Interval const itself{point, point};
-    if (point != point) return {point, itself, Verdict::fails, 0};
-    if (number.estimate() == Estimate::fixed || !rows.has(number.replicate()))
+    if (number.estimate() == Estimate::fixed || !rows.has(number.replicate())) {
+        double const point = number(rows);
+        Interval const itself{point, point};
         return {point, itself, itself.inside(band) ? Verdict::holds : Verdict::fails, 0};
+    }
     std::vector<double> x;
     for (auto const& [seed, own] : rows.groups({number.replicate()})) x.push_back(number(own));
+    double const point = in_one(x, number.estimate());
+    if (point != point) return {point, {point, point}, Verdict::fails, x.size()};
     if (number.estimate() == Estimate::every) {
         bool const all = std::ranges::all_of(x, [&](double v) { return Interval{v, v}.inside(band); });
         auto const [least, greatest] = std::ranges::minmax(x);

@@ -18,7 +18,8 @@ enum class Estimate {
     fixed       ///< nothing: the number of all rows does not depend on a seed
 };
 
-/// A number of a table. Where the table has a column of replicates, which only change the seed, it is estimated over them.
+/// A number of a table. Where the table has a column of replicates, which only change the seed, it is computed of each seed's rows, and
+/// estimated over the seeds.
 class Number {
     std::function<double(Table const&)> of_;
     Estimate estimate_ = Estimate::mean;
