@@ -1,7 +1,6 @@
 // Claims and their record: every claim says what it is; a verdict that changes is seen, and so is a verification that fails.
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
-#include "tests/files.hpp"
 
 #include <rlslab/core/input_error.hpp>
 

@@ -168,7 +168,8 @@ Study const definiteness{
                  return within(ends(t).where("variant", "potter"), {"arithmetic", "hardness"}, least("definite"), 1, 1);
              },
              finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
-            {"conventional loses it in every run, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, within 10 %",
+            {"conventional loses it in every run, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, within 10 % "
+             "(fails in bfloat16: the law is for an error of u that grows to 1, and P is lost a little later)",
              [](Table const& t) {
                  Number const of_law([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
                  return within(ends(t).where("variant", "conventional"), {"arithmetic", "hardness"}, of_law, 0, 1.1);

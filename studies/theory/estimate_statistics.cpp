@@ -238,7 +238,7 @@ Study const estimate_statistics{
              [](Table const& t) {
                  Table const a = longest(t, "coloured").where("parameter", {"a1", "a2"});
                  return labelled("standard deviations", within(a, {"parameter"}, size_of_bias, 1, 1e9)) &&
-                        labelled("inside", within(a, {"parameter"}, inside, 0, 0.5));
+                        labelled("inside", within(a, {"parameter"}, inside, -INFINITY, 0.5));
              },
              reproduction("docs/theory.md 5")},
         },
