@@ -1,5 +1,4 @@
-// Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue. No variant itself: longer
-// than one, because the adapter, its clock and the entry are read together.
+// Puts a filter of any type behind the type-erased interface, and makes its entry for the catalogue.
 #pragma once
 
 #include <rlslab/core/process.hpp>
@@ -17,8 +16,8 @@ template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
 }
-/// For a first look at what a filter holds: rounded to binary64, but never to zero. A zero in a factor decides more than any
-/// rounding does: whether it is a triangle, and whether that is singular.
+/// The stored numbers rounded to binary64, except that a nonzero number never becomes zero: the zeros of a factor decide whether it is a
+/// triangle, and whether it is singular.
 template <class T>
 Stored<double> in_double(Stored<T> const& stored) {
     return stored.template mapped<double>([](T const& x) {
@@ -27,6 +26,26 @@ Stored<double> in_double(Stored<T> const& stored) {
         return y != 0 || x == T(0) ? y : x < T(0) ? -least : least;
     });
 }
+
+/// AnyFilter::update's errors.
+template <class T>
+struct RelativeErrors {
+    Matrix<double> const& relative;
+    std::vector<T> left;  ///< of the running gain, by the column before
+
+    void operator()(auto& K) {
+        for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative(i, relative.cols() - 1));
+    }
+    void operator()(std::span<T> v, T const& kept) {
+        bool const stays = relative.cols() > 1;
+        Index const column = stays ? Index(v.size()) - 1 : 0;
+        for (size_t i = 0; i < v.size(); ++i) {
+            bool const fresh = stays || i + 1 == v.size();  // else what is new in v_i alone: the rest has its error
+            T const changed = fresh ? v[i] : v[i] - kept * left[i];
+            left[i] = v[i] += changed * T(relative(Index(i), column));
+        }
+    }
+};
 
 template <RecursiveLeastSquares F>
 class Erased final : public AnyFilter {
@@ -39,7 +58,7 @@ class Erased final : public AnyFilter {
     }
 
 public:
-    /// Starting from a prior takes arithmetic too.
+    /// The seed is in use already here: the start from a prior rounds too.
     static std::unique_ptr<AnyFilter> make(Problem<double> const& problem, Seed seed) {
         RoundingSeedScope<T> const draws(seed);
         return std::make_unique<Erased>(F(problem_as<T>(problem)), seed);
@@ -51,14 +70,13 @@ public:
         RoundingSeedScope<T> const draws(seed_);
         return step_in_double(filter_.update(row, round_to<T>(y)));
     }
-    Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) override {
+    Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
         if constexpr (GainPerturbable<F>) {
-            expects(relative.size() == psi.size(), "an error for each number of the gain");
+            Index const columns = relative.cols();
+            expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()), "an error for each number of the gain");
             Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
             RoundingSeedScope<T> const draws(seed_);
-            return step_in_double(filter_.update(row, round_to<T>(y), [&relative](auto& K) {
-                for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(relative[i]);
-            }));
+            return step_in_double(filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
         } else {
             throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
         }
@@ -69,7 +87,7 @@ public:
         RoundingSeedScope<T> const draws(seed_);
         return step_in_double(process(filter_, psi, y));
     }
-    // Reports draw from a copy of the seed: asking does not change what follows.
+    // Reports draw from a copy of the seed, so that they do not change later results.
     Vector<Reference> theta() const override {
         Seed copy = seed_;
         RoundingSeedScope<T> const draws(copy);
@@ -85,12 +103,12 @@ public:
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
 };
 
-/// The least over stretches of the records, each measured by the harness of the benchmarks.
+/// The least time per row over stretches of the records, each measured as in the benchmarks.
 template <class F>
 double nanoseconds(Problem<double> const& problem, Records const& records, Seed seed) {
     using T = typename F::scalar;
     constexpr double enough = 5e5;  // ns of undisturbed timing in all
-    constexpr int at_least = 8;     // stretches: others disturb some of them
+    constexpr int at_least = 8;     // stretches: other processes disturb some of them
     Matrix<T> const psi = records.psi.unaryExpr(&round_to<T>);
     Vector<T> const y = records.y.unaryExpr(&round_to<T>);
     Index rows = std::min<Index>(records.rows(), 16);
@@ -108,7 +126,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
                 Vector<T> const outputs = y.segment(k, rows);
                 took = nanoseconds_of([&] {
                     process(filter, block, outputs);
-                    wanted(Vector<T>(filter.theta()));
+                    do_not_optimize(Vector<T>(filter.theta()));
                 });
             } else {
                 took = stretch<Theta::asked>(filter, psi, y, k, k + rows);
@@ -119,7 +137,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     return least;
 }
 
-/// F's line of the catalogue.
+/// F's entry in the catalogue.
 template <RecursiveLeastSquares F>
 Entry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
@@ -134,7 +152,7 @@ Entry entry_of(Arithmetic const* arithmetic) {
             &nanoseconds<F>};
 }
 
-/// T as data.
+/// The properties of T as data.
 template <class T>
 Arithmetic arithmetic_of() {
     using Traits = ArithmeticTraits<T>;

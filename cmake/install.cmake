@@ -1,38 +1,72 @@
-# What an installation holds: the headers, the core, the program, and a package that find_package(rlslab) finds.
+# What an installation holds, in components that can be installed apart (cmake --install BUILD --component NAME):
+#   headers   the variants and what they stand on; what find_package(rlslab) and pkg-config rlslab find
+#   core      the compiled reference, multiprecision, data files
+#   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
+#   program   rlslab, its manual page and completions
 # One export per component, so that a consumer of the headers is never asked for Arb or SuiteSparse.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)
+set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # In the tree rlslab/variants is a link: the variants are installed from where they are. The catalogue is not installed.
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp" PATTERN doors EXCLUDE PATTERN variants EXCLUDE)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp")
-install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR})
-# A cross-compiled program that cannot run here has written none of these.
-set(written ${PROJECT_BINARY_DIR}/program)
-install(FILES ${written}/rlslab.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL)
-install(FILES ${written}/rlslab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rlslab OPTIONAL)
-install(FILES ${written}/_rlslab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions OPTIONAL)
+if(TARGET rlslab_program)
+  install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  # A cross-compiled program that cannot run here has written none of these.
+  set(written ${PROJECT_BINARY_DIR}/program)
+  install(FILES ${written}/rlslab.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program OPTIONAL)
+  install(FILES ${written}/rlslab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rlslab
+    COMPONENT program OPTIONAL)
+  install(FILES ${written}/_rlslab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT program OPTIONAL)
+endif()
 
-# A static library does not carry what it calls: whoever links an installed core needs fmt as well.
-target_link_libraries(rlslab_core PRIVATE $<INSTALL_INTERFACE:fmt::fmt>)
-
-set(components headers core)
+set(components headers)
+set(found_by_pkgconfig rlslab)
+if(TARGET rlslab_core)
+  list(APPEND components core)
+  list(APPEND found_by_pkgconfig rlslab-core)
+  # A static library does not carry what it calls: whoever links an installed core needs fmt as well.
+  target_link_libraries(rlslab_core PRIVATE $<INSTALL_INTERFACE:fmt::fmt>)
+endif()
 if(TARGET rlslab_sparse)
   list(APPEND components sparse)
 endif()
 foreach(component IN LISTS components)
   set_target_properties(rlslab_${component} PROPERTIES EXPORT_NAME ${component})
-  install(TARGETS rlslab_${component} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT rlslab-${component} NAMESPACE rlslab:: DESTINATION ${package_dir})
+  install(TARGETS rlslab_${component} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  install(EXPORT rlslab-${component} NAMESPACE rlslab:: DESTINATION ${package_dir} COMPONENT ${component})
 endforeach()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/rlslabConfig.cmake.in
   ${PROJECT_BINARY_DIR}/rlslabConfig.cmake INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
-# Before 1.0 a minor version may change an interface.
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+# Before 1.0 a minor version may change an interface. Headers serve every processor; rlslabConfig.cmake looks whether the core does.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT)
 install(FILES
   ${PROJECT_BINARY_DIR}/rlslabConfig.cmake ${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindArb.cmake ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake
-  DESTINATION ${package_dir})
+  DESTINATION ${package_dir} COMPONENT headers)
+
+# pkg-config: the same two targets. What the core is linked with has the names that were found here (FLINT 3 has Arb inside).
+set(core_libraries "")
+foreach(part arb flint mpfr gmp)
+  if(Arb_${part}_LIBRARY)
+    get_filename_component(name ${Arb_${part}_LIBRARY} NAME_WE)
+    string(REGEX REPLACE "^lib" " -l" name ${name})
+    string(APPEND core_libraries ${name})
+  endif()
+endforeach()
+file(RELATIVE_PATH up /${pkgconfig_dir} /)    # an installation may be moved
+string(REGEX REPLACE "/$" "" up "${up}")
+foreach(name IN LISTS found_by_pkgconfig)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  set(component headers)
+  if(name STREQUAL "rlslab-core")
+    set(component core)
+  endif()
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${pkgconfig_dir} COMPONENT ${component})
+endforeach()
+
+include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)

@@ -1,4 +1,4 @@
-// Random cases nobody would write down: any shape, any scale, what is not a number, at every variant in every arithmetic.
+// Random hostile cases: any shape, any scale, infinities and NaN, for every variant in every arithmetic.
 // No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
@@ -157,8 +157,9 @@ std::string run(Seed seed) {
             std::copy(last.begin(), last.end(), at.begin() + before);
             Regressor<double> const psi(at.data() + before, c.size);
             if (entry.gain_perturbable && c.one_in(8)) {
-                Vector<double> const relative = Vector<double>::NullaryExpr(c.size, [&c] { return c.number() * c.scale(); });
-                told << "\n  gain changed by" << text(relative);
+                Index const columns = c.one_in(2) ? c.size : 1;
+                Matrix<double> const relative = Matrix<double>::NullaryExpr(c.size, columns, [&c] { return c.number() * c.scale(); });
+                told << "\n  gain changed by" << text(Vector<double>(relative.reshaped()));
                 health = f->update(psi, records.y[0], relative).health;
             } else {
                 health = f->update(psi, records.y[0]).health;

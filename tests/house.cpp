@@ -116,6 +116,14 @@ std::vector<Folder> const house{
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"src/rlslab/lab", "variants"}},
     {"tests/consumer", {"src/rlslab/model", "variants"}},
+    {"tests/embedded", {"src/rlslab/adapt", "variants"}},
+    {"examples/echo_canceller", {"src/rlslab/adapt", "variants"}},
+    {"examples/battery_cell", {"src/rlslab/adapt", "variants"}},
+    {"examples/drift_and_silence", {"src/rlslab/adapt", "variants"}},
+    {"examples/many_sensors", {"src/rlslab/adapt", "variants"}},
+    {"examples/chosen_at_run_time", {"src/rlslab/adapt", "variants"}},
+    {"examples/microcontroller", {"src/rlslab/adapt", "variants"}},
+    {"examples/microcontroller/board", {}},
     {"tests/fuzz", {"program"}},
     {"tests", {"program", "tests/compilers"}},
 };
@@ -234,7 +242,9 @@ TEST(House, EveryFileSaysWhatItIs) {
 std::vector<std::string> private_words(std::string const& code) {
     static std::regex const words(
         "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
-        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags)\\b(?!\\|)");
+        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk)\\b(?!\\|)|"
+        "\\b(settle|weigh|wanted|excess|feed)\\(|"
+        "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
     std::vector<std::string> out;
     for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
     return out;
@@ -246,6 +256,7 @@ TEST(House, NamesAreTheFieldsWords) {
         }
     EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
               (std::vector<std::string>{"Undisturbed", "absorb"}));
+    EXPECT_EQ(private_words("curve.low, range.low, fit.lower; // Fit::high"), (std::vector<std::string>{"curve.low", "Fit::high"}));
 }
 
 }  // namespace

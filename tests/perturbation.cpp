@@ -1,4 +1,4 @@
-// A gain error reaches a filter, or is refused: it is never dropped in silence.
+// A gain error reaches a filter or is refused; it is never ignored silently.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 
@@ -45,8 +45,35 @@ TEST(GainError, ReachesTheFilterOrIsRefused) {
             EXPECT_EQ(off.refusal, exact.refusal) << "an error of zero is refused like any other";
         }
     }
-    EXPECT_GE(taken, 4);
-    EXPECT_GE(refused, 8);
+    EXPECT_EQ(taken, 11);   // all that form a gain, or the vector that plays it
+    EXPECT_GE(refused, 4);  // information, and what rotates or reflects rows into R
+}
+
+TEST(GainError, OfTheLastColumnReachesPOnlyWhereTheGainIsComputedAtOnce) {
+    Matrix<double> relative = Matrix<double>::Zero(2, 2);
+    relative.col(1) << 0.25, -0.25;
+    int nothing = 0;
+    for (Entry const& entry : catalogue()) {
+        if (entry.arithmetic->name != "double" || !entry.gain_perturbable) continue;
+        auto const right = entry.make(laws::problem(2), Seed{1}), wrong = entry.make(laws::problem(2), Seed{1});
+        std::vector<double> const row{2.0, -1.0};
+        right->update(row, 3.0);
+        wrong->update(row, 3.0, relative);
+        EXPECT_FALSE(laws::identical(right->theta(), wrong->theta())) << entry.variant;
+        nothing += laws::identical(right->stored(), wrong->stored());
+    }
+    EXPECT_EQ(nothing, 4);  // carlson, ud, inverse_qr, extended_qr
+}
+
+TEST(GainError, OfAnotherShapeIsRefused) {
+    for (Entry const& entry : catalogue()) {
+        if (entry.arithmetic->name != "double" || !entry.gain_perturbable) continue;
+        auto const f = entry.make(laws::problem(3), Seed{1});
+        for (auto const& [rows, columns] : {std::pair<Index, Index>{2, 1}, {4, 1}, {3, 2}, {3, 0}, {0, 0}, {1, 3}})
+            EXPECT_THROW(f->update(std::vector<double>{1.0, 2.0, 3.0}, 1.0, Matrix<double>(Matrix<double>::Zero(rows, columns))),
+                         std::invalid_argument)
+                << entry.variant << " " << rows << " x " << columns;
+    }
 }
 
 }  // namespace

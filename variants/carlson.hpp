@@ -32,7 +32,10 @@ public:
           f_(problem.size), before_(problem.size), s_(problem.size), r_(problem.size), m_(problem.size), K_(problem.size),
           S_(start_root<T, N>(problem)) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
+    /// docs/theory.md 33, 34.
+    template <PerturbsSweep<T> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), f_);                                                   // (1)
         T const s = prefix_sums(lambda_, f_, f_, before_, s_);                                           // (2)
@@ -40,7 +43,7 @@ public:
         take_roots(r_, r_);
         divide(f_, before_, m_);
         scale(m_, r_, m_);
-        sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_);                                              // (4)
+        sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_, perturb);                                     // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
         return report(e, lambda_, s, theta_);
@@ -51,6 +54,6 @@ public:
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
-static_assert(ReportsCovariance<Carlson<double>>);
+static_assert(GainPerturbable<Carlson<double>>);
 
 }  // namespace rlslab

@@ -6,8 +6,8 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; column and row products are computed apart, so the lemma holds for the P that is
-/// stored even when it has lost its symmetry, and the antisymmetric part dies out.
+/// Propagates P in full storage. The column P psi and the row psi'P are computed separately, so the lemma holds for the
+/// stored P even when it is not symmetric, and the antisymmetric part decays.
 ///
 ///   (1) f = P psi, h = P'psi       (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P = (P - K h') / lambda    (5) theta += K e
@@ -28,8 +28,8 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), h_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Perturb = NoPerturbation>
+    /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)

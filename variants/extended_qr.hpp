@@ -13,7 +13,7 @@ namespace rlslab {
 ///       [ psi'             0'                 y              ]      [ 0'  v'  eta ]
 ///   (2) sqrt(gamma) = c_1 ... c_d,   e = eta / sqrt(gamma),   K = -sqrt(gamma) v,   theta = theta - eta v
 ///
-/// A rounding error in W is never forgotten (its memory is neutral while R's decays): theta and P are reported from W.
+/// A rounding error in W neither grows nor decays, while one in R decays. theta and P are reported from W.
 /// Storage 2 d^2 (half used); per update 5 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
 /// Source: Yang & Böhme 1992.
 template <Real T, int N = Dynamic>
@@ -34,7 +34,10 @@ public:
         start_information_root(problem, L_, z_);
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(v_1 ... v_j, c_j)` changes v after rotation j of (1). Its error reaches P in first order, P stays definite:
+    /// docs/theory.md 33, 34.
+    template <PerturbsSweep<T> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         keep_regressor(psi, x_);
         T eta = y, root_gamma = T(1);
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
@@ -44,7 +47,7 @@ public:
             root_gamma *= c_[i];
             s_[i] = -s_[i];    // W's row is the first of the pair, v the second
         }
-        sweep_rotations(V_, c_, s_, by_root_lambda_, v_);
+        sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);
         for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
         add_scaled(theta_, -eta, v_);
         return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, true));
@@ -55,6 +58,6 @@ public:
     Matrix<T, N> covariance() const { return outer(V_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, V_.view()}; }
 };
-static_assert(ReportsCovariance<ExtendedQr<double>>);
+static_assert(GainPerturbable<ExtendedQr<double>>);
 
 }  // namespace rlslab

@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates the upper triangular square root S of the covariance, P = S S'; rotations carry a into the leading b:
+/// Propagates the upper triangular square root S of the covariance, P = S S'; rotations make a zero against b:
 ///
 ///   (1) a = S'psi / sqrt(lambda)
 ///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and
@@ -33,14 +33,17 @@ public:
           a_(problem.size), before_(problem.size), b_(problem.size), c_(problem.size), s_(problem.size), g_(problem.size),
           K_(problem.size), S_(start_root<T, N>(problem)) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays definite:
+    /// docs/theory.md 33, 34.
+    template <PerturbsSweep<T> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), a_);                                                   // (1)
         divide(a_, by_root_lambda_, a_);
         T const b = prefix_norms(a_, before_, b_);                                                       // (2)
         divide(before_, b_, c_);
         divide(a_, b_, s_);
-        sweep_rotations(S_, c_, s_, by_root_lambda_, g_);
+        sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
         return if_finite(all_finite(theta_) && is_finite(b), report(e, T(T(1) / (b * b))));
@@ -51,6 +54,6 @@ public:
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
-static_assert(ReportsCovariance<InverseQr<double>>);
+static_assert(GainPerturbable<InverseQr<double>>);
 
 }  // namespace rlslab

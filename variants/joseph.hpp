@@ -1,4 +1,4 @@
-// Joseph's stabilised form, evaluated as the products it is written in.
+// Joseph's stabilised form, evaluated as the matrix products of its formula.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -6,7 +6,7 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage as a sum of two semidefinite terms; an error in the gain enters P in second order only.
+/// Propagates P in full storage as a sum of two semidefinite terms; an error in K alone enters P in second order, and as a bias.
 ///
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) A = I - K psi'             (5) P = (A P) A' / lambda + K K'                  (6) theta += K e
@@ -28,8 +28,8 @@ public:
           psi_(problem.size), f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), A_(problem.size),
           AP_(problem.size) {}
 
-    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Perturb = NoPerturbation>
+    /// `perturb(K)` changes K between (3) and (4). Its error reaches P in second order: docs/theory.md 17.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         keep_regressor(psi, psi_);    // which may be K's own numbers
         T const e = innovation(y, psi, theta_);

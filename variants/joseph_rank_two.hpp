@@ -1,4 +1,4 @@
-// Joseph's form expanded to a symmetric rank-two update: its immunity to gain errors at O(d^2).
+// Joseph's form expanded to a symmetric rank-two update: of second order in an error of K alone, at O(d^2).
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -6,7 +6,8 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; for any K, optimal or not, (4)-(5) equals (I - K psi')P(I - K psi')' + lambda K K'.
+/// Propagates P in full storage; for any K, optimal or not, (4)-(5) is ((I - K psi')P(I - K psi')' + lambda K K') / lambda.
+/// That takes f and s as in (1) and (2): an error in one of them enters P in first order (docs/theory.md 31).
 ///
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
@@ -28,8 +29,8 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), g_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Perturb = NoPerturbation>
+    /// `perturb(K)` changes K between (3) and (4). Its error reaches P in second order: docs/theory.md 17.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)

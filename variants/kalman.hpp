@@ -1,4 +1,4 @@
-// The Kalman filter of parameters that stand still or walk at random: recursive least squares seen as estimation of a state.
+// The Kalman filter of parameters that are constant or follow a random walk: recursive least squares as state estimation.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -31,8 +31,8 @@ public:
         : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),
           K_(problem.size), P_(start_covariance<T, N>(problem)), Q_(problem.size), walks_(false) {}
 
-    /// With a walk. Throws std::invalid_argument for a Q of another size, or not symmetric; that it is no covariance
-    /// otherwise is not checked.
+    /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether Q is
+    /// positive semidefinite is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
         expects(Q.rows() == problem.size && Q.cols() == problem.size && Q == Q.transpose(), "a symmetric Q of size x size");
         for (Index j = 0; j < problem.size; ++j)
@@ -40,7 +40,9 @@ public:
         walks_ = true;
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(K)` changes K between (4) and (5). Its error reaches P in first order: docs/theory.md 16.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         for (Index j = 0; j < f_.size(); ++j)                                                            // (1)
             for (Index i = 0; i < f_.size(); ++i) {
@@ -50,6 +52,7 @@ public:
         multiply(P_, psi.data(), f_);                                                                    // (2)
         T const s = T(1) + dot(psi, f_);                                                                 // (3)
         divide(f_, s, K_);                                                                               // (4)
+        perturb(K_);
         subtract_rank_one(P_, K_, f_, DivisorNearOne<T>(T(1)));                                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
         return report(e, T(1), s, theta_);
@@ -60,6 +63,6 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
 };
-static_assert(ReportsCovariance<Kalman<double>>);
+static_assert(GainPerturbable<Kalman<double>>);
 
 }  // namespace rlslab

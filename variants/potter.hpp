@@ -27,11 +27,14 @@ public:
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
           f_(problem.size), v_(problem.size), K_(problem.size), S_(start_root<T, N>(problem)) {}
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(v)` changes v before K = v / s and (4). Its error reaches P in first order, P stays semidefinite: docs/theory.md 32.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_transposed(S_, psi.data(), f_);                                                         // (1)
         T const s = lambda_ + dot(f_, f_);                                                               // (2)
         multiply(S_, f_.data(), v_);                                                                     // (3)
+        perturb(v_);
         divide(v_, s, K_);
         divide(f_, s + square_root(lambda_ * s), f_);                                                    // (4)
         subtract_rank_one(S_, v_, f_, by_root_lambda_);
@@ -44,6 +47,6 @@ public:
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
 };
-static_assert(ReportsCovariance<Potter<double>>);
+static_assert(GainPerturbable<Potter<double>>);
 
 }  // namespace rlslab

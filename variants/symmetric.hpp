@@ -28,8 +28,8 @@ public:
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
 
-    /// `perturb` changes K between (3) and (4), for those who ask what an error in the gain does.
-    template <class Perturb = NoPerturbation>
+    /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
+    template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)

@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates P = U D U', U unit upper triangular. Nothing in a sweep over U's columns waits for a division:
+/// Propagates P = U D U', U unit upper triangular. All divisions come before the sweep over U's columns:
 ///
 ///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
 ///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j,  v_i += t g_j
@@ -34,7 +34,10 @@ public:
         start_ud(problem, U_, D_);
     }
 
-    Step<T> update(Regressor<T> psi, T y) {
+    /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
+    /// docs/theory.md 33, 34.
+    template <PerturbsSweep<T> Perturb = NoPerturbation>
+    Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(U_, psi.data(), f_);                                                   // (1)
         scale(D_, f_, g_);
@@ -43,7 +46,7 @@ public:
         divide(before_, s_, before_);                                                                    // (3)
         scale(D_, before_, D_);
         divide(D_, by_lambda_, D_);
-        sweep_ud(U_, g_, mu_, K_);                                                                       // (4)
+        sweep_ud(U_, g_, mu_, K_, perturb);                                                              // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
         return report(e, lambda_, s, theta_);
@@ -54,6 +57,6 @@ public:
     Matrix<T, N> covariance() const { return outer(U_, D_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
 };
-static_assert(ReportsCovariance<Ud<double>>);
+static_assert(GainPerturbable<Ud<double>>);
 
 }  // namespace rlslab

@@ -22,16 +22,14 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
         out({double(at), error.theta / u, error.covariance / u});
     }
 }
 
-/// The forms whose theta is corrected by its own innovation, but for `conventional`, whose asymmetry is a matter of its own.
-std::vector<std::string> const corrected{
-    "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr"};
+std::vector<std::string> const corrected = words(corrected_forms());
 
 /// After the prior is forgotten, which a large one costs the covariance forms tens of u.
 constexpr double settled = 256;

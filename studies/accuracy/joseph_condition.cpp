@@ -99,7 +99,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     };
     for (std::string const form : {"joseph", "joseph_rank_two", "symmetric", "conventional_two_sided"}) {
         auto const filter = trial.entry(form).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, rows);
+        process_rows(*filter, records, 0, rows);
         row(form, filter->stored());
     }
     row("P_stored", joseph_with(InDouble::storage, problem, records));
@@ -150,7 +150,7 @@ Study const joseph_condition{
     .factors =
         [](Budget budget) {
             bool const full = budget == Budget::full;
-            return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 48 : 8)}};
+            return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 100 : 8)}};
         },
     .measures = {"form", "error", "norm", "local", "products", "plain"},
     .measure = measure,

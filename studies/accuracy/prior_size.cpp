@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : row_forms()) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, rows);
+        process_rows(*filter, records, 0, rows);
         std::string const status = breakdown(*filter, arithmetic);
         out({name, status.empty() ? "sound" : status, relative_change(with_prior, without), errors(*filter, with_prior).theta,
              errors(*filter, without).theta});
@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table in(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants, double from, double to) {
-    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // a hair wide: powers are computed
+    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // powers are computed, so the bounds are wider
     return t.where("arithmetic", arithmetic).where("variant", variants).where("c2", inside);
 }
 
@@ -48,25 +48,15 @@ std::pair<double, double> best(Table const& t) {
 }
 Number const best_prior([](Table const& t) { return best(t).first; }, Estimate::geometric);
 Number const best_error([](Table const& t) { return best(t).second; }, Estimate::geometric);
-/// The greatest median over c^2 of the rounding, over the least: 1 where the prior does not matter.
-double spread_of(Table const& t) {
-    double least = INFINITY, most = 0;
-    for (Cell const& c2 : t.distinct("c2")) {
-        double const error = median(t.where("c2", c2).numbers("rounding"));
-        least = std::min(least, error), most = std::max(most, error);
-    }
-    return most / least;
-}
-Number const spread(&spread_of, Estimate::geometric);
 
-/// Where the least error lies, and what it is. A hair wide: powers are computed.
+/// The c^2 of the least error, and that error. The bounds are a little wider, because powers are computed.
 Finding valley(Table const& t, double c2_from, double c2_to, double error_from, double error_to) {
     Finding const c2 = within(t, {"variant"}, best_prior, c2_from / 1.01, c2_to * 1.01);
     Finding const error = within(t, {"variant"}, best_error, error_from, error_to);
     return labelled("c^2", c2) && labelled("error", error);
 }
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const plain = words(covariance_forms());
+std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace
 
@@ -76,7 +66,7 @@ Study const prior_size{
     .question = "How large should the prior variance c^2 be?",
     .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
     .formula =
-        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|}
+        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \;
               \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
               P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
     .interpretation =
@@ -120,9 +110,9 @@ Study const prior_size{
             {"Potter's full root: rounding rises as c, slope 0.5 +- 0.05 over c^2 = 1e14 ... 1e30 in double",
              [](Table const& t) { return within(in(t, "double", {"potter"}, 1e14, 1e30), {}, slope("c2", "rounding"), 0.45, 0.55); },
              finding("docs/theory.md 44")},
-            {"triangular, UD and QR forms: the median rounding stays within a factor of 3 from c^2 = 1e6 to 1e40",
-             [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, spread, 1, 3); },
-             finding("set before the run: an order-of-magnitude law to a factor of 3")},
+            {"triangular, UD and QR forms: rounding does not depend on c^2, slope 0.00 +- 0.02 from c^2 = 1e6 to 1e40",
+             [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, slope("c2", "rounding"), -0.02, 0.02); },
+             finding("set before the run: as in study potter_carlson")},
             {"so they have no best c^2, only a least: from 1e20 to 1e40 the median error against least squares stays below 1e-14",
              [](Table const& t) {
                  return within(in(t, "double", rooted, 1e20, 1e40), {"variant", "c2"}, median("total"), 0, 1e-14);
@@ -134,15 +124,15 @@ Study const prior_size{
              },
              finding("set before the run: an order-of-magnitude law to a factor of 3")},
             {"covariance forms in double: kappa^2 / c^2 = u c^2 at the best c^2 = kappa / sqrt(u) = 1e10, within 10 times; the error there is "
-             "kappa sqrt(u) = 1e-6, within 10 times",
+             "kappa sqrt(u) = 1e-6, within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1e9, 1e11, 1e-7, 1e-5); },
              finding("set before the run: bias = rounding")},
             {"Potter in double: kappa^2 / c^2 = u c at the best c^2 = (kappa^2 / u)^(2/3) = 2e13, within 10 times; the error there is 5e-10, "
-             "within 10 times",
+             "within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 2e12, 2e14, 5e-11, 5e-9); },
              finding("set before the run: bias = rounding")},
             {"covariance forms in float: the best c^2 is kappa / sqrt(u) = 4e5, within 10 times; the error there is kappa sqrt(u) = 0.024, "
-             "within 10 times",
+             "within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "float", plain, 1, 1e30), 4e4, 4e6, 0.0024, 0.24); },
              finding("set before the run: bias = rounding")},
             {"every triangular, UD, QR form keeps P positive definite at every c^2",

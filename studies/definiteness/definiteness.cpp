@@ -1,4 +1,4 @@
-// Which stored covariances stop being positive definite, and when: decided for the very bits at every step.
+// Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -62,7 +62,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-/// The last row of each curve: what became of all runs.
+/// The last row of each curve: the outcome of all runs.
 Table ends(Table const& t) { return t.where("step", double(horizon)); }
 
 /// The median first step of one variant over another's, and where it lies: by order statistics of both, to a risk of 0.001.
@@ -106,7 +106,7 @@ Finding earlier_in_longer_words(Table const& t) {
 }
 /// The step at which the antisymmetric rounding error has grown to 1: ln(1/u) / -ln lambda.
 double antisymmetric_law(Table const& rows) {
-    std::string const& name = std::get<std::string>(rows.distinct("arithmetic").front());
+    std::string const name = std::get<std::string>(rows.distinct("arithmetic").front());
     int const bits = name == "bfloat16" ? 8 : name == "binary16" ? 11 : name == "float" ? 24 : 53;
     return bits * correctly::log(2) / -correctly::log(lambda);
 }

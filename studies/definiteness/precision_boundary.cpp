@@ -18,7 +18,7 @@ constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53, draws = 3;
 
 Entry const& of_any_length(std::string const& variant) {
-    return *std::ranges::find_if(variable_precision_catalogue(), [&](Entry const& entry) { return entry.variant == variant; });
+    return *find_entry(variable_precision_catalogue(), variant, variable_precision_catalogue().front().arithmetic->name);
 }
 
 /// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.
@@ -53,7 +53,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Seed seed = first ? trial.seed({"pole", "lambda"}) : trial.seed({"pole", "lambda", "replicate"});
     for (int i = 0; i < draws; ++i) data.push_back(delay_line(size, rows, trial.number("pole"), Seed{seed.next()}));
     double needed = INFINITY, relapses = 0;
-    // Beyond 30 bits in strides: what does not survive those fails for another reason than rounding too coarsely.
+    // Beyond 30 bits in larger steps: a variant that fails there fails for another reason than coarse rounding.
     for (int p = shortest; p <= longest && p <= needed + 2; p += p < 30 ? 1 : p < 50 ? 10 : 3) {
         bool const alive = std::ranges::all_of(data, [&](Records const& records) { return survives(entry, p, lambda, records); });
         if (alive && !std::isfinite(needed)) needed = p;

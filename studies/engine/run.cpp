@@ -28,8 +28,7 @@ Seed Trial::seed(std::vector<std::string> const& factors) const {
 }
 
 Entry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
-    for (Entry const& e : *entries_)
-        if (e.variant == variant && e.arithmetic->name == arithmetic) return e;
+    if (Entry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
     throw std::logic_error(fmt::format("study {}: no {} in {}", study_, variant, arithmetic));
 }
 
@@ -52,7 +51,7 @@ std::uint64_t identity() {
     return value;
 }
 
-/// Nothing in it depends on the machine, the number of threads or the folder: nor do the bytes of a table.
+/// It does not depend on the machine, the number of threads or the folder, so that the bytes of a table do not either.
 std::vector<std::string> provenance(Study const& study, RunOptions const& options) {
     return {fmt::format("study: {}", study.name),
             fmt::format("question: {}", study.question),
@@ -62,7 +61,7 @@ std::vector<std::string> provenance(Study const& study, RunOptions const& option
             fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget), options.seed)};
 }
 
-/// The trials of one study and what has come of them.
+/// The trials of one study and their results.
 struct Running {
     Study const* study;
     std::vector<Factor> factors;

@@ -120,7 +120,8 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes) {
 Record record_from(std::string const& json) {
     Record out;
     try {
-        for (auto const& [study, claims] : Json::parse(json).items())
+        Json const all = Json::parse(json);
+        for (auto const& [study, claims] : all.items())
             for (auto const& [claim, verdict] : claims.items()) {
                 std::string const& said = verdict.get_ref<std::string const&>();
                 Verdict& at = out[study][claim];

@@ -128,7 +128,7 @@ Number efficiency(std::string const& name) {
     using S = Stored<Reference>;
     Matrix<Reference> const inverse = covariance_of({S::Quantity::information, S::Form::plain, second_moments(system)});
     return Number([=](Table const& t) {
-               std::string const& parameter = std::get<std::string>(t.distinct("parameter").front());
+               std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
                Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
                double const bound = sigma * sigma * static_cast<double>(inverse(i, i)) / t.numbers("rows").front();
                return mean("mean_square")(t) / bound;
@@ -238,7 +238,7 @@ Study const estimate_statistics{
              [](Table const& t) {
                  Table const a = longest(t, "coloured").where("parameter", {"a1", "a2"});
                  return labelled("standard deviations", within(a, {"parameter"}, size_of_bias, 1, 1e9)) &&
-                        labelled("inside", within(a, {"parameter"}, inside, 0, 0.5));
+                        labelled("inside", within(a, {"parameter"}, inside, -INFINITY, 0.5));
              },
              reproduction("docs/theory.md 5")},
         },

@@ -60,8 +60,9 @@ Study const estimation_error{
         {
             {"in the metric of P^-1 the error never grows (by more than 2^-200 of rounding)",
              [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_metric"), 0, 1); }, verification("docs/theory.md 23")},
-            {"in the plain norm it does, at some step of every input",
-             [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_norm"), 1.0001, 1e6); }, finding("docs/theory.md 24")},
+            {"in the plain norm it does: with every input some step of some run makes it longer",
+             [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_norm").as(Estimate::fixed), 1.0001, 1e6); },
+             finding("docs/theory.md 24")},
         },
 };
 

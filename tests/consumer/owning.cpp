@@ -41,7 +41,7 @@ void records_and_fits() {
         gaps[20] = std::nan("");
         Records records = passed_on(arx_records(u, y, {.na = 2, .nb = 1}));
         expect(records.rows() == rows - 2, "as many records as rows with a history");
-        records = arx_records(u, gaps, {.na = 2, .nb = 1});  // rows are left out: shrunk in the core
+        records = arx_records(u, gaps, {.na = 2, .nb = 1});  // rows are left out: made smaller in the core
         expect(records.skipped == 3, "three rows without a missing value");
         records.psi.conservativeResize(Eigen::NoChange, 30);  // and resized here
         records.y.conservativeResize(30);

@@ -9,7 +9,8 @@
 namespace rlslab {
 
 namespace detail {
-/// The part of the tree over lanes first, first + stride, ... of eight: the running sum of a lane where stride = 8.
+/// The part of the tree that ends in the sum of the lanes first, first + stride, ... below eight. With stride = 8 it is one lane: the
+/// running sum of the products first, first + 8, ...
 template <int first, int stride, class T>
 [[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
     if constexpr (stride == 8) {
@@ -24,12 +25,13 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y over n numbers; 0 over none. Where T has a wider accumulator the sum is in it: whoever stores the result rounds.
+/// x'y of n numbers each, in the order above; 0 for n <= 0. x and y may be the same. Where T has a wider accumulator the sum is of that type:
+/// whoever stores the result rounds it.
 template <Field T>
 Accumulator<T> dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
         return Accumulator<T>(0);
-    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: one lane after another leaves them in registers
+    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: the running sum of one lane after another fits into registers
         return detail::lanes_summed<0, 1>(x, y, n);
     Accumulator<T> lane[8];
     Index const lanes = std::min<Index>(n, 8);

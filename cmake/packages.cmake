@@ -1,0 +1,76 @@
+# Debian packages, by `./lab package` or cpack: rlslab (the program) and librlslab-dev (headers, core, what finds them).
+set(CPACK_PACKAGE_NAME rlslab)
+set(CPACK_PACKAGE_VENDOR "the rlslab authors")
+set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING "who makes the Debian packages: name <address>")
+set(CPACK_PACKAGE_CONTACT ${RLSLAB_MAINTAINER})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Recursive least squares whose digits are measured")
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+# A package is a group of components.
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL ${components})
+foreach(component IN LISTS components)
+  string(TOUPPER ${component} upper)
+  set(CPACK_COMPONENT_${upper}_GROUP dev)
+endforeach()
+if(TARGET rlslab_program)
+  list(APPEND CPACK_COMPONENTS_ALL program)
+  set(CPACK_COMPONENT_PROGRAM_GROUP app)
+endif()
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_APP_PACKAGE_NAME rlslab)
+set(CPACK_DEBIAN_APP_PACKAGE_SECTION math)
+set(CPACK_DEBIAN_APP_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_APP_DESCRIPTION "The program compares the variants of recursive least squares on a record,
+in arithmetics from bfloat16 to 257 bits, against a certified reference;
+identifies ARX models; and runs the studies that its claims rest on.")
+
+# Headers need Eigen alone. What only the core and the sparse variants need is recommended: apt installs it unless told otherwise.
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME librlslab-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
+set(recommended "")
+if(TARGET rlslab_core)
+  set(recommended "libboost-dev (>= 1.74), libflint-arb-dev, libflint-dev, libmpfr-dev, libgmp-dev, libfmt-dev (>= 9)")
+endif()
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "${recommended}")
+if(TARGET rlslab_sparse)
+  set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS libsuitesparse-dev)
+endif()
+set(CPACK_DEBIAN_DEV_DESCRIPTION "C++20 headers of every textbook variant of recursive least squares, which
+need Eigen alone, and the static core with the certified reference. Found by
+CMake (find_package(rlslab)) and pkg-config (rlslab, rlslab-core).")
+
+# Debian wants the licence in every package. The program's is not ours alone where it links SuiteSparse.
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
+set(linked_with "")
+if(TARGET rlslab_sparse)
+  set(linked_with "
+/usr/bin/rlslab links SuiteSparse's SPQR and CHOLMOD's Modify module, which are under the GNU General Public License,
+version 2 or later (on Debian /usr/share/common-licenses/GPL-2). That program as a whole may be passed on under that
+licence alone, and so may a program that links the CMake target rlslab::sparse. Nothing else here depends on them.
+")
+endif()
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/copyright @ONLY CONTENT "rlslab\n\n@licence@@linked_with@")
+string(TIMESTAMP today "%a, %d %b %Y %H:%M:%S +0000" UTC)    # SOURCE_DATE_EPOCH where it is set
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/changelog @ONLY CONTENT "rlslab (@PROJECT_VERSION@) unstable; urgency=medium
+
+  * What changed is in the project's CHANGELOG.md.
+
+ -- @RLSLAB_MAINTAINER@  @today@
+")
+foreach(package "program;rlslab" "headers;librlslab-dev")
+  list(GET package 0 component)
+  list(GET package 1 name)
+  if(component IN_LIST CPACK_COMPONENTS_ALL)
+    install(FILES ${PROJECT_BINARY_DIR}/copyright ${PROJECT_BINARY_DIR}/changelog
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+  endif()
+endforeach()
+
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/pack_pages.cmake)
+include(CPack)

@@ -1,0 +1,98 @@
+// One line for each variant of fixed size: a digest of every bit that 100 rows leave. No heap, no exceptions, no streams. The
+// same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
+#include <rlslab/adapt/delay_line.hpp>
+#include <rlslab/core/random.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <bit>
+#include <board.hpp>
+
+using namespace rlslab;
+
+namespace {
+
+/// FNV-1a over the bits of doubles; one NaN for all.
+struct Digest {
+    std::uint64_t hash = 0xcbf29ce484222325;
+    void add(double x) {
+        std::uint64_t const bits = x == x ? std::bit_cast<std::uint64_t>(x) : 0x7ff8000000000000;
+        for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
+    }
+    template <class M>
+    void add_all(M const& A) {
+        for (Index j = 0; j < A.cols(); ++j)
+            for (Index i = 0; i < A.rows(); ++i) add(double(A(i, j)));
+    }
+};
+
+void print_hex(std::uint64_t x) {
+    char text[17] = {};
+    for (int i = 0; i < 16; ++i) text[i] = "0123456789abcdef"[x >> (60 - 4 * i) & 15];
+    print(text);
+}
+
+template <class F, int N>
+[[gnu::noinline]] void digest(F& filter) {
+    using T = typename F::scalar;
+    Seed seed{std::uint64_t(N)};
+    Digest out;
+    T psi[N];
+    for (int k = 0; k < 100; ++k) {
+        // From rows of noise to rows of 2^40 or 2^-140: large, subnormal in float.
+        double const scale = k % 17 == 11 ? 0x1p40 : k % 17 == 13 ? 0x1p-140 : 1;
+        for (T& x : psi) x = T(seed.bell() * scale);
+        T const y = T(seed.bell()) + psi[0];
+        Step<T> const step = filter.update({psi, N}, y);
+        for (T const& x : {step.innovation, step.residual, step.gamma}) out.add(double(x));
+        out.add(int(step.health));
+    }
+    out.add_all(Vector<T, N>(filter.theta()));
+    out.add_all(Vector<T, N>(filter.gain()));
+    if constexpr (ReportsCovariance<F>) out.add_all(Matrix<T, N>(filter.covariance()));
+    else out.add_all(Matrix<T, N>(filter.information()));
+    print(F::name.data());
+    print(sizeof(T) == 4 ? " float " : " double ");
+    print(N < 10 ? "" : "1");
+    char const digit[] = {char('0' + N % 10), ' ', 0};
+    print(digit);
+    print_hex(out.hash);
+    print("\n");
+}
+
+template <class>
+struct Sizes;
+template <template <class, int> class V, class T>
+struct Sizes<V<T, Dynamic>> {
+    template <int N>
+    static void run() {
+        V<T, N> filter({.size = N, .forgetting = T(0.984375)});
+        digest<V<T, N>, N>(filter);
+    }
+    static void all() {
+        run<1>();
+        run<3>();
+        run<5>();
+        run<10>();
+    }
+};
+
+/// Rows from a delay line.
+void digest_of_delayed() {
+    DelayLine<float, 5> line;
+    Ud<float, 5> filter({.size = 5});
+    Seed seed{5};
+    for (int k = 0; k < 50; ++k) filter.update(line.push(float(seed.bell())), line[3] + 0.125f * line[0]);
+    Digest out;
+    out.add_all(filter.covariance());
+    print("ud delayed 5 ");
+    print_hex(out.hash);
+    print("\n");
+}
+
+}  // namespace
+
+int main() {
+    digest_of_delayed();
+    for_each(Variants<float>{}, []<class F>() { Sizes<F>::all(); });
+    for_each(Variants<double>{}, []<class F>() { Sizes<F>::all(); });
+}

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# bare_root.sh DEBS TREE: what `./lab package --bare-root` runs, as root, with mmdebstrap. Makes a bare Debian 12 (what apt needs, and
+# an application's compilers), installs the packages there, and builds and runs what users would. The root is thrown away.
+set -euo pipefail
+debs=$(realpath -- "$1") tree=$(realpath -- "$2")
+given=$(mktemp -d)
+trap 'rm -rf -- "$given"' EXIT
+cp "$debs"/*.deb "$given"
+cp -r "$tree/tests/consumer" "$given/consumer"
+cp -r "$tree/examples" "$given/examples"
+cp "$tree/data/sales.csv" "$given"
+cat >"$given/try.sh" <<'END'
+set -eux
+cd /given
+export DEBIAN_FRONTEND=noninteractive
+apt-get install -y --no-install-recommends ./librlslab-dev_*.deb
+for compiler in g++ clang++; do
+  for instructions in "" -march=native; do
+    $compiler -O2 $instructions consumer/main.cpp $(pkg-config --cflags --libs rlslab) -o app
+    ./app
+  done
+  for example in examples/*/; do
+    cmake -G Ninja -S $example -B built -DCMAKE_CXX_COMPILER=$compiler -DCMAKE_BUILD_TYPE=Release
+    cmake --build built
+    (cd built && ctest --output-on-failure --no-tests=error)
+    rm -rf built
+  done
+done
+apt-get install -y --no-install-recommends ./rlslab_*.deb
+rlslab --version
+rlslab compare sales.csv --input lead --output sales --order 2 --detrend --no-timings | head -n 3
+apt-get install -y ./librlslab-dev_*.deb libboost-dev libflint-arb-dev libflint-dev libmpfr-dev libgmp-dev libfmt-dev
+g++ -g0 consumer/owning.cpp $(pkg-config --cflags --libs rlslab-core) -o with_core
+./with_core
+cmake -G Ninja -S consumer -B built -DCMAKE_BUILD_TYPE=Debug
+cmake --build built --target with_headers with_core
+built/with_headers
+built/with_core
+apt-get remove -y rlslab librlslab-dev
+test -z "$(find / -xdev -name '*rlslab*' -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
+END
+mmdebstrap --variant=apt --include=g++,clang,cmake,ninja-build,pkg-config --format=null \
+  --customize-hook="copy-in $given /" --customize-hook="mv \"\$1/$(basename "$given")\" \"\$1/given\"" \
+  --customize-hook='chroot "$1" sh /given/try.sh' bookworm /dev/null
