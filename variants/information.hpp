@@ -42,7 +42,7 @@ public:
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
           psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size),
-          positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? problem.size : 0) {
+          positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? theta_.size() : 0) {
         start_information(problem, L_, D_);
         outer(L_, D_, X_);
         multiply(X_, theta_.data(), b_);

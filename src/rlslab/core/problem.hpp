@@ -37,7 +37,7 @@ struct Prior {
 /// Without a prior the first term is absent; only variants that can start from no information take that.
 template <Field T>
 struct Problem {
-    Index size = 0;                              ///< d >= 1, the number of parameters
+    Index size = 0;                              ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
     T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 };
@@ -142,20 +142,23 @@ inline void expects(bool holds, char const* what) {
 }
 
 /// Throws std::invalid_argument unless the problem is well posed as stated (definiteness of a full P0: start.hpp).
+/// A filter of fixed size takes a problem of that size or without one.
 /// A prior that overflowed the scalar's range is let in: what follows is numerical breakdown, not misuse.
 template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
-    expects(problem.size >= 1, "size >= 1");
-    expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
+    bool const implied = fixed_size != Dynamic && problem.size == 0;
+    Index const size = implied ? fixed_size : problem.size;
+    expects(size >= 1, "size >= 1");
+    expects(fixed_size == Dynamic || size == fixed_size, "size equal to the filter's fixed size");
     expects(all(T(0) < problem.forgetting && problem.forgetting <= T(1)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
         expects(all(T(0) < prior.variance), "prior variance > 0");
-        expects(!prior.theta || prior.theta->size() == problem.size, "prior theta of the problem's size");
-        expects(!prior.covariance || (prior.covariance->rows() == problem.size && prior.covariance->cols() == problem.size),
+        expects(!prior.theta || prior.theta->size() == size, "prior theta of the problem's size");
+        expects(!prior.covariance || (prior.covariance->rows() == size && prior.covariance->cols() == size),
                 "prior covariance of the problem's size");
         if (prior.covariance)
-            for (Index j = 0; j < problem.size; ++j)
+            for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
                     expects(all((*prior.covariance)(i, j) == (*prior.covariance)(j, i)), "a symmetric prior covariance");
     }
