@@ -144,6 +144,14 @@ public:
         }
     }
 
+    /// From what is there now.
+    template <class... Factors>
+    void restart(Factors const&... factors) {
+        for (Index j = 0; j < squares_.size(); ++j) squares_[j] = Bound(0);
+        right_ = Bound(0);
+        start(factors...);
+    }
+
     /// The row [psi' y] came under sqrt(lambda) [R z]: whether theta and K, solved for, are finite and so are the pivots. x is workspace.
     Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
                   StateVector<T, N>& x) {

@@ -1,7 +1,7 @@
 // From a prior to the state each family of variants starts with.
 #pragma once
 
-#include <rlslab/linalg/finite.hpp>
+#include <rlslab/linalg/forms.hpp>
 
 namespace rlslab {
 
