@@ -2,7 +2,7 @@
 #include "tests/adapt.hpp"
 
 #include <rlslab/adapt/remove.hpp>
-#include <rlslab/adapt/signals.hpp>
+#include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

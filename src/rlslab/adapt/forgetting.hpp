@@ -1,7 +1,7 @@
 // Forgetting as a value: a filter and the rule by which its memory is shortened, apart.
 #pragma once
 
-#include <rlslab/adapt/signals.hpp>
+#include <rlslab/adapt/diagnostics.hpp>
 
 #include <tuple>
 #include <utility>
