@@ -239,7 +239,8 @@ TEST(Guarded, IsAFilterAroundAFilterWithARule) {
 
 // --- what other libraries' guards do, and this one does not -------------------------------------------------------------------------
 
-/// A guard elsewhere limits how fast tr P falls by scaling P itself: from P0 = 100 I, lambda = 0.995, a first regressor with one entry leaves
+/// A guard elsewhere limits how fast tr P falls by scaling P itself: from P0 = 100 I, lambda = 0.995, a first regressor with one entry
+/// leaves
 /// P_00 = -8, and dense ones an indefinite P in a quarter of the runs at two parameters.
 template <int n>
 void check_definite() {

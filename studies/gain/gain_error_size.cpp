@@ -129,7 +129,8 @@ Study const gain_error_size{
     .source = "derived (docs/theory.md 33, 36)",
     .formula =
         R"tex(\begin{aligned} \varepsilon \sqrt{c / N_{\text{eff}}}: \quad & \text{symmetric } c = d + 2, \quad
-\text{Potter } (d + 5)/2, \quad \text{sweeps } d - 1, \quad \text{a new error after every column } (d^2 - 1)/3, \quad \text{after column } j\ 2 j (d - j) / d \\
+\text{Potter } (d + 5)/2, \quad \text{sweeps } d - 1, \quad \text{a new error after every column } (d^2 - 1)/3, \quad
+\text{after column } j\ 2 j (d - j) / d \\
 \text{Joseph: } \quad & \varepsilon^2 \lVert \operatorname{diag} P \rVert / \lVert P \rVert \end{aligned})tex",
     .interpretation =
         "Independent relative errors epsilon r_i of the gain at every step, epsilon = 1e-3, against a twin without them. N_eff is N where "
