@@ -1,4 +1,6 @@
 // Fixed-size filters never touch the heap; dynamic ones only when they are made.
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -45,6 +47,12 @@ std::pair<long, long> allocations_of() {
     return {made - before, allocations - made};
 }
 
+/// A window of so many rows; what is made anew in fifty of them is counted with them.
+template <Index rows, class F>
+struct RowsOf : Windowed<F> {
+    explicit RowsOf(Problem<double> const& problem) : Windowed<F>(problem, {.rows = rows}) {}
+};
+
 TEST(Allocation, NoneForFixedSizesAndNoneInUpdates) {
     for_each(Variants<double>{}, []<class F>() {
         using Fixed = AtSize<F, 4>;
@@ -59,6 +67,24 @@ TEST(Allocation, NoneForFixedSizesAndNoneInUpdates) {
             EXPECT_EQ(allocations_of<F>().second, 0) << F::name;
         }
     });
+}
+
+TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
+    auto const none = [](auto const& made_and_updated, char const* what) {
+        EXPECT_EQ(made_and_updated.first, 0) << what;
+        EXPECT_EQ(made_and_updated.second, 0) << what;
+    };
+    none(allocations_of<Forgetting<Ud<double, 4>, Fortescue<double>>>(), "fortescue");
+    none(allocations_of<Forgetting<Qr<double, 4>, Kulhavy<double>>>(), "kulhavy");
+    none(allocations_of<Forgetting<Ud<double, 4>, RotatingRidge<double>>>(), "ridge");
+    none(allocations_of<Guarded<Ud<double, 4>>>(), "guarded");
+    none(allocations_of<Guarded<Qr<double, 4>>>(), "guarded qr");
+    EXPECT_EQ((allocations_of<Guarded<Ud<double, 4>, rebuilding>>().second), 0);
+    EXPECT_EQ((allocations_of<Guarded<Ud<double>>>().second), 0);
+    auto const window = allocations_of<RowsOf<20, Ud<double>>>();
+    EXPECT_GT(window.first, 0);
+    EXPECT_EQ(window.second, 0);
+    EXPECT_EQ((allocations_of<RowsOf<20, Qr<double, 4>>>().second), 0);
 }
 
 }  // namespace

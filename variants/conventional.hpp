@@ -47,6 +47,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
+    auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
 };
 static_assert(GainPerturbable<Conventional<double>>);
 

@@ -24,12 +24,7 @@ class Information {
     Index rows_;                     // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
     Information& solve() {
-        // Rounding can make a singular X factor; fewer rows than parameters prove that it is.
-        positive_ = factor_ldl(X_, L_, D_) && Truth<T>(rows_ >= theta_.size());                              // (3)
-        started_ = started_ || positive_;
-        theta_ = b_;
-        solve_ldl(L_, D_, positive_, theta_);
-        solved_ = true;
+        form().solve();                                                                                  // (3)
         return *this;
     }
     Information solved() const { return Information(*this).solve(); }
@@ -42,7 +37,7 @@ public:
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
           psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size),
-          positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? problem.size : 0) {
+          positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? theta_.size() : 0) {
         start_information(problem, L_, D_);
         outer(L_, D_, X_);
         multiply(X_, theta_.data(), b_);
@@ -82,6 +77,7 @@ public:
     }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
+    auto form() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
 };
 static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && Accumulates<Information<double>>);
 

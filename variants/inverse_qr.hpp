@@ -53,6 +53,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
+    auto form() { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, S_}; }
 };
 static_assert(GainPerturbable<InverseQr<double>>);
 

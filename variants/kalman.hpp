@@ -34,9 +34,9 @@ public:
     /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether Q is
     /// positive semidefinite is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
-        expects(Q.rows() == problem.size && Q.cols() == problem.size && Q == Q.transpose(), "a symmetric Q of size x size");
-        for (Index j = 0; j < problem.size; ++j)
-            for (Index i = 0; i < problem.size; ++i) Q_(i, j) = Q(i, j);
+        expects(Q.rows() == f_.size() && Q.cols() == f_.size() && Q == Q.transpose(), "a symmetric Q of size x size");
+        for (Index j = 0; j < f_.size(); ++j)
+            for (Index i = 0; i < f_.size(); ++i) Q_(i, j) = Q(i, j);
         walks_ = true;
     }
 

@@ -50,6 +50,7 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
+    auto form() { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);
 

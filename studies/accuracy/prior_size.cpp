@@ -123,11 +123,13 @@ Study const prior_size{
                  return within(in(t, "double", {"information"}, 1e20, 1e40), {"c2"}, median("total"), 1.1e-12 / 3, 1.1e-12 * 3);
              },
              finding("set before the run: an order-of-magnitude law to a factor of 3")},
-            {"covariance forms in double: kappa^2 / c^2 = u c^2 at the best c^2 = kappa / sqrt(u) = 1e10, within 10 times; the error there is "
+            {"covariance forms in double: kappa^2 / c^2 = u c^2 at the best c^2 = kappa / sqrt(u) = 1e10, within 10 times; the error there "
+             "is "
              "kappa sqrt(u) = 1e-6, within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1e9, 1e11, 1e-7, 1e-5); },
              finding("set before the run: bias = rounding")},
-            {"Potter in double: kappa^2 / c^2 = u c at the best c^2 = (kappa^2 / u)^(2/3) = 2e13, within 10 times; the error there is 5e-10, "
+            {"Potter in double: kappa^2 / c^2 = u c at the best c^2 = (kappa^2 / u)^(2/3) = 2e13, within 10 times; the error there is "
+             "5e-10, "
              "within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 2e12, 2e14, 5e-11, 5e-9); },
              finding("set before the run: bias = rounding")},

@@ -126,7 +126,8 @@ Study const definiteness{
         "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at every "
         "step. The data have "
         "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. Triangular, UD and "
-        "QR forms stay at one in all of them. The conventional form falls to zero however well conditioned the data, because its antisymmetric error grows as "
+        "QR forms stay at one in all of them. The conventional form falls to zero however well conditioned the data, because its "
+        "antisymmetric error grows as "
         "lambda^-k. Joseph's "
         "form is a sum of two semidefinite terms only before rounding: its triple product rounds by u |I - K psi'|^2 |P|, so in "
         "double it fails within "
@@ -168,7 +169,8 @@ Study const definiteness{
                  return within(ends(t).where("variant", "potter"), {"arithmetic", "hardness"}, least("definite"), 1, 1);
              },
              finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
-            {"conventional loses it in every run, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, within 10 % "
+            {"conventional loses it in every run, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, within "
+             "10 % "
              "(fails in bfloat16: the law is for an error of u that grows to 1, and P is lost a little later)",
              [](Table const& t) {
                  Number const of_law([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
@@ -195,7 +197,8 @@ Study const definiteness{
                  return all && earlier;
              },
              finding("set before the run: no later")},
-            {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part of symmetric's in float "
+            {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part of symmetric's in "
+             "float "
              "and double than in bfloat16 and binary16",
              [](Table const& t) { return earlier_in_longer_words(t.where("hardness", 4.0)); },
              finding("set before the run: a smaller part")},

@@ -80,6 +80,15 @@ Number greatest(std::string column) {
         std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
         Estimate::every);
 }
+Number ratio_of_errors(std::string variant, std::string other) {
+    auto const mean_log = [](Table const& table, std::string const& of) {
+        std::vector<double> const errors = table.where("variant", of).numbers("error");
+        double sum = 0;
+        for (double const e : errors) sum += correctly::log10(e) / double(errors.size());
+        return errors.empty() ? std::nan("") : sum;
+    };
+    return {[=](Table const& table) { return correctly::pow(10, mean_log(table, variant) - mean_log(table, other)); }, Estimate::geometric};
+}
 Number root_mean_square(std::string column) {
     return of_column(
         std::move(column),

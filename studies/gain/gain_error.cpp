@@ -90,14 +90,9 @@ Study const gain_error{
             {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at least 5 times "
              "symmetric's",
              [](Table const& t) {
-                 Number const ratio(
-                     [](Table const& rows) {
-                         return rows.where("variant", "conventional").number("error") / rows.where("variant", "symmetric").number("error");
-                     },
-                     Estimate::geometric);
                  return within(
                      t.where("arithmetic", "reference").where("lambda", 0.98).where("epsilon", [](double e) { return e < 2e-13; }), {},
-                     ratio, 5, 1e6);
+                     ratio_of_errors("conventional", "symmetric"), 5, 1e6);
              },
              finding("first edition, set after its run (docs/theory.md 28, law ii)")},
             {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", [](Table const& t) { return order(t, josephs, 1.99, 2.01); },

@@ -133,6 +133,12 @@ Study const gain_error_definiteness{
                                share, 0.1, 1);
              },
              finding("set before the run")},
+            {"of errors of ten times the gain, too",
+             [](Table const& t) {
+                 return within(in(t, "reference").where("variant", subtracting).where("error", 10.0), {"variant", "rows", "size", "lambda"},
+                               share, 0.1, 1);
+             },
+             finding("set after a pilot of 5 seeds")},
         },
 };
 

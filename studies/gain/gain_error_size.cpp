@@ -24,14 +24,11 @@ Index column_of(std::string const& errors, Index d) {
 
 /// Root mean square of the relative error of P, over epsilon: white rows.
 double first_order(std::string const& variant, std::string const& errors, Index d, double lambda) {
-    double const n = double(d), q = 3 / (n + 2), j = double(column_of(errors, d));
-    double share = 1;  // of the mean square
-    if (variant == "potter") share = (1 + q) / 2;
-    if (sweeps(variant))
-        share = errors == "wherever used"        ? 1 - q
-                : errors == "after every column" ? (n * n - 1) / (3 * (n + 2))
-                                                 : 2 * j * (n - j) / (n * (n + 2));
-    return std::sqrt(share * (n + 2) / effective(lambda));
+    double const n = double(d), j = double(column_of(errors, d));
+    double c = n + 2;
+    if (variant == "potter") c = (n + 5) / 2;
+    if (sweeps(variant)) c = errors == "wherever used" ? n - 1 : errors == "after every column" ? (n * n - 1) / 3 : 2 * j * (n - j) / n;
+    return std::sqrt(c / effective(lambda));
 }
 /// The same of the forms with the law of symmetric for rows of an autoregression: the mean of (psi'P^2 psi)^2, P = (1 - lambda) X^-1,
 /// X_ij = pole^|i-j|, whose inverse has three diagonals.
@@ -119,12 +116,8 @@ Finding by_rows(Table const& t, std::vector<std::string> const& variants, char c
 }
 /// Joseph's error over symmetric's, seed by seed.
 Finding against_symmetric(Table const& t, double times, double from, double to) {
-    Number const ratio(
-        [](Table const& rows) {
-            return rows.where("variant", "joseph").number("error") / rows.where("variant", "symmetric").number("error");
-        },
-        Estimate::geometric);
-    return within(t.where("of crossing", times).where("variant", {"joseph", "symmetric"}), {"size", "lambda"}, ratio, from, to);
+    return within(t.where("of crossing", times).where("variant", {"joseph", "symmetric"}), {"size", "lambda"},
+                  ratio_of_errors("joseph", "symmetric"), from, to);
 }
 
 }  // namespace
@@ -134,10 +127,11 @@ Study const gain_error_size{
     .name = "gain_error_size",
     .question = "How large is the error of the covariance that errors in every gain leave?",
     .source = "derived (docs/theory.md 33, 36)",
-    .formula = R"tex(\begin{aligned} \text{symmetric: } & \varepsilon \sqrt{(d+2)/N_{\text{eff}}}, \qquad
-\text{Potter: times } \sqrt{(1+q)/2}, \qquad \text{sweeps: times } \sqrt{1-q}, \qquad q = 3/(d+2) \\
-\text{sweeps, after column } j: & \varepsilon \sqrt{2 j (d-j) / (d\, N_{\text{eff}})} \qquad
-\text{Joseph: } \varepsilon^2 \lVert \operatorname{diag} P \rVert / \lVert P \rVert \end{aligned})tex",
+    .formula =
+        R"tex(\begin{aligned} \varepsilon \sqrt{c / N_{\text{eff}}}: \quad & \text{symmetric } c = d + 2, \quad
+\text{Potter } (d + 5)/2, \quad \text{sweeps } d - 1, \quad \text{a new error after every column } (d^2 - 1)/3, \quad
+\text{after column } j\ 2 j (d - j) / d \\
+\text{Joseph: } \quad & \varepsilon^2 \lVert \operatorname{diag} P \rVert / \lVert P \rVert \end{aligned})tex",
     .interpretation =
         "Independent relative errors epsilon r_i of the gain at every step, epsilon = 1e-3, against a twin without them. N_eff is N where "
         "nothing is forgotten, else (1 + lambda)/(1 - lambda). In the forms of first order the errors of the steps are noise: they "

@@ -80,7 +80,8 @@ Study const nist{
                .where = {{"set", {"longley", "filip"}}}}},
     .claims =
         {
-            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order (fails: one order of the rows is one draw, and orders scatter by 1 to 5 digits)",
+            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order (fails: one order of the "
+             "rows is one draw, and orders scatter by 1 to 5 digits)",
              [](Table const& t) { return table_is_met(prior_of(t, 1e20)); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"covariance forms keep less than one digit of Longley in file order, at any c^2",

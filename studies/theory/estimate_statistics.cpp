@@ -158,7 +158,8 @@ Study const estimate_statistics{
         "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors depend on old noise, "
         "so that "
         "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, which falls as "
-        "the root of N only. In coloured noise the bias stays whatever N. Efficiency is judged by the bound of the known system, sigma^2 R^-1 / N, "
+        "the root of N only. In coloured noise the bias stays whatever N. Efficiency is judged by the bound of the known system, sigma^2 "
+        "R^-1 / N, "
         "not by the P that the same filter reports.",
     .data = "a system of order 2 and its impulse response, binary white input",
     .factors =

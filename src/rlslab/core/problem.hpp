@@ -40,7 +40,7 @@ struct Prior {
 /// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that.
 template <Field T>
 struct Problem {
-    Index size = 0;                              ///< d >= 1, the number of parameters
+    Index size = 0;                              ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
     T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 
@@ -177,23 +177,25 @@ inline void expects(bool holds, char const* what) {
 #endif
 }
 
-/// Returns the problem. Throws std::invalid_argument unless size >= 1 (and equal to fixed_size, if that is not Dynamic),
+/// Returns the problem. Throws std::invalid_argument unless size >= 1 (or, if fixed_size is not Dynamic, size is that or 0),
 /// 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a full P0 is positive
 /// definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range of T is accepted: the consequence is
 /// numerical breakdown, not misuse.
 template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
-    expects(problem.size >= 1, "size >= 1");
-    expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
+    bool const implied = fixed_size != Dynamic && problem.size == 0;
+    Index const size = implied ? fixed_size : problem.size;
+    expects(size >= 1, "size >= 1");
+    expects(fixed_size == Dynamic || size == fixed_size, "size equal to the filter's fixed size");
     expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
         expects(all(T(0) < prior.variance), "prior variance > 0");
-        expects(!prior.theta || prior.theta->size() == problem.size, "prior theta of the problem's size");
-        expects(!prior.covariance || (prior.covariance->rows() == problem.size && prior.covariance->cols() == problem.size),
+        expects(!prior.theta || prior.theta->size() == size, "prior theta of the problem's size");
+        expects(!prior.covariance || (prior.covariance->rows() == size && prior.covariance->cols() == size),
                 "prior covariance of the problem's size");
         if (prior.covariance)
-            for (Index j = 0; j < problem.size; ++j)
+            for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
                     expects(all((*prior.covariance)(i, j) == (*prior.covariance)(j, i)), "a symmetric prior covariance");
     }

@@ -25,7 +25,8 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y of n numbers each, in the order above; 0 for n <= 0. x and y may be the same. Where T has a wider accumulator the sum is of that type:
+/// x'y of n numbers each, in the order above; 0 for n <= 0. x and y may be the same. Where T has a wider accumulator the sum is of that
+/// type:
 /// whoever stores the result rounds it.
 template <Field T>
 Accumulator<T> dot(T const* x, T const* y, Index n) {

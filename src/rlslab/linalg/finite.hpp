@@ -151,6 +151,14 @@ public:
         }
     }
 
+    /// Starts again from what the filter holds now.
+    template <class... Factors>
+    void restart(Factors const&... factors) {
+        for (Index j = 0; j < squares_.size(); ++j) squares_[j] = Bound(0);
+        right_ = Bound(0);
+        start(factors...);
+    }
+
     /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
     /// (d) is overwritten.
     Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,

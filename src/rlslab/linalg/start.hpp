@@ -2,7 +2,7 @@
 // StateVector and StateMatrix are when they are made.
 #pragma once
 
-#include <rlslab/linalg/finite.hpp>
+#include <rlslab/linalg/forms.hpp>
 
 namespace rlslab {
 
@@ -11,7 +11,7 @@ template <Field T, int N>
 StateVector<T, N> start_theta(Problem<T> const& problem) {
     StateVector<T, N> theta(problem.size);
     if (problem.prior && problem.prior->theta)
-        for (Index i = 0; i < problem.size; ++i) theta[i] = (*problem.prior->theta)[i];
+        for (Index i = 0; i < theta.size(); ++i) theta[i] = (*problem.prior->theta)[i];
     return theta;
 }
 
@@ -24,9 +24,9 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
         StateVector<T, N> D(problem.size);
         expects(all(factor_udu(*problem.prior->covariance, P, D)), "a positive definite prior covariance");
     }
-    for (Index j = 0; j < problem.size; ++j)
+    for (Index j = 0; j < P.size(); ++j)
         if (problem.prior->covariance)
-            for (Index i = 0; i < problem.size; ++i) P(i, j) = (*problem.prior->covariance)(i, j);
+            for (Index i = 0; i < P.size(); ++i) P(i, j) = (*problem.prior->covariance)(i, j);
         else P(j, j) = problem.prior->variance;
     return P;
 }
@@ -39,7 +39,7 @@ void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>
         expects(all(factor_udu(*problem.prior->covariance, U, D)), "a positive definite prior covariance");
         return;
     }
-    for (Index j = 0; j < problem.size; ++j) {
+    for (Index j = 0; j < D.size(); ++j) {
         U(j, j) = T(1);
         D[j] = problem.prior->variance;
     }
@@ -52,7 +52,7 @@ StateMatrix<T, N> start_root(Problem<T> const& problem) {
     StateMatrix<T, N> S(problem.size);
     StateVector<T, N> D(problem.size);
     start_ud(problem, S, D);
-    for (Index j = 0; j < problem.size; ++j) {
+    for (Index j = 0; j < D.size(); ++j) {
         T const root = sqrt(D[j]);
         for (Index i = 0; i <= j; ++i) S(i, j) *= root;
     }
@@ -63,7 +63,7 @@ StateMatrix<T, N> start_root(Problem<T> const& problem) {
 /// D = 0. Throws std::invalid_argument when a full P0 is not positive definite.
 template <Field T, int N>
 void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& D) {
-    Index const d = problem.size;
+    Index const d = D.size();
     if (!problem.prior) {
         for (Index j = 0; j < d; ++j) L(j, j) = T(1);
         return;
@@ -84,9 +84,9 @@ void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, Sta
     using std::sqrt;
     StateVector<T, N> D(problem.size);
     start_information(problem, L, D);
-    for (Index j = 0; j < problem.size; ++j) {
+    for (Index j = 0; j < D.size(); ++j) {
         T const root = sqrt(D[j]);
-        for (Index i = j; i < problem.size; ++i) L(i, j) *= root;
+        for (Index i = j; i < D.size(); ++i) L(i, j) *= root;
     }
     multiply_lower_transposed(L, start_theta<T, N>(problem), z);
 }

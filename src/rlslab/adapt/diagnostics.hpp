@@ -1,0 +1,166 @@
+// Single numbers of a filter's state, cheap enough to be asked for at every row.
+#pragma once
+
+#include <rlslab/adapt/time_update.hpp>
+
+namespace rlslab {
+
+// --- P_jj -------------------------------------------------------------------------------------------------------------------
+
+/// P_jj, without multiplying P out: the variance of theta_j in units of the noise's. One number where P is stored; d multiplications from a
+/// factor of P; d^2/6 on average from a factor of P^-1, which uses the form's workspace. Not finite, or <= 0, tells of breakdown.
+template <class T, int N>
+T variance(PlainCovariance<T, N> f, Index j) {
+    return f.P(j, j);
+}
+template <class T, int N, bool upper>
+T variance(RootCovariance<T, N, upper> f, Index j) {
+    T sum = T(0);
+    for (Index k = upper ? j : 0; k < f.theta.size(); ++k) {
+        T const square = f.S(j, k) * f.S(j, k);
+        sum += square;
+    }
+    return sum;
+}
+template <class T, int N>
+T variance(UdCovariance<T, N> f, Index j) {
+    T sum = T(0);
+    for (Index k = j; k < f.theta.size(); ++k) {
+        T const square = f.U(j, k) * f.U(j, k), term = square * f.D[k];
+        sum += term;
+    }
+    return sum;
+}
+namespace detail {
+/// x = L^-1 e_j, which is 0 above row j: P_jj = sum x_i^2, or x_i^2 / D_i.
+template <class T, int N>
+void solve_unit(StateMatrix<T, N> const& L, Index j, StateVector<T, N>& x) {
+    Index const d = x.size();
+    for (Index i = 0; i < d; ++i) x[i] = T(i == j ? 1 : 0);
+    for (Index i = j; i < d; ++i) {
+        x[i] /= L(i, i);
+        add_scaled(x.data() + i + 1, T(-x[i]), L.column(i) + i + 1, d - i - 1);
+    }
+}
+template <class T, int N>
+T sum_over(StateVector<T, N> const& x, StateVector<T, N> const& D, Index j) {
+    T sum = T(0);
+    for (Index i = j; i < x.size(); ++i) {
+        T const square = x[i] * x[i];
+        sum += square / D[i];
+    }
+    return sum;
+}
+}  // namespace detail
+template <class T, int N>
+T variance(RootInformation<T, N> f, Index j) {
+    detail::solve_unit(f.L, j, f.x);
+    T sum = T(0);
+    for (Index i = j; i < f.x.size(); ++i) {
+        T const square = f.x[i] * f.x[i];
+        sum += square;
+    }
+    return sum;
+}
+template <class T, int N>
+T variance(UnitInformation<T, N> f, Index j) {
+    detail::solve_unit(f.L, j, f.x);
+    return detail::sum_over(f.x, f.D, j);
+}
+template <class T, int N>
+T variance(NormalEquations<T, N> f, Index j) {
+    if (!f.solved) f.solve();
+    detail::solve_unit(f.L, j, f.f);
+    return detail::sum_over(f.f, f.D, j);
+}
+
+template <class F>
+concept ReportsVariances = NamesItsForm<F> && requires(F f) { variance(f.form(), Index(0)); };
+
+template <ReportsVariances F>
+typename F::scalar variance(F& f, Index j) {
+    return variance(f.form(), j);
+}
+/// tr P, d times the cost of one.
+template <ReportsVariances F>
+typename F::scalar trace(F& f) {
+    using T = typename F::scalar;
+    T sum = T(0);
+    for (Index j = 0, d = f.theta().size(); j < d; ++j) sum += variance(f.form(), j);
+    return sum;
+}
+
+// --- psi'P^-1 psi -----------------------------------------------------------------------------------------------------------
+
+/// psi'P^-1 psi, from a factor of P or of P^-1, or from P^-1. At most d^2 multiplications; uses the form's workspace.
+template <class T, int N>
+T information_along(RootCovariance<T, N, true> f, Regressor<T> psi) {
+    keep_regressor(psi, f.f);
+    for (Index j = psi.size() - 1; j >= 0; --j) {  // S t = psi
+        f.f[j] /= f.S(j, j);
+        add_scaled(f.f.data(), T(-f.f[j]), f.S.column(j), j);
+    }
+    return dot(f.f, f.f);
+}
+template <class T, int N>
+T information_along(UdCovariance<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.f);
+    for (Index j = psi.size() - 1; j >= 0; --j) add_scaled(f.f.data(), T(-f.f[j]), f.U.column(j), j);  // U t = psi
+    divide(f.f, f.D, f.g);
+    return dot(f.f, f.g);
+}
+template <class T, int N>
+T information_along(RootInformation<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.x);
+    multiply_lower_transposed(f.L, f.x, f.c);
+    return dot(f.c, f.c);
+}
+template <class T, int N>
+T information_along(UnitInformation<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.x);
+    multiply_lower_transposed(f.L, f.x, f.c);
+    scale(f.c, f.D, f.s);
+    return dot(f.c, f.s);
+}
+template <class T, int N>
+T information_along(NormalEquations<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.f);
+    T sum = T(0);
+    for (Index j = 0; j < psi.size(); ++j) {
+        T const along = dot(f.X.column(j), f.f.data(), psi.size()), term = f.f[j] * along;
+        sum += term;
+    }
+    return sum;
+}
+
+template <class F>
+concept ReportsInformationAlong = NamesItsForm<F> && requires(F f, Regressor<typename F::scalar> psi) { information_along(f.form(), psi); };
+
+template <ReportsInformationAlong F>
+typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
+    return information_along(f.form(), psi);
+}
+
+// --- asymmetry --------------------------------------------------------------------------------------------------------------
+
+/// max_i |P_ij - P_ji| / max_i |P_ij| of a P in full storage: one row and one column, d subtractions. NaN where P is.
+template <class T, int N>
+T asymmetry(PlainCovariance<T, N> f, Index j) {
+    T most = T(0), largest = T(0);
+    for (Index i = 0; i < f.theta.size(); ++i) {
+        T const apart = absolute(T(f.P(i, j) - f.P(j, i))), size = absolute(f.P(i, j));
+        most = select(apart <= most || !(most == most), most, apart);  // a NaN stays
+        largest = select(size <= largest, largest, size);
+    }
+    return select(most == T(0), T(0), T(most / largest));
+}
+
+template <class F>
+concept ReportsAsymmetry = NamesItsForm<F> && requires(F f) { asymmetry(f.form(), Index(0)); };
+
+template <ReportsAsymmetry F>
+typename F::scalar asymmetry(F& f, Index j) {
+    return asymmetry(f.form(), j);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,246 @@
+// Forgetting as a value: a filter and the rule by which its memory is shortened, apart.
+#pragma once
+
+#include <rlslab/adapt/diagnostics.hpp>
+
+#include <tuple>
+#include <utility>
+
+namespace rlslab {
+
+/// What a rule may keep from row to row.
+template <Field T, int N>
+struct RuleMemory {
+    T lambda;             ///< Problem::forgetting, which the filter applies at every row besides the rule
+    T strength = T(0);    ///< what the rule computed from its options and the problem
+    Index rows = 0;       ///< taken so far
+    StateVector<T, N> a;  ///< workspace
+};
+
+/// A rule is an aggregate of options with
+///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
+///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
+template <class Rule, class F>
+concept ForgettingRule = RecursiveLeastSquares<F> && std::copyable<Rule> &&
+                         requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
+                                  RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
+                             rule.start(problem, memory);
+                             { rule.update(f, memory, psi, typename F::scalar(0)) } -> std::same_as<Step<typename F::scalar>>;
+                         };
+
+/// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as without a rule; most
+/// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
+/// a rule that asks for them does allocate at dynamic size. gain() is of the last row that F took, which may be one of the rule's.
+template <RecursiveLeastSquares F, ForgettingRule<F> Rule>
+class Forgetting {
+    using T = typename F::scalar;
+    F filter_;
+    Rule rule_;
+    RuleMemory<T, detail::size_of<F>> memory_;
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = F::name;
+
+    explicit Forgetting(Problem<T> const& problem, Rule const& rule = {})
+        : filter_(problem), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
+        rule_.start(problem, memory_);
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        Step<T> const step = rule_.update(filter_, memory_, psi, y);
+        ++memory_.rows;
+        return step;
+    }
+    auto theta() const { return filter_.theta(); }
+    auto gain() const { return filter_.gain(); }
+    Stored<T> stored() const { return filter_.stored(); }
+    auto form()
+        requires NamesItsForm<F>
+    {
+        return filter_.form();
+    }
+    F const& filter() const { return filter_; }
+    static auto state(auto& f) { return std::tie(f.filter_, f.memory_.rows); }
+    Rule const& rule() const { return rule_; }
+};
+
+// --- rules --------------------------------------------------------------------------------------------------------------------
+
+/// The filter's own constant forgetting: the same bits as without a rule.
+template <Field T>
+struct ConstantForgetting {
+    void start(Problem<T> const&, auto&) const {}
+    Step<T> update(auto& f, auto&, Regressor<T> psi, T y) const { return f.update(psi, y); }
+};
+
+/// Variable forgetting that holds J, the sum of squares, at Sigma0 = sigma^2 N0:
+///
+///   (1) one row, without discount                      (2) lambda = Sigma0 / (Sigma0 + gamma e^2)
+///   (3) least <= lambda                                (4) lambda = 1 where tr P / lambda > largest_trace
+///   (5) P = P / lambda
+///
+/// (2) is exact: where J = Sigma0 before the row, it is after (5); Fortescue, Kershenbaum & Ydstie's 1 - gamma e^2 / Sigma0 is its first
+/// order. A silent input with noise in y winds P up at 1/N0 a row: hence (4), d^2/2 multiplications a row, only if a bound is given.
+/// Sources: Fortescue, Kershenbaum & Ydstie 1981; Cordero & Mayne 1981 (cited, not read); (2) derived (docs/theory.md 57).
+template <Field T>
+struct Fortescue {
+    T noise_variance = T(1);  ///< sigma^2 > 0
+    T memory = T(100);        ///< N0 >= 1, in rows
+    T least = T(0.5);         ///< of lambda, in (0, 1]
+    T largest_trace = T(0);   ///< of P; 0: none
+
+    template <int N>
+    void start(Problem<T> const&, RuleMemory<T, N>& m) const {
+        expects(T(0) < noise_variance && T(1) <= memory, "a noise variance > 0 and a memory >= 1");
+        expects(T(0) < least && least <= T(1), "0 < least forgetting <= 1");
+        expects(T(0) <= largest_trace, "a bound of the trace >= 0");
+        m.strength = noise_variance * memory;
+    }
+    template <TimeUpdates F, int N>
+        requires ReportsVariances<F>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        Step<T> const step = f.update(psi, y);  // (1)
+        T const loss = step.innovation * step.residual, sum = m.strength + loss;
+        T lambda = T(0) < loss && is_finite(loss) ? T(m.strength / sum) : T(1);  // (2)
+        if (T(0) < loss && !is_finite(loss)) lambda = least;
+        if (lambda < least) lambda = least;                                                // (3)
+        if (T(0) < largest_trace && !(trace(f) <= lambda * largest_trace)) lambda = T(1);  // (4)
+        if (lambda < T(1)) discount(f, lambda);                                            // (5)
+        return step;
+    }
+};
+
+/// Directional forgetting: after a row, the information along it is multiplied by phi, and along no other direction (psi'u = 0) changed:
+///
+///   (1) one row: K = P psi, xi = psi'P psi, of the new P       (2) P += (1 - phi) / (phi xi) K K', where |psi|^2 >= least_excitation
+///
+/// P along a direction that no row excites stays as it is. Rows of noise alone wind P up: least_excitation is what to regard as noise.
+/// Sources: Kulhavý & Kárný 1984, Kulhavý 1987 (cited, not read); the form that forgets after the row: Bobál et al. 2005 (listing read).
+template <Field T>
+struct Kulhavy {
+    T forgetting = T(0.98);     ///< phi, in (0, 1]
+    T least_excitation = T(0);  ///< of psi'psi, >= 0
+
+    template <int N>
+    void start(Problem<T> const&, RuleMemory<T, N>&) const {
+        expects(T(0) < forgetting && forgetting <= T(1), "0 < directional forgetting <= 1");
+        expects(T(0) <= least_excitation, "a least excitation >= 0");
+    }
+    template <Inflates F, int N>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        keep_regressor(psi, m.a);
+        Step<T> const step = f.update(psi, y);  // (1)
+        auto const K = f.gain();
+        T const xi = dot(m.a.data(), K.data(), m.a.size()), c = (T(1) - forgetting) / (forgetting * xi);
+        if (least_excitation <= dot(m.a, m.a) && T(0) < xi && is_finite(c)) inflate(f, c, K);  // (2)
+        return step;
+    }
+};
+
+/// Directional forgetting along psi itself, before the row:
+///
+///   (1) P += (1 - phi) / (phi psi'P^-1 psi) psi psi', where |psi|^2 >= least_excitation         (2) one row
+///
+/// multiplies psi'P^-1 psi by phi. With eps = least_excitation, X = P^-1 and X0 the first, whatever the rows,
+///   min(eps / (1 - phi), least eigenvalue of X0) <= eigenvalues of X <= max(max |psi|^2 / (1 - phi), largest of X0)
+/// after each row. For forms that hold a factor, or P^-1.
+/// Sources: Cao & Schwartz 2000; Lai & Bernstein 2024 (abstract read).
+template <Field T>
+struct CaoSchwartz {
+    T forgetting = T(0.98);     ///< phi, in (0, 1]
+    T least_excitation = T(0);  ///< of psi'psi, >= 0
+
+    template <int N>
+    void start(Problem<T> const&, RuleMemory<T, N>&) const {
+        expects(T(0) < forgetting && forgetting <= T(1), "0 < directional forgetting <= 1");
+        expects(T(0) <= least_excitation, "a least excitation >= 0");
+    }
+    template <Inflates F, int N>
+        requires ReportsInformationAlong<F>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        keep_regressor(psi, m.a);
+        if (least_excitation <= dot(m.a, m.a)) {
+            T const c = (T(1) - forgetting) / (forgetting * information_along(f, psi));
+            if (T(0) <= c && is_finite(c)) inflate(f, c, Regressor<T>(m.a.data(), m.a.size()));  // (1)
+        }
+        return f.update(Regressor<T>(m.a.data(), m.a.size()), y);  // (2)
+    }
+};
+
+/// A ridge that forgetting does not wear down, one coordinate a row:
+///
+///   (1) the filter's row, with lambda    (2) j = k mod d    (3) the row sqrt(r) e_j, r = ridge (1 - lambda^d), without discount
+///
+/// whose output is sqrt(r) theta_j as it is (`toward_zero` false: theta_j does not move, bit for bit where theta is stored), or 0. Then
+/// P^-1 >= ridge lambda^(d-1) I and tr P <= d lambda^(1-d) / ridge whatever the regressors, if P0 <= I / ridge; from a larger P0 these
+/// are approached as lambda^k. Cost of (3): one row.
+/// Sources: Gay 1996 (abstract read); derived (docs/theory.md 58). Toward zero, theta is biased as by that ridge / (d (1 - lambda)).
+template <Real T>
+struct RotatingRidge {
+    T ridge = T(0.001);  ///< rho > 0, in units of P^-1
+    bool toward_zero = false;
+
+    template <int N>
+    void start(Problem<T> const& problem, RuleMemory<T, N>& m) const {
+        expects(T(0) < ridge, "a ridge > 0");
+        T worn = T(1);
+        for (Index i = 0; i < m.a.size(); ++i) worn *= problem.forgetting;
+        m.strength = square_root(T(ridge * (T(1) - worn)));
+    }
+    template <TimeUpdates F, int N>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        Step<T> const step = f.update(psi, y);       // (1)
+        Index const d = m.a.size(), j = m.rows % d;  // (2)
+        for (Index i = 0; i < d; ++i) m.a[i] = T(0);
+        m.a[j] = m.strength;
+        T const output = toward_zero ? T(0) : T(m.strength * f.theta()[j]);
+        measure(f, Regressor<T>(m.a.data(), d), output, T(1), m.lambda);  // (3)
+        return step;
+    }
+};
+
+/// P = variance I every `period` rows; theta is kept. Source: Goodwin, Elliott & Teoh 1983 (cited, not read).
+template <Field T>
+struct CovarianceReset {
+    Index period = 1000;    ///< >= 1, in rows
+    T variance = T(16384);  ///< k > 0
+
+    template <int N>
+    void start(Problem<T> const&, RuleMemory<T, N>&) const {
+        expects(period >= 1, "a period >= 1");
+        expects(T(0) < variance, "a variance > 0");
+    }
+    template <TimeUpdates F, int N>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        Step<T> const step = f.update(psi, y);
+        if ((m.rows + 1) % period == 0) {
+            auto const theta = f.theta();
+            reset(f, variance, theta);
+        }
+        return step;
+    }
+};
+
+/// A random walk of theta, Q = q I, one coordinate a row: before row k, P += d q e_j e_j', j = k mod d. The mean rate is Q's; what was
+/// added is never more than (d - 1) q off in any coordinate. d^2 multiplications besides the row; a full Q takes d^3/3 in a factored form.
+/// Source: derived (docs/theory.md 56); Kalman 1960 for Q.
+template <Field T>
+struct RandomWalk {
+    T variance = T(0);  ///< q >= 0, a row, in units of the noise's
+
+    template <int N>
+    void start(Problem<T> const&, RuleMemory<T, N>& m) const {
+        expects(T(0) <= variance, "a variance of the walk >= 0");
+        m.strength = T(int(m.a.size())) * variance;
+    }
+    template <Inflates F, int N>
+    Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
+        Index const d = m.a.size(), j = m.rows % d;
+        for (Index i = 0; i < d; ++i) m.a[i] = T(i == j ? 1 : 0);
+        inflate(f, m.strength, Regressor<T>(m.a.data(), d));
+        return f.update(psi, y);
+    }
+};
+
+}  // namespace rlslab

@@ -1,0 +1,276 @@
+// A filter that is watched while it runs: data that would spoil it are kept out, trouble is told of, and met as configured.
+#pragma once
+
+#include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/window.hpp>
+
+#include <algorithm>
+#include <tuple>
+
+namespace rlslab {
+
+/// What a guard can do about a signal.
+///   report    count it, and nothing else
+///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change resets
+///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
+///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
+///   rebuild   reset, then the kept rows anew
+enum class Action : unsigned char { report, skip, cap, reset, rebuild };
+
+/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped whatever the policy.
+struct GuardPolicy {
+    Action outlier = Action::report;    ///< report or skip
+    Action change = Action::report;     ///< report, reset
+    Action windup = Action::report;     ///< report, cap
+    Action breakdown = Action::report;  ///< report, reset, rebuild
+
+    constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
+    constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
+    constexpr bool valid() const {
+        return (outlier == Action::report || outlier == Action::skip) && (change == Action::report || change == Action::reset) &&
+               (windup == Action::report || windup == Action::cap) && breakdown != Action::skip && breakdown != Action::cap;
+    }
+};
+inline constexpr GuardPolicy reporting{};
+inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
+inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
+
+/// What a guard saw of a row, the worst first.
+enum class Signal : unsigned char { none, unusable, breakdown, change, outlier, windup };
+
+struct GuardCounts {
+    Index rows = 0;        ///< offered
+    Index unusable = 0;    ///< not finite, or out of range: skipped
+    Index outliers = 0;    ///< failed the innovation test
+    Index changes = 0;     ///< 5 outliers among 6 rows
+    Index windups = 0;     ///< P_jj > largest_variance
+    Index breakdowns = 0;  ///< a step that is indefinite, not finite, or again undetermined; P_jj <= 0 or not finite; asymmetry
+
+    static auto state(auto& c) { return std::tie(c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns); }
+};
+
+template <Field T>
+struct GuardOptions {
+    T largest_variance = T(0);     ///< of P_jj, in units of the noise's; 0: 16 times the start's
+    T innovation = T(6);           ///< c of the innovation test, in standard deviations; 0: none
+    T least_noise = T(0);          ///< a standard deviation below which the noise is not believed to be
+    Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
+    T asymmetry = T(1) / T(1024);  ///< of a P in full storage, relative
+    Index rows = 0;                ///< kept for rebuilding; 0: 10 d
+};
+
+/// F, with every row looked at before and after it in O(d), one coordinate j = k mod d of P at each (d^2/6 more where F holds a factor of
+/// P^-1, and d^2/2 to solve for theta where F keeps none):
+///
+///   (1) |psi|^2, y^2 <= 2^(e/2), e the arithmetic's largest exponent, else unusable: no bit of F changes
+///   (2) e = y - psi'theta, an outlier where e^2 lambda / (lambda + |psi|^2 t) > c^2 s2, t the sum of the P_jj as last seen, so that
+///       |psi|^2 t >= psi'P psi; 5 outliers among 6 rows are a change. What rounding makes of e is allowed for besides
+///   (3) the row; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20 numbers gamma e^2 on, over 0.455.
+///       Until then, and again after a reset, (2) is not made
+///   (4) p = P_jj: breakdown where p <= 0 or is not finite, windup where p > largest_variance; capped by the row
+///       sqrt(r) e_j, r = 1/largest_variance - 1/p, of output sqrt(r) theta_j. Between two visits P_jj grows by lambda^-d at most
+///
+/// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made (where F's theta()
+/// makes none); memory: 13 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E min(x^2, 9) and 0.455 the median of x^2,
+/// x normal.
+/// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in squares.
+template <RecursiveLeastSquares F, GuardPolicy policy = resetting>
+    requires std::same_as<Truth<typename F::scalar>, bool> &&
+             (policy.valid()) && TimeUpdates<F> && ReportsVariances<F> && Real<typename F::scalar>
+class Guarded {
+    using T = typename F::scalar;
+    F filter_;
+    GuardOptions<T> options_;
+    T lambda_, limit_, start_ = T(0);                             // of |psi|^2 and y^2
+    StateVector<T, detail::size_of<F>> psi_, variances_, theta_;  // theta as last seen finite
+    GuardCounts counts_;
+    Signal signal_ = Signal::none;
+    T reach_ = T(0), theta_size_ = T(0), noise_ = T(0);                                               // t, |theta|^2, s2
+    StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20> squares_;  // from which s2 is learnt
+    RowRing<T> ring_;
+    Index learnt_ = 0, coordinate_ = 0;  // rows that s2 was learnt from; j
+    Index history_ = 0;                  // outliers among the last rows, a bit each, the newest lowest
+    bool determined_ = false;            // a step was sound
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = F::name;
+
+    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
+        : filter_(problem), options_(options), lambda_(problem.forgetting),
+          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(problem.size), variances_(problem.size),
+          theta_(problem.size), squares_(10 * psi_.size() + 20),
+          ring_(psi_.size(), policy.rebuilds() ? (options.rows > 0 ? options.rows : 10 * psi_.size()) : 0) {
+        expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise, "options >= 0");
+        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rows >= 0, "options that make sense");
+        for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
+        if (!(T(0) < start_) || !is_finite(start_)) start_ = T(16384);
+        if (options_.largest_variance == T(0)) options_.largest_variance = T(16) * start_;
+        if (problem.prior && problem.prior->theta) keep_theta(Regressor<T>(*problem.prior->theta));
+        detail::fill(variances_, start_);
+        sum_up();
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        keep_regressor(psi, psi_);  // which may be the gain's own numbers
+        ++counts_.rows;
+        T const size = dot(psi_, psi_);
+        if (!(size <= limit_) || !(y * y <= limit_)) {  // (1)
+            ++counts_.unusable;
+            signal_ = Signal::unusable;
+            return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
+        }
+        signal_ = Signal::none;
+        if (armed()) {  // (2)
+            T const e = predicted_apart(y);
+            if (is_outlier(y, e, size)) {
+                if (changed()) return restart_at(y);
+                if constexpr (policy.outlier == Action::skip) return {e, e, T(1), Health::sound};
+            }
+        }
+        return take(y);
+    }
+    auto theta() const { return filter_.theta(); }
+    auto gain() const { return filter_.gain(); }
+    Stored<T> stored() const { return filter_.stored(); }
+    auto form() { return filter_.form(); }
+    F const& filter() const { return filter_; }
+    static auto state(auto& g) {
+        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.reach_, g.theta_size_, g.noise_, g.squares_, g.learnt_,
+                        g.coordinate_, g.history_, g.determined_);
+    }
+
+    Signal signal() const { return signal_; }  ///< what the last row showed
+    GuardCounts const& counts() const { return counts_; }
+    T noise_variance() const { return noise_; }  ///< s2; 0 until it is known
+
+private:
+    bool armed() const { return T(0) < options_.innovation && learnt_ == squares_.size(); }
+    T predicted_apart(T const& y) const {
+        auto const theta = filter_.theta();
+        return y - dot(theta.data(), psi_.data(), psi_.size());
+    }
+    bool is_outlier(T const& y, T const& e, T const& size) {
+        T const least = options_.least_noise * options_.least_noise, s2 = noise_ < least ? least : noise_;
+        T const rounding = T(8 * epsilon<T>()), made = rounding * rounding * (y * y + size * theta_size_);
+        T const left = e * e * lambda_, right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * reach_) + made);
+        bool const out = !(left <= right);  // an overflow on the left, too
+        history_ = (history_ << 1 | Index(out)) & 63;
+        if (out) {
+            ++counts_.outliers;
+            signal_ = Signal::outlier;
+        }
+        return out;
+    }
+    /// 5 of the last 6: a change, at once where the filter keeps to what it knew before.
+    bool changed() {
+        Index out = 0;
+        for (Index bits = history_; bits != 0; bits >>= 1) out += bits & 1;
+        if (out < 5) return false;
+        ++counts_.changes;
+        signal_ = Signal::change;
+        history_ = 0;
+        return policy.change == Action::reset;
+    }
+    Step<T> restart_at(T const& y) {
+        auto const theta = filter_.theta();
+        restart(Regressor<T>(theta));
+        Step<T> const step = take(y);
+        signal_ = Signal::change;
+        return step;
+    }
+    void restart(Regressor<T> theta) {
+        reset(filter_, start_, theta);
+        set_forgetting(filter_, lambda_);
+        detail::fill(variances_, start_);
+        sum_up();
+        noise_ = T(0);
+        learnt_ = 0;
+        history_ = 0;
+    }
+    Step<T> take(T const& y) {  // (3)
+        Step<T> const step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), y);
+        if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
+        bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
+        if (step.health == Health::sound) {
+            determined_ = true;
+            learn(step.innovation * step.residual);
+            broken = !look(coordinate_);  // (4)
+        }
+        if (broken) repair();
+        coordinate_ = coordinate_ + 1 < psi_.size() ? coordinate_ + 1 : 0;
+        return step;
+    }
+    void learn(T const& square) {
+        if (!is_finite(square) || !(T(0) <= square)) return;
+        if (learnt_ == squares_.size()) {
+            T const most = T(9) * noise_, clipped = square < most ? square : most;
+            noise_ += (clipped / T(0.995) - noise_) / T(int(options_.noise_memory));
+            return;
+        }
+        squares_[learnt_++] = square;
+        if (learnt_ < squares_.size()) return;
+        T* const middle = squares_.data() + learnt_ / 2;
+        std::nth_element(squares_.data(), middle, squares_.data() + learnt_);
+        noise_ = *middle / T(0.455);
+    }
+    /// P_jj, and what follows from it; false where it is no variance.
+    bool look(Index j) {
+        T p = variance(filter_, j);
+        if (!(T(0) < p) || !is_finite(p)) return false;
+        if constexpr (ReportsAsymmetry<F>)
+            if (!(asymmetry(filter_, j) <= options_.asymmetry)) return false;
+        if (p > options_.largest_variance) {
+            ++counts_.windups;
+            if (signal_ == Signal::none) signal_ = Signal::windup;
+            if constexpr (policy.windup == Action::cap) {
+                cap(j, p);
+                p = options_.largest_variance;
+            }
+        }
+        reach_ += p - variances_[j];
+        variances_[j] = p;
+        if (j == 0) {
+            sum_up();  // what rounding left in the differences goes
+            auto const theta = filter_.theta();
+            if (all_finite<T>(theta)) keep_theta(Regressor<T>(theta));
+        }
+        return true;
+    }
+    void sum_up() {
+        reach_ = T(0);
+        for (Index i = 0; i < variances_.size(); ++i) reach_ += variances_[i];
+    }
+    void keep_theta(Regressor<T> theta) {
+        keep_regressor(theta, theta_);
+        theta_size_ = dot(theta_, theta_);
+    }
+    void cap(Index j, T const& p) {
+        T const root = square_root(T(T(1) / options_.largest_variance - T(1) / p));
+        detail::fill(psi_, T(0));
+        psi_[j] = root;
+        T const output = root * filter_.theta()[j];
+        measure(filter_, Regressor<T>(psi_.data(), psi_.size()), output, T(1), lambda_);
+    }
+    /// The kept rows anew; without them where they are what broke the filter.
+    void rebuild() {
+        Health worst = Health::sound;
+        for (Index k = 0; k < ring_.held(); ++k) {
+            T const* const row = ring_.row(k);
+            worst = worse(worst, filter_.update(Regressor<T>(row, psi_.size()), row[psi_.size()]).health);
+        }
+        if (worst == Health::sound) return;
+        ring_.clear();
+        restart(Regressor<T>(theta_.data(), theta_.size()));
+    }
+    void repair() {
+        ++counts_.breakdowns;
+        signal_ = Signal::breakdown;
+        if constexpr (policy.breakdown != Action::report) {
+            restart(Regressor<T>(theta_.data(), theta_.size()));
+            if constexpr (policy.rebuilds()) rebuild();
+        }
+    }
+};
+
+}  // namespace rlslab

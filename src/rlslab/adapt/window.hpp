@@ -1,0 +1,141 @@
+// A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept rows anew.
+#pragma once
+
+#include <rlslab/adapt/remove.hpp>
+
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+namespace rlslab {
+
+/// When a window factors anew.
+template <Field T>
+struct WindowOptions {
+    Index rows = 500;          ///< W >= 1
+    T worse = T(4);            ///< alarm: the expected error exceeds that of a fresh filter on the same rows by this factor, > 1
+    Index refactor_every = 0;  ///< and every so many rows; 0: on alarm alone
+};
+
+/// The last W rows [psi y] in order, in memory that is taken once.
+template <Field T>
+class RowRing {
+    Index d_, rows_, held_ = 0, next_ = 0;
+    std::vector<T> numbers_;  // d + 1 a row
+
+public:
+    RowRing(Index size, Index rows) : d_(size), rows_(rows), numbers_(size_t((size + 1) * rows), T(0)) {}
+    Index held() const { return held_; }
+    bool full() const { return held_ == rows_; }
+    T* row(Index age_from_oldest) { return numbers_.data() + (next_ - held_ + age_from_oldest + rows_) % rows_ * (d_ + 1); }
+    /// Where the newest row goes, in place of the oldest where the ring is full.
+    void push(T const* psi, T const& y) {
+        T* const place = numbers_.data() + next_ * (d_ + 1);
+        for (Index i = 0; i < d_; ++i) place[i] = psi[i];
+        place[d_] = y;
+        next_ = (next_ + 1) % rows_;
+        if (held_ < rows_) ++held_;
+    }
+    void clear() { held_ = next_ = 0; }
+    static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
+};
+
+/// F over the last W rows: minimises the J of F's problem as if these were all the rows there are. Each row is taken by F's own update;
+/// then the row W steps back, of weight lambda^W, is taken back (docs/theory.md 59).
+///
+/// An error made at step t, relative to P^-1 = X, is by step k larger by det X_t / det X_k where one direction lost its information and
+/// the others kept theirs. Hence the alarm, in O(1) from gamma and alpha^2, which are at hand; V is the expected square of the error,
+/// in units of u^2 (docs/theory.md 60):
+///
+///   (1) row:      V = gamma^2 V + 1          (2) removal: V = (V + noise^2) / alpha^4
+///   (3) V > worse^2 V0, V0 what (1) gave for the rows from which F was last factored, or a removal refused: factor the kept rows anew
+///
+/// After (3) the state is, bit for bit, that of a fresh F fed these rows. A row that is not finite spoils the window while it is in it,
+/// as it spoils F, and leaves no trace: the rows are factored anew when the last such row has left. A prior counts from the last
+/// factoring on. Memory W (d + 1) numbers and F twice; allocates where it is made and never again (F allowing). Cost of a step: F's
+/// update and one removal; factoring takes W updates in one step, the longest of all.
+template <Downdates F>
+    requires std::same_as<Truth<typename F::scalar>, bool>
+class Windowed {
+    using T = typename F::scalar;
+    F start_, filter_;
+    StateVector<T, detail::size_of<F>> psi_;
+    WindowOptions<T> options_;
+    RowRing<T> ring_;
+    T weight_ = T(1), loss_ = T(0), fresh_ = T(0);   // lambda^W, V, V0
+    Index since_ = 0, spoilt_ = 0, refactored_ = 0;  // rows since the last factoring; rows until the last that is not finite has left
+
+    void take(T const* psi, T const& y, Step<T>& step) {
+        step = filter_.update(Regressor<T>(psi, size()), y);
+        loss_ = step.gamma * step.gamma * loss_ + T(1);  // (1)
+    }
+    Index size() const { return psi_.size(); }
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = F::name;
+
+    explicit Windowed(Problem<T> const& problem, WindowOptions<T> const& options = {})
+        : start_(problem), filter_(start_), psi_(problem.size), options_(checked(options)), ring_(psi_.size(), options.rows) {
+        for (Index k = 0; k < options.rows; ++k) weight_ *= problem.forgetting;
+    }
+
+    Step<T> update(Regressor<T> psi, T y) {
+        keep_regressor(psi, psi_);  // which may be the gain's own numbers
+        return step(y, all_finite(psi_) && is_finite(y));
+    }
+    auto theta() const { return filter_.theta(); }
+    auto gain() const { return filter_.gain(); }
+    Stored<T> stored() const { return filter_.stored(); }
+    F const& filter() const { return filter_; }
+    static auto state(auto& w) { return std::tie(w.filter_, w.ring_, w.loss_, w.fresh_, w.since_, w.spoilt_, w.refactored_); }
+    Index rows() const { return ring_.held(); }       ///< in the window
+    Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
+    bool spoilt() const { return spoilt_ > 0; }       ///< a row that is not finite is in the window
+
+    /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
+    Step<T> refactor() {
+        Step<T> last{undefined<T>(), undefined<T>(), undefined<T>()};
+        filter_ = start_;
+        loss_ = T(0);
+        for (Index k = 0; k < ring_.held(); ++k) {
+            T const* const row = ring_.row(k);
+            take(row, row[size()], last);
+        }
+        fresh_ = loss_;
+        since_ = 0;
+        ++refactored_;
+        return last;
+    }
+
+private:
+    static WindowOptions<T> const& checked(WindowOptions<T> const& options) {
+        expects(options.rows >= 1, "a window of at least one row");
+        expects(T(1) < options.worse, "an alarm at more than 1 times a fresh filter's error");
+        expects(options.refactor_every >= 0, "a schedule of >= 0 rows");
+        return options;
+    }
+    Step<T> step(T const& y, bool finite) {
+        Step<T> out;
+        take(psi_.data(), y, out);
+        ++since_;
+        bool alarm = false;
+        bool const leaves = ring_.full();
+        if (leaves && spoilt_ == 0) {
+            T const* const oldest = ring_.row(0);
+            Removal<T> const removal = remove(filter_, Regressor<T>(oldest, size()), oldest[size()], weight_);
+            T const remaining = removal.remaining * removal.remaining;
+            loss_ = (loss_ + removal.noise * removal.noise) / remaining;                        // (2)
+            alarm = removal.refused() || !(loss_ <= options_.worse * options_.worse * fresh_);  // (3)
+        } else if (!leaves) {
+            fresh_ = loss_;
+        }
+        ring_.push(psi_.data(), y);
+        if (spoilt_ > 0 && --spoilt_ == 0) alarm = true;
+        if (!finite) spoilt_ = options_.rows;
+        if (spoilt_ == 0 && (alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) refactor();
+        return out;
+    }
+};
+
+}  // namespace rlslab
