@@ -66,8 +66,8 @@ Study const gain_error_growth{
     .question = "Do errors in every gain average out?",
     .source = "derived (docs/theory.md 28, laws i, ii and v, and 36)",
     .formula =
-        R"tex(\begin{aligned} \lambda = 1: &\quad \text{symmetric } N^{-1/2}, \quad \text{Joseph } N^0, \quad \text{conventional } N^1, \quad
-\text{extended QR } N^0 \\
+        R"tex(\begin{aligned} \lambda = 1: &\quad \text{symmetric } N^{-1/2}, \quad \text{Joseph } N^0, \quad
+\text{conventional } N^1, \quad \text{extended QR } N^0 \\
 \lambda < 1: &\quad \text{symmetric } N^0, \quad \text{extended QR: } \;
 \varepsilon (1-\lambda) \sqrt{(d-1) N} \end{aligned})tex",
     .interpretation =
