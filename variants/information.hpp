@@ -82,6 +82,8 @@ public:
     }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
+    static auto state(auto& f) {
+        return std::tie(f.lambda_, f.theta_, f.b_, f.psi_, f.D_, f.X_, f.L_, f.positive_, f.started_, f.rows_, f.solved_); }
 };
 static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && Accumulates<Information<double>>);
 

@@ -50,6 +50,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
+    static auto state(auto& f) { return std::tie(f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(ReportsCovariance<InverseQr<double>>);
 

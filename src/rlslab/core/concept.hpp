@@ -65,6 +65,15 @@ concept TakesBlocks = RecursiveLeastSquares<F> && requires(F f, Matrix<typename 
     { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
 };
 
+/// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on, and to nothing
+/// that the next row overwrites. One of them may name a state itself: so a type around a filter lists the filter first and its own
+/// members after it. <rlslab/adapt/state.hpp> saves and loads what is named.
+template <class F>
+concept NamesItsState = requires(F& f, F const& c) {
+    F::state(f);
+    F::state(c);
+};
+
 /// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,
 /// but for rounding, what it would be had it taken newer's rows itself. Associative; an empty newer changes no bit.
 template <class F>

@@ -10,8 +10,9 @@ namespace rlslab {
 void create_folder(std::filesystem::path const& folder);
 
 /// Writes the text to a file beside it, PATH.PID.new, and renames that: a reader sees all of the text or what was there before.
-/// Throws InputError and removes the file beside when the text cannot be written.
-void replace_file(std::filesystem::path const& path, std::string_view text);
+/// Throws InputError and removes the file beside when the text cannot be written. on_disk: so also where the machine loses its power,
+/// and the text is on the disk when this returns (as far as the disk tells the truth): milliseconds.
+void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk = false);
 
 /// Removes what processes that were killed were writing there by replace_file.
 void remove_leftovers(std::filesystem::path const& folder);

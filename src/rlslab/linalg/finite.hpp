@@ -176,6 +176,7 @@ public:
     }
     /// Whether R has no zero on its diagonal. Of R = L' alone.
     Truth<T> const& determined() const { return determined_; }
+    static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.determined_); }
 };
 
 }  // namespace rlslab

@@ -8,6 +8,8 @@
 
 #include <rlslab/linalg/dispatch.hpp>
 
+#include <tuple>
+
 namespace rlslab {
 
 template <Field T, int N>
@@ -105,6 +107,7 @@ public:
     explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
     T operator()(T const& x) const { return x + x * correction_; }
     T const& correction() const { return correction_; }
+    static auto state(auto& divisor) { return std::tie(divisor.correction_); }
 };
 
 /// out = x / r.
