@@ -94,6 +94,9 @@ TEST(State, IsRefusedInOneLine) {
     EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
     std::filesystem::remove(path);
     EXPECT_EQ(message(), "x.state: cannot read: No such file or directory");
+    std::filesystem::create_directory(path);
+    EXPECT_EQ(message(), "x.state: cannot read: it is a folder");
+    std::filesystem::remove(path);
     EXPECT_THAT(files::message_of([&] { save(f, folder.path / "no" / "folder"); }), testing::HasSubstr("cannot write"));
     EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })), testing::StartsWith("x.state: cannot read"));
 }

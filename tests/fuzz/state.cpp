@@ -4,7 +4,7 @@
 
 #include <rlslab/adapt/state_file.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::fuzz {
@@ -47,8 +47,7 @@ void take(std::string_view text) {
             sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
             detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
         }
-        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>, Potter<Reference>>(
-            bytes);
+        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>>(bytes);
     }
 }
 

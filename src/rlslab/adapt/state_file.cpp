@@ -37,6 +37,7 @@ std::string refusal(StateFault fault, StateHeader const& expected, std::span<std
 namespace detail {
 
 std::vector<std::byte> bytes_of(std::filesystem::path const& path) {
+    if (std::error_code none; std::filesystem::is_directory(path, none)) refuse_state(path, "cannot read: it is a folder");
     std::ifstream file(path, std::ios::binary);
     std::vector<char> const text{std::istreambuf_iterator<char>(file), {}};
     if (!file.is_open() || file.bad()) refuse_state(path, fmt::format("cannot read: {}", std::strerror(errno)));
