@@ -49,6 +49,7 @@ Problem<T> problem_as(Problem<double> const& problem) {
         out.prior = Prior<T>{.variance = round_to<T>(problem.prior->variance)};
         if (problem.prior->theta) out.prior->theta = problem.prior->theta->unaryExpr(&round_to<T>);
         if (problem.prior->covariance) out.prior->covariance = problem.prior->covariance->unaryExpr(&round_to<T>);
+        if (problem.prior->stored) out.prior->stored = problem.prior->stored->template mapped<T>(&round_to<T>);
     }
     return out;
 }

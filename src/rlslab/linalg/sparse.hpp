@@ -71,7 +71,7 @@ inline double dot(SparseRow const& psi, Vector<double> const& x) {
 inline SparseRows start_information(Problem<double> const& problem, Vector<double>& D) {
     expects(problem.prior.has_value(), "a prior: the sparse factor is kept nonsingular");
     SparseRows L(problem.size, problem.size);
-    if (!problem.prior->covariance) {
+    if (!problem.prior->covariance && !problem.prior->stored) {
         D = Vector<double>::Constant(problem.size, 1 / problem.prior->variance);
         L.setIdentity();
         return L;

@@ -1,0 +1,192 @@
+// A filter converted into another variant or arithmetic.
+#include "tests/laws.hpp"
+
+#include <rlslab/adapt/convert.hpp>
+#include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace rlslab {
+namespace {
+
+/// P, or its inverse, of what a filter stores, in 257 bits.
+template <class F>
+Matrix<Reference> exact_covariance(F const& f, bool inverse = false) {
+    using T = typename F::scalar;
+    Triangle<Reference> factor(f.stored().template mapped<Reference>([](T const& x) { return widen(x); }));
+    factor.turn_into(!inverse, false);
+    return outer(factor.F);
+}
+double relative(Matrix<Reference> const& a, Matrix<Reference> const& b) {
+    Reference off = 0, all = 0;
+    for (Index j = 0; j < a.cols(); ++j)
+        for (Index i = 0; i < a.rows(); ++i) {
+            off += (a(i, j) - b(i, j)) * (a(i, j) - b(i, j));
+            all += b(i, j) * b(i, j);
+        }
+    return static_cast<double>(sqrt(Reference(off / all)));
+}
+template <class F>
+Vector<Reference> exact_theta(F const& f) {
+    using T = typename F::scalar;
+    return Vector<T>(f.theta()).unaryExpr([](T const& x) { return widen(x); });
+}
+
+/// Rows whose last regressor is the first, but for 1/kappa of noise: cond(R) is about kappa.
+Records nearly_collinear(Index rows, double kappa, Seed seed) {
+    Records out = laws::noise_records(4, rows, seed);
+    for (Index k = 0; k < rows; ++k) out.psi(3, k) = out.psi(0, k) + out.psi(3, k) / kappa;
+    return out;
+}
+template <class F>
+F fed(Records const& records, Index first, Index last, Problem<typename F::scalar> const& problem) {
+    using T = typename F::scalar;
+    F f(problem);
+    for (Index k = first; k < last; ++k) {
+        Vector<T> psi(records.parameters());
+        for (Index i = 0; i < psi.size(); ++i) psi[i] = T(records.psi(i, k));
+        f.update(psi, T(records.y[k]));
+    }
+    return f;
+}
+template <class T>
+Problem<T> some_problem(double lambda = 0.96875, double variance = 64) {
+    return {.size = 4, .forgetting = T(lambda), .prior = Prior<T>{.variance = T(variance)}};
+}
+
+template <class T>
+constexpr void pairs(auto visit) {
+    for_each(Variants<T>{}, [&]<class From>() { for_each(Variants<T>{}, [&]<class To>() { visit.template operator()<From, To>(); }); });
+}
+
+// --- laws ------------------------------------------------------------------------------------------------------------------
+
+/// d epsilons for each unit of cond(R), which is below 10 here: 40.
+TEST(Conversion, KeepsThetaAndP) {
+    Records const records = laws::noise_records(4, 50, Seed{91});
+    pairs<double>([&]<class From, class To>() {
+        From const from = fed<From>(records, 0, 50, some_problem<double>());
+        Converted<To> const to = convert<To>(from, 0.96875);
+        ASSERT_TRUE(to) << From::name << " to " << To::name;
+        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+        bool const stored = !StartsWithoutPrior<From> && !StartsWithoutPrior<To>;
+        if (stored) EXPECT_EQ(Vector<double>(to->theta()), Vector<double>(from.theta())) << From::name << " to " << To::name;
+        else EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+    });
+}
+/// And it goes on as the other variant would have: the next rows' certified solution.
+TEST(Conversion, GoesOnAsTheVariantItIs) {
+    Records const records = laws::noise_records(4, 120, Seed{92});
+    Problem<double> const problem = some_problem<double>();
+    CertifiedSolution const exact = std::move(certified(problem, records, {120}, 40).front());
+    pairs<double>([&]<class From, class To>() {
+        Converted<To> to = convert<To>(fed<From>(records, 0, 60, problem), 0.96875);
+        ASSERT_TRUE(to);
+        for (Index k = 60; k < 120; ++k) EXPECT_EQ(to->update(records.sample(k), records.y[k]).health, Health::sound);
+        EXPECT_GE(exact.theta_digits(exact_theta(*to)), 15.65 - 2.8) << From::name << " to " << To::name;  // 600 epsilons
+    });
+}
+/// There and back to the bits: where both hold the same factor nothing is computed.
+TEST(Conversion, BetweenTheSameFactorsCopies) {
+    Records const records = laws::noise_records(4, 50, Seed{93});
+    auto const same = [&]<class From, class To>() {
+        From const from = fed<From>(records, 0, 50, some_problem<double>());
+        EXPECT_EQ(convert<To>(from)->stored().F, from.stored().F) << From::name << " to " << To::name;
+        EXPECT_EQ(convert<To>(from)->stored().D, from.stored().D) << From::name << " to " << To::name;
+    };
+    same.operator()<Ud<double>, Ud<double>>();
+    same.operator()<Carlson<double>, InverseQr<double>>();
+    same.operator()<InverseQr<double>, Potter<double>>();
+    same.operator()<Gentleman<double>, Gentleman<double>>();
+    same.operator()<Symmetric<double>, Conventional<double>>();
+    Ud<float> const short_one = fed<Ud<float>>(records, 0, 50, some_problem<float>());
+    EXPECT_EQ(convert<Ud<float>>(*convert<Ud<double>>(short_one))->stored().F, short_one.stored().F) << "a longer word and back";
+}
+TEST(Conversion, ToAnotherArithmeticRoundsOnce) {
+    Records const records = laws::noise_records(4, 50, Seed{94});
+    Qr<double> const from = fed<Qr<double>>(records, 0, 50, some_problem<double>());
+    auto const check = [&]<class To>() {
+        using T = typename To::scalar;
+        Converted<To> const to = convert<To>(from, T(0.96875));
+        ASSERT_TRUE(to) << To::name;
+        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 16 * std::max(epsilon<T>(), epsilon<double>())) << To::name;
+        EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), std::max(epsilon<T>(), 8 * epsilon<double>())) << To::name;
+    };
+    check.operator()<Ud<float>>();
+    check.operator()<InverseQr<float>>();
+    check.operator()<Symmetric<float>>();
+    check.operator()<Ud<BFloat16>>();
+    check.operator()<Ud<Quad>>();
+    check.operator()<Carlson<Reference>>();
+    EXPECT_TRUE((convert<Ud<double>>(fed<Carlson<Quad>>(records, 0, 50, some_problem<Quad>()))));
+    EXPECT_EQ((number_as<Quad>(Reference(1) / 3)), Quad(1) / Quad(3));
+    EXPECT_EQ((number_as<Reference>(Quad(1) / Quad(3))), widen(Quad(Quad(1) / Quad(3))));
+    EXPECT_EQ((convert<Ud<float, 4>>(from)->theta()), (convert<Ud<float>>(from)->theta()));
+}
+TEST(Conversion, SaysWhyThereIsNone) {
+    Qr<double> const empty({.size = 3, .prior = std::nullopt});
+    EXPECT_EQ(convert<Ud<double>>(empty).health, Health::undetermined);
+    EXPECT_EQ(convert<Gentleman<double>>(Information<double>({.size = 3, .prior = std::nullopt})).health, Health::undetermined);
+    Ud<double> spoilt({.size = 2});
+    spoilt.update({1, std::numeric_limits<double>::quiet_NaN()}, 1);
+    EXPECT_EQ(convert<Qr<double>>(spoilt).health, Health::nonfinite);
+    Ud<double> const large({.size = 2, .prior = Prior<double>{.variance = 0x1p200}}),
+        small({.size = 2, .prior = Prior<double>{.variance = 0x1p-200}});
+    EXPECT_EQ(convert<Ud<float>>(large).health, Health::nonfinite) << "beyond the range of float";
+    EXPECT_EQ(convert<Ud<float>>(small).health, Health::nonfinite);
+    EXPECT_TRUE(convert<Carlson<float>>(Ud<double>({.size = 2, .prior = Prior<double>{.variance = 0x1p100}})));
+    // A P that rounding made indefinite: collinear rows and a large prior (Verhaegen's example in short).
+    Conventional<float> plain({.size = 2, .prior = Prior<float>{.variance = 0x1p30f}});
+    for (int k = 0; k < 20; ++k) plain.update({1, 1.f + 0x1p-20f * float(k % 3)}, 1);
+    EXPECT_EQ(convert<Ud<double>>(plain).health, Health::indefinite);
+    EXPECT_THROW((void)convert<Ud<double>>(Ud<double>({.size = 2}), 1.5), std::invalid_argument);
+    EXPECT_THROW((void)(convert<Ud<double, 3>>(Ud<double>({.size = 2}))), std::invalid_argument);
+}
+
+// --- what is lost ------------------------------------------------------------------------------------------------------------
+
+/// A filter whose P is, but for rounding, the inverse of rows with cond(R) about kappa.
+template <class F>
+F graded(double kappa, Seed seed) {
+    Problem<Reference> const problem{.size = 4, .prior = Prior<Reference>{.variance = Reference(0x1p60)}};
+    return *convert<F>(fed<Qr<Reference>>(nearly_collinear(40, kappa, seed), 0, 40, problem));
+}
+/// "P / its inverse": digits that a conversion of doubles loses, the median of 21 records: log10 of the relative error in epsilons.
+template <class From, class To>
+std::string lost(double kappa) {
+    std::vector<double> of_P, of_inverse;
+    for (std::uint64_t seed = 1; seed <= 21; ++seed) {
+        From const from = graded<From>(kappa, Seed{seed});
+        Converted<To> const to = convert<To>(from);
+        for (bool const inverse : {false, true}) {
+            double const error = to ? relative(exact_covariance(*to, inverse), exact_covariance(from, inverse)) / epsilon<double>() : 1e99;
+            (inverse ? of_inverse : of_P).push_back(std::max(0.0, std::log10(error)));
+        }
+    }
+    for (auto* digits : {&of_P, &of_inverse}) std::sort(digits->begin(), digits->end());
+    return of_P[10] > 90 ? "none" : fmt::format("{:.1f} / {:.1f}", of_P[10], of_inverse[10]);
+}
+template <class From, class To>
+std::string row() {
+    return fmt::format("| `{}` to `{}` | {} | {} | {} |\n", From::name, To::name, lost<From, To>(1e2), lost<From, To>(1e4),
+                       lost<From, To>(1e6));
+}
+/// The table of docs/state.md is what is measured here; on a difference the message has the new rows.
+TEST(Conversion, LosesWhatTheTableSays) {
+    using D = double;
+    std::string const rows = row<Carlson<D>, Qr<D>>() + row<Qr<D>, Carlson<D>>() + row<Ud<D>, Gentleman<D>>() + row<Gentleman<D>, Ud<D>>() +
+                             row<Ud<D>, Carlson<D>>() + row<Qr<D>, Ud<D>>() + row<Ud<D>, Symmetric<D>>() + row<Qr<D>, Symmetric<D>>() +
+                             row<Symmetric<D>, Ud<D>>() + row<Qr<D>, Information<D>>() + row<Information<D>, Qr<D>>() +
+                             row<Information<D>, Ud<D>>();
+    std::ifstream file(std::string(RLSLAB_SOURCE_DIR) + "/docs/state.md");
+    std::string const page{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_THAT(page, testing::HasSubstr(rows));
+}
+
+}  // namespace
+}  // namespace rlslab
