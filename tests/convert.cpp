@@ -1,7 +1,8 @@
-// A filter converted into another variant or arithmetic.
+// A filter converted into another variant or arithmetic, and two filters merged into one.
 #include "tests/laws.hpp"
 
 #include <rlslab/adapt/convert.hpp>
+#include <rlslab/adapt/merge.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -186,6 +187,127 @@ TEST(Conversion, LosesWhatTheTableSays) {
     std::ifstream file(std::string(RLSLAB_SOURCE_DIR) + "/docs/state.md");
     std::string const page{std::istreambuf_iterator<char>(file), {}};
     EXPECT_THAT(page, testing::HasSubstr(rows));
+}
+
+// --- merging -----------------------------------------------------------------------------------------------------------------
+
+template <class F>
+Part<F> part(Records const& records, Index first, Index last, Problem<typename F::scalar> const& problem) {
+    return {fed<F>(records, first, last, problem), last - first};
+}
+/// In rationals: the merged filter is the filter that took all rows, with ==.
+TEST(MergingWithPrior, IsExactInRationals) {
+    using Q = Rational;
+    Records records = laws::noise_records(3, 12, Seed{95});
+    records.psi = (records.psi * 64).array().round().matrix().eval();
+    records.y = (records.y * 64).array().round().matrix().eval();
+    auto const check = [&]<class F>(Q const& lambda) {
+        Problem<Q> problem{.size = 3, .forgetting = lambda, .prior = Prior<Q>{.variance = 5}};
+        problem.prior->theta = Vector<Q>{{Q(1), Q(-2), Q(1) / 3}};
+        F const both = fed<F>(records, 0, 12, problem);
+        auto const sum = merged(part<F>(records, 0, 7, problem), part<F>(records, 7, 12, problem), problem);
+        ASSERT_TRUE(sum);
+        EXPECT_EQ(sum->rows, 12);
+        EXPECT_EQ(Vector<Q>(sum->filter.theta()), Vector<Q>(both.theta())) << F::name;
+        EXPECT_EQ(outer(Triangle<Q>(sum->filter.stored()).turn_into(false, true).F),
+                  outer(Triangle<Q>(both.stored()).turn_into(false, true).F));
+        EXPECT_EQ(Triangle<Q>(sum->filter.stored()).turn_into(false, true).D.view(),
+                  Triangle<Q>(both.stored()).turn_into(false, true).D.view());
+    };
+    for (Q const& lambda : {Q(1), Q(7) / 8}) {
+        check.operator()<Ud<Q>>(lambda);
+        check.operator()<Conventional<Q>>(lambda);
+        check.operator()<Joseph<Q>>(lambda);
+        check.operator()<Information<Q>>(lambda);
+        check.operator()<Gentleman<Q>>(lambda);
+    }
+}
+
+/// A rule that lets the prior count twice.
+template <class F>
+Part<F> prior_twice(Part<F> const& a, Part<F> const& b, Problem<double> problem) {
+    detail::InformationRows<double> sum(a.filter.stored(), a.filter.theta()), added(b.filter.stored(), b.filter.theta());
+    double const mu = power(problem.forgetting, b.rows);
+    for (Index i = 0; i < problem.size; ++i) sum.D[i] *= mu;
+    sum.take(added, 1);
+    problem.prior->theta = solved_lower_transposed(sum.L, sum.z);
+    problem.prior->stored = Stored<double>{Stored<double>::Quantity::information, Stored<double>::Form::factor, sum.L.view(), sum.D.view()};
+    return {F(problem), a.rows + b.rows};
+}
+/// Digits that theta and P lack to the certified solution for all rows, in epsilons: the larger.
+template <class F>
+double merging_error(F const& f, CertifiedSolution const& exact) {
+    auto const epsilons = [](double digits) { return std::pow(10.0, -digits) / epsilon<double>(); };
+    Stored<Reference> const stored = f.stored().template mapped<Reference>([](double x) { return widen(x); });
+    return std::max(epsilons(exact.theta_digits(exact_theta(f))), epsilons(exact.covariance_digits(stored)));
+}
+/// The battery's budget of a solution (60, or 300 where c^2 enters squared), once for each part and once for the sum; of the two forms whose
+/// antisymmetric part grows as lambda^-k one triangle is taken, and with it all that the part has done to it.
+template <class F>
+double budget() {
+    bool const grows = F::name == "conventional" || F::name == "kalman";
+    return grows ? 20000 : 900;
+}
+TEST(MergingWithPrior, EqualsTheFilterFedBothAndIsAssociative) {
+    Records const records = laws::noise_records(4, 60, Seed{96});
+    for (double const lambda : {1.0, 0.96875}) {
+        Problem<double> const problem = some_problem<double>(lambda);
+        CertifiedSolution const exact = std::move(certified(problem, records, {60}, 40).front());
+        for_each(Variants<double>{}, [&]<class F>() {
+            auto const a = part<F>(records, 0, 2, problem), b = part<F>(records, 2, 40, problem), c = part<F>(records, 40, 60, problem);
+            auto const left = merged(*merged(a, b, problem), c, problem), right = merged(a, *merged(b, c, problem), problem);
+            ASSERT_TRUE(left && right) << F::name;
+            EXPECT_LE(merging_error(left->filter, exact), budget<F>()) << F::name << ", lambda = " << lambda;
+            EXPECT_LE(merging_error(right->filter, exact), budget<F>()) << F::name << ", lambda = " << lambda;
+            EXPECT_GT(merging_error(prior_twice(a, c, problem).filter, std::move(certified(problem, records, {60}, 40).front())), 1e6);
+        });
+    }
+}
+TEST(MergingWithPrior, AnEmptyPartChangesNoBit) {
+    Records const records = laws::noise_records(4, 60, Seed{97});
+    Problem<double> const problem = some_problem<double>();
+    for_each(Variants<double>{}, [&]<class F>() {
+        auto const some = part<F>(records, 0, 30, problem), none = part<F>(records, 0, 0, problem);
+        for (auto const& sum : {*merged(some, none, problem), *merged(none, some, problem)}) {
+            EXPECT_EQ(sum.filter.stored().F, some.filter.stored().F) << F::name;
+            EXPECT_EQ(Vector<double>(sum.filter.theta()), Vector<double>(some.filter.theta())) << F::name;
+            EXPECT_EQ(sum.rows, 30);
+        }
+    });
+}
+TEST(MergingWithPrior, WithoutOneNothingIsTakenOut) {
+    Records const records = laws::noise_records(4, 60, Seed{98});
+    Problem<double> problem = some_problem<double>(0.96875);
+    problem.prior.reset();
+    CertifiedSolution const exact = std::move(certified(problem, records, {60}, 40).front());
+    auto const check = [&]<class F>() {
+        auto const sum = merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 60, problem), problem);
+        ASSERT_TRUE(sum) << F::name;
+        EXPECT_LE(merging_error(sum->filter, exact), budget<F>()) << F::name;
+        EXPECT_EQ(merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 32, problem), problem).health, Health::undetermined)
+            << F::name;
+    };
+    check.operator()<Qr<double>>();
+    check.operator()<Gentleman<double>>();
+    check.operator()<Information<double>>();
+    check.operator()<QrBlock<double>>();
+}
+TEST(MergingWithPrior, IsRefusedOrSaysWhyThereIsNone) {
+    Problem<double> const problem = some_problem<double>();
+    Records const records = laws::noise_records(4, 60, Seed{99});
+    auto const good = part<Ud<double>>(records, 0, 30, problem);
+    Part<Ud<double>> spoilt = good;
+    spoilt.filter.update({1, 2, 3, std::numeric_limits<double>::infinity()}, 1);
+    EXPECT_EQ(merged(good, spoilt, problem).health, Health::nonfinite);
+    EXPECT_EQ(merged(spoilt, good, problem).health, Health::nonfinite);
+    Part<Ud<double>> const little{Ud<double>({.size = 2}), 3};
+    EXPECT_THROW((void)merged(good, little, problem), std::invalid_argument);
+    EXPECT_THROW((void)merged(Part<Ud<double>>{good.filter, -1}, good, problem), std::invalid_argument);
+    // A part that never had this prior: less information than the prior alone, so nothing is left.
+    Problem<double> vague = problem;
+    vague.prior->variance = 0x1p40;
+    Part<Ud<double>> const without{Ud<double>(vague), 1};
+    EXPECT_EQ(merged(without, without, problem).health, Health::indefinite);
 }
 
 }  // namespace
