@@ -29,7 +29,7 @@ void add_threads(unsigned threads) {
         });
 }
 
-/// The digits are those proven, at most the 30 that were asked for.
+/// The digits are proven, and at most the 30 to which the solution is certified.
 void reference(benchmark::State& state, Index rows, Index size) {
     Scenario const& scenario = batch(rows, size);
     Stopwatch watch(state, rows);

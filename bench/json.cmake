@@ -38,7 +38,8 @@ expect_json("${json}")
 
 run(nothing ${PAGE} ${WORK_DIR}/run.json ${WORK_DIR}/page.html)
 file(SIZE ${WORK_DIR}/page.html whole)
-execute_process(COMMAND sh -c "ulimit -f 1; exec \"$@\"" sh ${PAGE} ${WORK_DIR}/run.json ${WORK_DIR}/page.html RESULT_VARIABLE code ERROR_VARIABLE error)
+execute_process(COMMAND sh -c "ulimit -f 1; exec \"$@\"" sh ${PAGE} ${WORK_DIR}/run.json ${WORK_DIR}/page.html
+  RESULT_VARIABLE code ERROR_VARIABLE error)
 file(SIZE ${WORK_DIR}/page.html now)
 file(GLOB left RELATIVE ${WORK_DIR} ${WORK_DIR}/*)
 if(code EQUAL 0 OR NOT now EQUAL whole OR NOT left STREQUAL "page.html;run.json")

@@ -65,7 +65,7 @@ void read(benchmark::State& state, Index count) {
                       return nanoseconds_of([&] {
                           for (int k = 0; k < passes; ++k) {
                               total += sum(x.lanes(), count);
-                              wanted(total);
+                              do_not_optimize(total);
                           }
                       });
                   });
@@ -82,7 +82,7 @@ void read_modify_write(benchmark::State& state, Index count) {
                       return nanoseconds_of([&] {
                           for (int k = 0; k < passes; ++k) {
                               increase(y.lanes(), 1, count);
-                              wanted(y);
+                              do_not_optimize(y);
                           }
                       });
                   });

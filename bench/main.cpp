@@ -1,4 +1,4 @@
-// Runs the rows and prints one line for each: what it is quoted by, the median where there are repetitions.
+// Runs the rows and prints one line for each: the time by which it is quoted, and its median if there are repetitions.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <fstream>
@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::AddCustomContext("cpu", processor());
     benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
-    // For people our lines; where JSON or CSV was asked for, that alone is on standard output.
+    // With JSON or CSV, standard output has nothing else; otherwise it has one line for each row.
     benchmark::BenchmarkReporter* const chosen = benchmark::CreateDefaultDisplayReporter();
     OneLineEach lines;
     bool const for_people = dynamic_cast<benchmark::ConsoleReporter*>(chosen) != nullptr;

@@ -1,4 +1,4 @@
-// How a row is timed and what it carries: the one harness under update/, fixed/, batch/, sparse/ and peer/.
+// How a row of the benchmarks is timed, and what it reports: the same for update/, fixed/, batch/, sparse/ and peer/.
 #pragma once
 
 #include "bench/scenario.hpp"
@@ -18,14 +18,14 @@ inline constexpr Index batch_rows = 200000;
 inline std::vector<Index> const batch_sizes{10, 20, 40};
 inline std::string shape(Index rows, Index size) { return std::to_string(rows) + "x" + std::to_string(size); }
 
-/// What one row has to say besides its time.
+/// What one row reports besides its time.
 struct Answer {
     double digits;
     bool finite;
 };
 
-/// Times an iteration without its preparation. What a row is quoted by is the least over all iterations; Google
-/// Benchmark's own time is their mean, with the cost of stopping and starting its clock.
+/// Times an iteration without its preparation. A row is quoted by the least time over all iterations. Google Benchmark's own time is their
+/// mean, and contains the cost of stopping and starting its clock.
 class Stopwatch {
     benchmark::State& state_;
     double const updates_;  // in one iteration
@@ -90,7 +90,7 @@ class FilterRow {
             least = std::min(least, nanoseconds_of([&] {
                                         for (int i = 0; i < calls; ++i) {
                                             auto const& answer = filter.theta();
-                                            wanted(answer);
+                                            do_not_optimize(answer);
                                         }
                                     }) / calls);
         }
@@ -126,8 +126,8 @@ void add_filter_row(std::string const& group, Index size) {
     });
 }
 
-/// A whole set of rows in one go: times solve(input) -> theta; input = prepare(records), where what a library destroys is
-/// copied and laid out as it likes it best, is made afresh for each iteration outside the time.
+/// A whole set of rows at once: times solve(input) -> theta. input = prepare(records) is made anew for each iteration, outside the time: a
+/// copy of what the library overwrites, in the layout in which it is fastest.
 template <class Prepare, class Solve>
 void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepare, Solve solve) {
     Stopwatch watch(state, scenario.records.rows());

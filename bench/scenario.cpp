@@ -1,4 +1,4 @@
-// Makes the scenarios and certifies their solutions, each when it is first asked for.
+// Makes the scenarios and certifies their solutions, each when it is first needed.
 #include "bench/scenario.hpp"
 
 #include <rlslab/core/random.hpp>

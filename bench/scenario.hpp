@@ -1,4 +1,4 @@
-// The data every row is timed on and scored by: made once, the same bits for every variant, arithmetic and peer.
+// The data with which every row is timed and scored: made once, the same bits for every variant, arithmetic and peer.
 #pragma once
 
 #include <rlslab/core/records.hpp>
@@ -6,8 +6,8 @@
 
 namespace rlslab::bench {
 
-/// One problem and its data. Every number in it is a float, so that float and double solve the same problem, and one
-/// certified solution judges both.
+/// One problem and its data. Every number in it is a float, so that float and double solve the same problem and are compared with the same
+/// certified solution.
 struct Scenario {
     Problem<double> problem;
     Records records;

@@ -3,6 +3,7 @@
 #include "catalogue/catalogue.hpp"
 #include "catalogue/instances.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace rlslab {
@@ -35,5 +36,19 @@ Lists const& lists() {
 
 std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
 std::vector<Entry> const& catalogue() { return lists().entries; }
+
+Entry const* find_entry(std::vector<Entry> const& entries, std::string_view variant, std::string_view arithmetic) {
+    auto const found =
+        std::ranges::find_if(entries, [&](Entry const& entry) { return entry.variant == variant && entry.arithmetic->name == arithmetic; });
+    return found == entries.end() ? nullptr : &*found;
+}
+Entry const* find_entry(std::string_view variant, std::string_view arithmetic) { return find_entry(catalogue(), variant, arithmetic); }
+
+std::vector<Entry const*> one_entry_each() {
+    std::vector<Entry const*> out;
+    for (Entry const& entry : catalogue())
+        if (std::ranges::find(out, entry.variant, &Entry::variant) == out.end()) out.push_back(&entry);
+    return out;
+}
 
 }  // namespace rlslab

@@ -1,5 +1,4 @@
-// Puts a filter of any type behind the erased boundary, and makes its entry for the catalogue. No variant itself: longer
-// than one, because the adapter, its clock and the entry are read together.
+// Puts a filter of any type behind the type-erased interface, and makes its entry for the catalogue.
 #pragma once
 
 #include <rlslab/adapt/state_file.hpp>
@@ -18,8 +17,8 @@ template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
 }
-/// For a first look at what a filter holds: rounded to binary64, but never to zero. A zero in a factor decides more than any
-/// rounding does: whether it is a triangle, and whether that is singular.
+/// The stored numbers rounded to binary64, except that a nonzero number never becomes zero: the zeros of a factor decide whether it is a
+/// triangle, and whether it is singular.
 template <class T>
 Stored<double> in_double(Stored<T> const& stored) {
     return stored.template mapped<double>([](T const& x) {
@@ -48,7 +47,7 @@ public:
         else return F::state(e.filter_);
     }
 
-    /// Starting from a prior takes arithmetic too.
+    /// The seed is in use already here: the start from a prior rounds too.
     static std::unique_ptr<AnyFilter> make(Problem<double> const& problem, Seed seed) {
         RoundingSeedScope<T> const draws(seed);
         return std::make_unique<Erased>(F(problem_as<T>(problem)), seed);
@@ -78,7 +77,7 @@ public:
         RoundingSeedScope<T> const draws(seed_);
         return step_in_double(process(filter_, psi, y));
     }
-    // Reports draw from a copy of the seed: asking does not change what follows.
+    // Reports draw from a copy of the seed, so that they do not change later results.
     Vector<Reference> theta() const override {
         Seed copy = seed_;
         RoundingSeedScope<T> const draws(copy);
@@ -111,12 +110,12 @@ public:
     }
 };
 
-/// The least over stretches of the records, each measured by the harness of the benchmarks.
+/// The least time per row over stretches of the records, each measured as in the benchmarks.
 template <class F>
 double nanoseconds(Problem<double> const& problem, Records const& records, Seed seed) {
     using T = typename F::scalar;
     constexpr double enough = 5e5;  // ns of undisturbed timing in all
-    constexpr int at_least = 8;     // stretches: others disturb some of them
+    constexpr int at_least = 8;     // stretches: other processes disturb some of them
     Matrix<T> const psi = records.psi.unaryExpr(&round_to<T>);
     Vector<T> const y = records.y.unaryExpr(&round_to<T>);
     Index rows = std::min<Index>(records.rows(), 16);
@@ -134,7 +133,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
                 Vector<T> const outputs = y.segment(k, rows);
                 took = nanoseconds_of([&] {
                     process(filter, block, outputs);
-                    wanted(Vector<T>(filter.theta()));
+                    do_not_optimize(Vector<T>(filter.theta()));
                 });
             } else {
                 took = stretch<Theta::asked>(filter, psi, y, k, k + rows);
@@ -145,7 +144,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     return least;
 }
 
-/// F's line of the catalogue.
+/// F's entry in the catalogue.
 template <RecursiveLeastSquares F>
 Entry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
@@ -160,7 +159,7 @@ Entry entry_of(Arithmetic const* arithmetic) {
             &nanoseconds<F>};
 }
 
-/// T as data.
+/// The properties of T as data.
 template <class T>
 Arithmetic arithmetic_of() {
     using Traits = ArithmeticTraits<T>;

@@ -1,4 +1,4 @@
-// What one arithmetic's object library contributes to the catalogue.
+// The part of the catalogue that the object library of one arithmetic defines.
 #pragma once
 
 #include <rlslab/lab/any_filter.hpp>
@@ -7,10 +7,10 @@ namespace rlslab {
 
 struct Instances {
     Arithmetic arithmetic;
-    std::vector<Entry> entries;  ///< Entry::arithmetic is still to be set
+    std::vector<Entry> entries;  ///< Entry::arithmetic is null; the catalogue sets it
 };
 
-/// The instances of the I-th arithmetic of the list; defined by catalogue/instances.cpp compiled for that I.
+/// The instances of the I-th arithmetic of the list. catalogue/instances.cpp, compiled for that I, defines it.
 template <int I>
 Instances instances();
 

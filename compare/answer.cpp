@@ -13,7 +13,7 @@ namespace {
 
 constexpr double enough_digits = 3;
 
-/// What hardware computes with, and its name in C++; the shortest first.
+/// The arithmetics of the hardware and their names in C++, the shortest first.
 std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float"}, {"double", "double"}, {"extended", "long double"}};
 
 Result const& result_of(Comparison const& c, Recommendation const& r) {
@@ -79,7 +79,7 @@ Recommendation const* coded(Comparison const& c) {
 
 namespace {
 
-/// Why the code is not for a shorter arithmetic that has a recommendation too; "" where there is none.
+/// The reason why the code is not for a shorter arithmetic that also has a recommendation; "" if there is no such arithmetic.
 std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
     std::vector<std::string> out;
     for (auto const& [name, type] : hardware)

@@ -1,4 +1,4 @@
-// The short answer: which variant, at what price, and the code to paste.
+// The short answer of a comparison: the variant to use, its cost, and C++ code for it.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -8,16 +8,15 @@ namespace rlslab {
 /// "Ud" for "ud", "InverseQr" for "inverse_qr".
 std::string class_of(std::string_view variant);
 
-/// A line for each arithmetic with a recommendation, one for all without.
+/// A line for each arithmetic that has a recommendation, and one line for all others.
 std::string verdict(Comparison const& comparison);
 
-/// The recommendation the code is for: of those in hardware arithmetics the shortest that keeps three digits of theta's worst component
-/// (the low end of its spread), else the longest; null: none.
+/// The recommendation for which code is printed: among those in hardware arithmetics the shortest that keeps three digits of theta's worst
+/// component (the low end of its spread), otherwise the longest. null: none.
 Recommendation const* coded(Comparison const& comparison);
 
-/// C++ that defines the recommended filter as `filter`, the model and the regressors' order and signs in comments above it; "" when
-/// coded() is
-/// null. A file of its own: it compiles as it stands.
+/// A C++ file that defines the recommended filter as `filter`. Comments above it give the model and the order and signs of the regressors.
+/// It compiles as it stands. "" when coded() is null.
 std::string code(Comparison const& comparison);
 
 }  // namespace rlslab

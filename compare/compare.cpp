@@ -1,5 +1,5 @@
-// Runs the comparison: each entry of the catalogue over the records, each step's stored P decided exactly, the last
-// step's theta and P scored against the reference for the very bits the arithmetic was given.
+// Runs the comparison: each entry of the catalogue processes the records. The definiteness of the stored P is decided exactly after each
+// step. theta and P are compared with the reference for the same bits that the arithmetic was given.
 #include "compare/compare.hpp"
 #include "catalogue/catalogue.hpp"
 #include "compare/recommend.hpp"
@@ -27,7 +27,7 @@ std::vector<std::string> printable_names(Records const& records) {
     return names;
 }
 
-/// What the rounding of the data to this arithmetic does to the exact answer.
+/// The effect on the exact solution of rounding the data to this arithmetic.
 Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, CertifiedSolution const& given, Vector<double> const& scales) {
     Problem<double> problem = stored.problem;
     problem.prior.reset();
@@ -39,7 +39,7 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Certi
                 std::numeric_limits<double>::quiet_NaN(),
                 std::numeric_limits<double>::quiet_NaN()};
     CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
-    if (0 < problem.forgetting && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
+    if (is_forgetting_factor(problem.forgetting) && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
         CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
         if (exact)
@@ -60,7 +60,7 @@ std::vector<Index> constant_regressors(Records const& records) {
     return out;
 }
 
-/// |mean of y| in standard deviations of y; 0 where a regressor is constant, and infinite where y is.
+/// |mean of y| in standard deviations of y: 0 if a regressor is constant, infinite if y is.
 double offset(Records const& records) {
     if (!constant_regressors(records).empty()) return 0;
     Index const N = records.rows();
@@ -83,27 +83,26 @@ std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution cons
     return out;
 }
 
-/// " (constant: b0, b1)", or nothing: the commonest reason for dependence, by name.
+/// " (constant: b0, b1)", the names of constant regressors, which are the most common reason for dependence; or "".
 std::string constants_text(Records const& records) {
     std::vector<std::string> names;
     for (Index const i : constant_regressors(records)) names.push_back(records.names[size_t(i)]);
     return names.empty() ? "" : fmt::format(" (constant: {})", fmt::join(names, ", "));
 }
 
-/// The entries asked for, in the catalogue's order.
+/// The entries that the options select, in the catalogue's order.
 std::vector<Entry const*> chosen(CompareOptions const& options) {
     std::vector<std::string_view> variants, scalars;
-    for (Entry const& entry : catalogue())
-        if (std::find(variants.begin(), variants.end(), entry.variant) == variants.end()) variants.push_back(entry.variant);
+    for (Entry const* const entry : one_entry_each()) variants.push_back(entry->variant);
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
-    auto const wanted = [](std::vector<std::string> const& asked, std::string_view name) {
+    auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
         return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
     };
     std::vector<Entry const*> out;
     for (Entry const& entry : catalogue())
-        if (wanted(options.variants, entry.variant) && wanted(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
+        if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
     if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
@@ -179,7 +178,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
             if (progress) progress(double(++done) / double(entries.size()));
         });
     });
-    // Alone on the machine, as far as this program goes.
+    // Timed last, when no other thread of this program runs.
     for (Result& r : out.results) {
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
         if (options.timings && r.breakdown.value_or(Breakdown{1, ""}).step > 0)

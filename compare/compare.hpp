@@ -13,7 +13,7 @@
 
 namespace rlslab {
 
-/// A prior that moves theta by more than this: which variant computes that theta best is then not the question.
+/// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than the prior.
 inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 
 struct CompareOptions {
@@ -26,7 +26,7 @@ struct CompareOptions {
     bool timings = true;                        ///< false: ns_per_update is left out
 };
 
-/// One value for each of the three things whose digits are counted: theta in norm, its worst component, P in the Frobenius norm.
+/// One value for each of the three measures of accuracy: theta in norm, its worst component, P in the Frobenius norm.
 template <class X>
 struct PerMeasure {
     X theta, worst, covariance;
@@ -36,8 +36,8 @@ struct PerMeasure {
 /// finite answer.
 using Digits = PerMeasure<std::optional<double>>;
 
-/// Of digits over the checkpoints, the orders of rows and the draws: nine tenths are at least `low`, a half at least `median`, a tenth at
-/// least `high`. To a tenth of a digit, as printed; -infinity stands for no answer.
+/// The spread of digits over the checkpoints, the orders of rows and the draws: nine tenths of them are at least `low`, a half at least
+/// `median`, a tenth at least `high`. Rounded to a tenth of a digit, as printed; -infinity: there was no finite answer.
 struct Spread {
     double low, median, high;
     friend bool operator==(Spread const&, Spread const&) = default;
@@ -63,13 +63,13 @@ struct Result {
     std::optional<double> ns_per_update = {};
 };
 
-/// What storing the problem costs in an arithmetic shorter than binary64, before any variant computes with it.
+/// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
 struct Storage {
     std::string_view arithmetic;
     double forgetting;                   ///< lambda as stored
     Index rank;                          ///< exact, of the regressors as stored
     bool in_range;                       ///< whether lambda and every entry of P0 are positive and finite there
-    std::optional<double> theta_digits;  ///< in which the exact solutions for the given and for the stored data agree
+    std::optional<double> theta_digits;  ///< in which the exact solutions for the given data and for the stored (rounded) data agree
     double prior_bias;                   ///< of the stored problem; NaN when the prior alone makes it one
     double component_bias;               ///< likewise
 };
@@ -80,7 +80,7 @@ struct Recommendation {
     std::string why;
 };
 
-/// What the parameters multiply, for people and for the code to paste.
+/// The names of output and regressors, for the text and for the printed code.
 struct ModelText {
     std::string file, output;                           ///< "sales.csv", "sales[k]"
     std::vector<std::string> regressors;                ///< "-sales[k-1]", "lead[k]", "1"
@@ -101,17 +101,17 @@ struct Comparison {
     double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
     double component_bias;                     ///< the same of the worst component (largest_relative_change)
     double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
-    CompareOptions options;                    ///< as asked for
+    CompareOptions options;                    ///< with which it was made
     std::vector<Index> checkpoints;
     std::vector<Storage> storage;
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
 };
 
-/// Throws InputError when the options name what does not exist, or the regressors are linearly dependent (exact rank).
+/// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent (exact rank).
 Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress = {});
 
-/// The comparison for people (colour: ANSI codes), and for programs.
+/// The comparison as text (colour: with ANSI codes), as JSON and as CSV.
 std::string as_table(Comparison const& comparison, bool colour);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Three decimals of a digit count are far more than it means, and few enough that every machine prints the same.
+/// A digit count is rounded to three decimals: more than its meaning, and few enough that every machine prints the same.
 double rounded_to(double x, double unit) { return std::round(x / unit) * unit; }
 Json digits_json(std::optional<double> const& digits) {
     if (!digits || !std::isfinite(*digits)) return nullptr;
@@ -25,7 +25,7 @@ Json short_json(double x) {
     return Json::parse(fmt::format("{:.5g}", x));
 }
 
-/// Minus infinity is no answer; JSON knows neither.
+/// null for minus infinity (no answer), which JSON does not have.
 Json tenths_json(double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", x + 0.0)) : Json(nullptr); }
 Json spread_json(Spread const& s) {
     return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}};

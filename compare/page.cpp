@@ -100,8 +100,8 @@ std::string spreads(Comparison const& c) {
                 Spread const& s = (*results[i]->spread).*shown[m].spread;
                 curve.x.push_back(double(i) + 0.22 * (double(m) - 1));
                 curve.y.push_back(s.median);
-                curve.low.push_back(s.low);
-                curve.high.push_back(s.high);
+                curve.lower.push_back(s.low);
+                curve.upper.push_back(s.high);
                 curve.says.push_back(fmt::format("{}: {} {}", results[i]->entry->variant, spread_words(s), shown[m].axis));
             }
             figure.panels.front().curves.push_back(std::move(curve));
@@ -165,8 +165,8 @@ Figure costs(Comparison const& c) {
                  .look = look_of(x.entry->variant, i),
                  .x = {double(*x.operations)},
                  .y = {s.median},
-                 .low = {s.low},
-                 .high = {s.high},
+                 .lower = {s.low},
+                 .upper = {s.high},
                  .line = false,
                  .bars = true,
                  .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant, *x.operations, spread_words(s))},

@@ -14,7 +14,7 @@ double least_median(Result const& r) { return std::min({r.spread->theta.median, 
 
 std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to {:.1f})", s.median, s.low, s.high); }
 
-/// What the prior decides: all of theta, or a component of it; or nothing.
+/// The part of theta that the prior decides: all of it, a component, or nothing.
 std::string decided_by_prior(double prior_bias, double component_bias) {
     if (!(prior_bias <= most_prior_bias)) return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g})", prior_bias);
     if (!(component_bias <= most_component_bias))
@@ -22,7 +22,7 @@ std::string decided_by_prior(double prior_bias, double component_bias) {
     return "";
 }
 
-/// Why there can be no recommendation before any variant computes; or nothing.
+/// The reason for no recommendation that is known before any variant computes; or "".
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
     if (std::string const why = decided_by_prior(c.prior_bias, c.component_bias); !why.empty())
         return why + (c.options.p0 ? ": leave out --p0" : ": rescale the columns");

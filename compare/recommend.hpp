@@ -17,8 +17,8 @@ bool preferred(Result const& a, Result const& b);
 ///   (3) the first by preference among those as good
 Result const* chosen_of(std::vector<Result const*> const& sound);
 
-/// For one arithmetic of a comparison. Variants that take blocks of rows, and those whose cost is a library's, are not recommended:
-/// they answer another need than a row at a time.
+/// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations are in another
+/// library, are not recommended: they are not meant for single rows.
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& comparison);
 
 }  // namespace rlslab

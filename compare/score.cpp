@@ -1,4 +1,4 @@
-// A filter is fed row by row; what it stores is judged after each, what it answers at the checkpoints.
+// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the exact ones at the checkpoints.
 #include "compare/score.hpp"
 
 #include <rlslab/lab/breakdown.hpp>
@@ -61,7 +61,7 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
             }
             first = last;
             if (out.breakdown) continue;
-            std::string kind = breakdown(*filter, arithmetic);  // what is stored decides, not what the step saw of it
+            std::string kind = breakdown(*filter, arithmetic);  // the stored numbers decide, not the step's health
             if (kind.empty() && health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
             if (!kind.empty()) out.breakdown = Breakdown{last, kind};
         }

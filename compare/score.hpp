@@ -1,4 +1,4 @@
-// How many digits one variant keeps in one arithmetic along the record, and how much that depends on luck.
+// The digits that one variant keeps in one arithmetic along the record, and how much they vary with the order of rows and the draws.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -6,12 +6,12 @@
 
 namespace rlslab {
 
-/// The 10 %, 50 % and 90 % points of these numbers (nearest rank, the outer ones rounded outwards), to a tenth: as printed. Numbers
-/// that are absent count as the least. Expects at least one.
+/// The 10 %, 50 % and 90 % points of these numbers (nearest rank), rounded to a tenth as printed, the outer ones outwards. Absent numbers
+/// count as the least. Expects at least one number.
 Spread spread_of(std::vector<std::optional<double>> const& digits);
 
-/// The entry over the stored problem: once for each order of rows, and where rounding is stochastic at least four times, each with
-/// draws of its own. Digits are counted at each checkpoint, breakdown is looked for after each row.
+/// The result of one entry on the stored problem. It runs once for each order of rows; with stochastic rounding at least four times, each
+/// run with its own draws. Digits are counted at each checkpoint, and breakdown is tested after each row.
 Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed);
 
 }  // namespace rlslab

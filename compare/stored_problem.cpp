@@ -42,15 +42,10 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
 
 StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
                              std::vector<std::vector<Index>> const& orders, int digits) {
-    StoredProblem out{problem, records, false, {}};
-    out.records.psi = records.psi.unaryExpr(round);
-    out.records.y = records.y.unaryExpr(round);
-    double& lambda = out.problem.forgetting = round(problem.forgetting);
-    Prior<double>& prior = *out.problem.prior;
-    prior.variance = round(prior.variance);
-    if (prior.covariance) prior.covariance = Matrix<double>(prior.covariance->unaryExpr(round));
+    StoredProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
+    Prior<double> const& prior = *out.problem.prior;
     Vector<double> const P0 = prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
-    out.in_range = 0 < lambda && lambda <= 1 && (P0.array() > 0).all() && P0.allFinite();
+    out.in_range = is_forgetting_factor(out.problem.forgetting) && (P0.array() > 0).all() && P0.allFinite();
     for (std::vector<Index> const& rows : orders) {
         RowOrder order{rows, {}};
         if (out.in_range) order.exact = certified(out.problem, in_order(out.records, rows), checkpoints_of(records.rows()), digits);

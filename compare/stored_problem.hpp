@@ -12,7 +12,7 @@ struct RowOrder {
     std::vector<CertifiedSolution> exact;  ///< one a checkpoint; empty: the stored problem has no exact solution
 };
 
-/// Data, lambda and P0 rounded to an arithmetic: what its variants are given, and its exact solutions with them.
+/// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with the exact solutions of that problem.
 struct StoredProblem {
     Problem<double> problem;
     Records records;
@@ -27,7 +27,7 @@ std::vector<Index> checkpoints_of(Index rows);
 /// order is part of the problem.
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);
 
-/// `round`: how the arithmetic stores a datum. `digits`: to which the exact solutions are certified.
+/// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified.
 StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
                              std::vector<std::vector<Index>> const& orders, int digits);
 

@@ -1,4 +1,4 @@
-// What the text and the page of a comparison say in the same words.
+// Sentences and numbers that the text and the page of a comparison have in common.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -8,7 +8,7 @@ namespace rlslab {
 /// The width of the widest table, and of the text around it.
 inline constexpr size_t text_width = 114;
 
-/// A mean of y of more standard deviations than this is told of, where no regressor is constant.
+/// If the mean of y is more standard deviations than this, and no regressor is constant, a warning says so.
 inline constexpr double most_offset = 2;
 
 /// "first, second, third" in lines of that width; it begins at column `at`, further lines with `indent`.
@@ -36,7 +36,7 @@ bool is_recommended(Comparison const& comparison, Result const& result);
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
 
-/// What makes the answer one to another question than was meant, and the remedy; a sentence each.
+/// Warnings: why the answer may not be the one that was wanted, and the remedy; a sentence each.
 std::vector<std::string> warnings(Comparison const& comparison);
 
 }  // namespace rlslab

@@ -166,7 +166,7 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
     int idle = 0, all = 0;
     for (size_t i = 0; i < terms.size(); ++i) {
         if (terms[i].input != input) continue;
-        idle += idle == all && parameters[i].low <= 0 && 0 <= parameters[i].high;
+        idle += idle == all && parameters[i].lower <= 0 && 0 <= parameters[i].upper;
         ++all;
     }
     return idle == all ? 0 : idle;
@@ -208,7 +208,7 @@ void advise_of_cancellations(Identified& m, bool chosen) {
 
 }  // namespace
 
-/// What is left unexplained held out, over what is left in the fit, before it is told of.
+/// A warning is given if the residuals of the held-out part are more than this times those of the fit.
 constexpr double falls_by = 1.5;
 
 void advise(Identified& m, int most) {

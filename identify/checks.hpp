@@ -1,4 +1,4 @@
-// Whether to believe a model, and what to do where not: each check ends in words.
+// Checks of an identified model. Each gives warnings in words, with remedies.
 #pragma once
 
 #include "identify/estimate.hpp"
@@ -11,10 +11,10 @@ namespace rlslab {
 ///   (2) S = cov of (re, im) of p - z = g C g',   g its gradient,  C = cov theta
 ///   (3) q = (p - z)' S^-1 (p - z)  <=  chi^2's quantile at the confidence, 2 degrees of freedom for a complex pair, 1 for real ones
 ///
-/// (3) is Wald's test of a common root: not rejected, the pair says nothing that a model without it does not say. Judged only
-/// where the first order holds: p and z are known to within half the distance to the next pole, or zero. Each pole goes with the zero of
-/// least q; of
-/// several inputs a pole cancels if it does for each. Source: Söderström & Stoica 1989, 11.4 (pole-zero cancellation).
+/// (3) is Wald's test of a common root. If it is not rejected, a model without the pair describes the record as well. It is applied only
+/// where the first order holds: the errors of p and z are below half the distance to the next pole, or zero. Each pole is paired with the
+/// zero of least q. With several inputs a pole cancels if it does for each. Source: Söderström & Stoica 1989, 11.4 (pole-zero
+/// cancellation).
 std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
                                         double confidence);
 

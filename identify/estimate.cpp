@@ -16,16 +16,16 @@
 namespace rlslab {
 
 Entry const& entry_of(std::string const& variant) {
+    if (Entry const* const entry = find_entry(variant)) return *entry;
     std::vector<std::string_view> known;
-    for (Entry const& e : catalogue())
-        if (e.arithmetic->name == "double") known.push_back(e.variant);
+    for (Entry const* const e : one_entry_each()) known.push_back(e->variant);  // each is in double
     expect_one_of(known, variant, "--variant", "variant");
-    return *std::ranges::find_if(catalogue(), [&](Entry const& e) { return e.arithmetic->name == "double" && e.variant == variant; });
+    throw std::logic_error("a variant without double");
 }
 
 namespace {
 
-/// An error that does not matter: a tenth of what noise does, or as little as the arithmetic leaves of a record without noise.
+/// The error that does not matter: a tenth of the error due to noise, or, for a record without noise, the rounding error of the arithmetic.
 Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, double least) {
     double scale = 0;
     for (Reference const& x : theta) scale = std::max(scale, std::abs(static_cast<double>(x)));
@@ -82,7 +82,7 @@ struct Run {
     std::optional<Failure> failure;
 };
 
-/// The variant over the rows; what it stores is judged after every step.
+/// Runs the variant over the rows; its stored P is tested after every step.
 Run run(Entry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
     auto const filter = entry.make(problem, Seed{1});
     Run out;
@@ -104,7 +104,7 @@ Run run(Entry const& entry, Problem<double> const& problem, Records const& recor
     return out;
 }
 
-/// The variant that a person should take instead: the first that does not break down and whose error does not matter; "" if none does.
+/// The variant to use instead: the first that does not break down and whose error does not matter; "" if there is none.
 std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best,
                            Vector<double> const& allowed, std::string const& than) {
     for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {

@@ -1,4 +1,4 @@
-// The recursion itself: the variant over the fitted rows, and what its numbers are worth.
+// The recursion itself: the variant processes the fitted rows, and its numbers are compared with the certified ones.
 #pragma once
 
 #include "identify/identify.hpp"
@@ -8,7 +8,7 @@ namespace rlslab {
 /// The variant's entry in double. Throws InputError.
 Entry const& entry_of(std::string const& variant);
 
-/// What an estimate needs beyond what it says of itself.
+/// Statistics of an estimate that the variant does not report.
 struct Estimation {
     Vector<double> sd;           ///< of the certified minimiser
     Matrix<double> correlation;  ///< of its components

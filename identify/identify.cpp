@@ -168,14 +168,14 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     std::vector<Index> coefficients(size_t(inputs), 0);
     for (Term const& t : widest)
         if (t.input >= 0) ++coefficients[size_t(t.input)];
-    Index const wanted = *std::ranges::max_element(coefficients) - 1,
-                supported = supported_order(out, data, fitted_samples, wanted, coefficients, progress);
-    if (given ? supported < wanted : supported < 1)
+    Index const highest = *std::ranges::max_element(coefficients) - 1,
+                supported = supported_order(out, data, fitted_samples, highest, coefficients, progress);
+    if (given ? supported < highest : supported < 1)
         throw InputError(fmt::format(
             "{}: {} ({})", file,
             supported < 1   ? "the input does not excite the system: it supports no model of order 1 or more"
             : options.order ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order, supported)
-                            : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}", wanted + 1,
+                            : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}", highest + 1,
                                           supported + 1),
             fmt::join(out.warnings, "; ")));
 

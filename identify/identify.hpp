@@ -1,4 +1,4 @@
-// From a record to a model: structure, parameters with their uncertainty, and every check of whether to believe them.
+// From a record to a model: structure, parameters with their uncertainty, and checks of both.
 #pragma once
 
 #include "identify/order.hpp"
@@ -41,7 +41,7 @@ struct Term {
 
 struct Parameter {
     std::string name, of;
-    double value, sd, low, high;  ///< NaN where the variant gave no number
+    double value, sd, lower, upper;  ///< lower and upper: of the confidence interval; NaN where the variant gave no number
 };
 
 /// theta(k) on its way, with its band.

@@ -13,7 +13,7 @@ namespace {
 
 Curve curve(std::string name, size_t place, Signal x, Signal y) {
     Look look = look_of("", place);
-    return {.name = std::move(name), .look = look, .x = std::move(x), .y = y, .low = y, .high = y};
+    return {.name = std::move(name), .look = look, .x = std::move(x), .y = y, .lower = y, .upper = y};
 }
 Curve line(std::string name, size_t place, Signal x, Signal y) {
     Curve out = curve(std::move(name), place, std::move(x), std::move(y));
@@ -78,7 +78,7 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
             sum += e, low = std::min(low, e), high = std::max(high, e);
         }
         errors.x.push_back(double(presample) + double(k) + double(count - 1) / 2);
-        errors.y.push_back(sum / double(count)), errors.low.push_back(low), errors.high.push_back(high);
+        errors.y.push_back(sum / double(count)), errors.lower.push_back(low), errors.upper.push_back(high);
     }
     Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
     if (m.held_out > 0) record.panels[0].events.push_back({.x = double(presample + begins), .text = "held out from here"});
@@ -124,11 +124,11 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
         std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
         auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
         if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
-        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .low = {}, .high = {}};  // one look a parameter
+        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .lower = {}, .upper = {}};  // one look a parameter
         for (size_t i = settled; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
-            c.x.push_back(double(point.row)), c.y.push_back(value), c.low.push_back(value - 2 * sd), c.high.push_back(value + 2 * sd);
+            c.x.push_back(double(point.row)), c.y.push_back(value), c.lower.push_back(value - 2 * sd), c.upper.push_back(value + 2 * sd);
         }
         c.marks = j >= 16;  // from there on colour and dash come again
         panel->curves.push_back(std::move(c));
@@ -232,7 +232,7 @@ std::string as_page(Identified const& m) {
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
         rows.push_back({printable(p.name), p.of, number_text(p.value, 6), number_text(p.sd, 2),
-                        fmt::format("{} ... {}", number_text(p.low, 5), number_text(p.high, 5))});
+                        fmt::format("{} ... {}", number_text(p.lower, 5), number_text(p.upper, 5))});
     body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     for (std::string const& words : result_lines(m))
         if (!words.starts_with("next: ")) body += fmt::format("<p>{}</p>", escaped(words));

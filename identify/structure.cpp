@@ -146,24 +146,9 @@ std::string equation_text(std::vector<Term> const& terms, std::string const& out
 }
 
 DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> const& theta, size_t inputs) {
-    DifferenceEquation out;
-    out.b.resize(inputs);
-    out.delay = std::numeric_limits<int>::max();
-    for (Term const& t : terms)
-        if (t.input >= 0) out.delay = std::min(out.delay, t.lag);
-    for (size_t i = 0; i < terms.size(); ++i) {
-        Term const& t = terms[i];
-        double const value = theta[Index(i)];
-        if (t.input == -2) {
-            out.c = value;
-            continue;
-        }
-        std::vector<double>& into = t.input == -1 ? out.a : out.b[size_t(t.input)];
-        size_t const at = size_t(t.input == -1 ? t.lag - 1 : t.lag - out.delay);
-        if (into.size() <= at) into.resize(at + 1, 0.0);
-        into[at] = value;
-    }
-    return out;
+    std::vector<EquationTerm> places;
+    for (Term const& t : terms) places.push_back({t.input, t.lag});
+    return DifferenceEquation::of(places, theta, inputs);
 }
 
 }  // namespace rlslab

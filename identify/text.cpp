@@ -160,7 +160,7 @@ std::string as_table(Identified const& m) {
                        100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
         out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6),
-                           number_text(p.sd, 2), number_text(p.low, 5), number_text(p.high, 5));
+                           number_text(p.sd, 2), number_text(p.lower, 5), number_text(p.upper, 5));
     out += '\n';
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;
@@ -173,8 +173,8 @@ std::string as_json(Identified const& m) {
                               {"of", p.of},
                               {"value", number(p.value)},
                               {"sd", number(p.sd)},
-                              {"low", number(p.low)},
-                              {"high", number(p.high)}});
+                              {"low", number(p.lower)},
+                              {"high", number(p.upper)}});
     for (OrderFit const& f : m.choice.fits)
         orders.push_back({{"order", f.order},
                           {"parameters", f.parameters},

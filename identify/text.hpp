@@ -1,4 +1,4 @@
-// What is said of a model, line by line: the same words on a terminal and on a page.
+// The description of a model, line by line: the same words on a terminal and on a page.
 #pragma once
 
 #include "identify/identify.hpp"

@@ -1,4 +1,4 @@
-// The program's command line: its commands, and what a person is told whose words are none.
+// The program's command line: its commands, and the messages for lines that are no valid command.
 #include "program/commands.hpp"
 #include "program/described.hpp"
 
@@ -91,7 +91,7 @@ struct CommandLine {
                 return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
         return text;
     }
-    /// A word that nobody takes comes before all else: an option that is missing is often one that is misspelt.
+    /// An unknown word is reported before anything else: a missing option is often a misspelt one.
     void refuse_extra_word() const {
         std::vector<std::string> const own = app.remaining(false), all = app.remaining(true);  // of the program; of its command besides
         if (all.empty()) return;

@@ -32,6 +32,12 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
             ""};
 }
 
+void take_forgetting(CLI::App& command, double& forgetting) {
+    command.add_option("--forgetting", forgetting, "forgetting factor, in (0, 1]; default 1")
+        ->check(real("a number in (0, 1]", [](double x) { return is_forgetting_factor(x); }))
+        ->type_name("LAMBDA");
+}
+
 CLI::Validator named(char const* expected) {
     return {[=](std::string& text) { return text.empty() ? fmt::format("expected {}", expected) : ""; }, ""};
 }

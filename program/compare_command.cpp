@@ -157,9 +157,7 @@ Command compare_command(CLI::App& app) {
           "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order");
     comparing->add_flag("--intercept", a->intercept, "a constant regressor besides");
     comparing->add_flag("--detrend", a->detrend, "take the mean off each column first");
-    comparing->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
-        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))
-        ->type_name("LAMBDA");
+    take_forgetting(*comparing, a->options.forgetting);
     comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");

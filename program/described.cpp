@@ -1,4 +1,4 @@
-// The definitions, taken from CLI11's structures; what no definition has, the exit codes and the environment, is said here.
+// The definitions are read from CLI11's structures. The exit codes and the environment, which CLI11 does not know, are written here.
 #include "program/described.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What the definitions of the command line say, for those who write it down: the help, the manual page, the shells' completions.
+// The definitions of the command line as data, from which the help, the manual page and the shells' completions are written.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace rlslab {
 
-/// An option, or with an empty `name` what stands on the line without one.
+/// An option, or with an empty `name` an argument without one.
 struct Described {
     std::string name;     ///< "--variants"
     std::string shorter;  ///< "-h", or empty
@@ -21,7 +21,7 @@ struct Described {
 
 /// A flag.
 bool takes_nothing(CLI::Option const& option);
-/// What stands without a name first, then the options in the order of their definition. Hidden ones are left out.
+/// Arguments without a name first, then the options in the order of their definition. Hidden ones are left out.
 std::vector<Described> described(CLI::App const& command);
 /// Those that are not hidden, in the order of their definition.
 std::vector<CLI::App const*> shown_commands(CLI::App const& app);
@@ -38,11 +38,11 @@ std::vector<Meaning> const& environment();
 /// Of --help and `rlslab list`: the letters in a line.
 inline constexpr size_t help_width = 79;
 std::string help_text(CLI::App const& command);
-/// Lines as they were written. One that is too long has what follows its first gap, "Example:  rlslab ...", on a line of its own.
+/// The lines as they were written, except that a line which is too long is broken at its first gap ("Example:  rlslab ...").
 std::string notes(std::string const& text, size_t width);
 /// man rlslab, in roff.
 std::string manual_page(CLI::App const& app);
-/// What bash and zsh load to complete commands, options, and the names of variants, arithmetics, studies and columns.
+/// The scripts with which bash and zsh complete commands, options, and the names of variants, arithmetics, studies and columns.
 std::string bash_completion(CLI::App const& app);
 std::string zsh_completion(CLI::App const& app);
 

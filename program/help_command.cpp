@@ -1,4 +1,4 @@
-// rlslab help, and what the build asks for: the manual page and the completions.
+// rlslab help, and two commands for the build: the manual page and the completions.
 #include "program/commands.hpp"
 #include "program/described.hpp"
 

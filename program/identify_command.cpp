@@ -195,9 +195,7 @@ Command identify_command(CLI::App& app) {
     list("--regressors", a->options.regressors, "A,B",
          "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")->type_name("NAME");
-    c->add_option("--forgetting", a->options.forgetting, "forgetting factor, in (0, 1]; default 1")
-        ->check(real("a number in (0, 1]", [](double x) { return 0 < x && x <= 1; }))
-        ->type_name("LAMBDA");
+    take_forgetting(*c, a->options.forgetting);
     c->add_option("--p0", a->options.p0, "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");

@@ -1,4 +1,4 @@
-// rlslab list: what there is to choose from.
+// rlslab list: the names of variants, arithmetics and studies.
 #include "catalogue/catalogue.hpp"
 #include "program/commands.hpp"
 #include "program/described.hpp"
@@ -18,10 +18,7 @@ void run_list(bool json) {
                                   {"arithmetics", nlohmann::ordered_json::array()},
                                   {"studies", nlohmann::ordered_json::array()}};
     std::string text = "variants                  propagates   a prior   rows at once  in\n";
-    std::vector<Entry const*> variants;
-    for (Entry const& e : catalogue())
-        if (std::none_of(variants.begin(), variants.end(), [&](Entry const* v) { return v->variant == e.variant; })) variants.push_back(&e);
-    for (Entry const* v : variants) {
+    for (Entry const* const v : one_entry_each()) {
         std::vector<std::string_view> in;
         for (Entry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);

@@ -1,4 +1,4 @@
-// The rlslab program: one line on standard error and exit code 2 for whatever goes wrong.
+// The rlslab program: any error gives one line on standard error and exit code 2.
 #include "program/commands.hpp"
 
 #include <csignal>
@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Silently, like git, also where whoever started the program does not want to die of them and has left it that.
+/// A closed pipe ends the program silently, as with git, also if its parent ignores SIGPIPE and the program inherited that.
 void die_of_closed_pipes() {
     sigset_t pipe;
     sigemptyset(&pipe);

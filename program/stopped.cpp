@@ -1,4 +1,4 @@
-// What a signal that ends the program leaves behind: as git does it, a handler that cleans up and dies of the same signal.
+// Signals that end the program: as in git, a handler cleans up and then raises the same signal again.
 #include "program/commands.hpp"
 
 #include <rlslab/core/files.hpp>
@@ -15,10 +15,10 @@ char advice[512];
 std::atomic<size_t> length = 0;
 std::atomic<bool> terminal = false;
 
-/// Only what a handler may call: unlink, write, raise.
+/// Calls only functions that a signal handler may call: unlink, write, raise.
 void clean_up(int signal) {
     remove_unfinished_file();
-    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // progress and ^C stand on this line
+    if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // the line of progress, and ^C, end here
     if (length > 0) (void)!::write(STDERR_FILENO, advice, length);
     ::raise(signal);  // the handler is gone (SA_RESETHAND): its default comes when this one returns
 }
@@ -37,7 +37,7 @@ void when_stopped(std::string const& text) {
     for (int const signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before {};
         ::sigaction(signal, nullptr, &before);
-        if (before.sa_handler != SIG_IGN) ::sigaction(signal, &act, nullptr);  // whoever started it with nohup meant it
+        if (before.sa_handler != SIG_IGN) ::sigaction(signal, &act, nullptr);  // with nohup it stays ignored
     }
 }
 

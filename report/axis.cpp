@@ -59,7 +59,7 @@ Axis::Axis(Range range, bool logarithmic, double padding) : logarithmic_(logarit
     double const largest = std::max(std::abs(range.low), std::abs(range.high));
     if (!logarithmic && largest > 0) std::frexp(largest, &exponent_);
     low_ = coordinate(range.low), high_ = coordinate(range.high);
-    // Numbers that agree to twelve digits have no ticks between them that a label tells apart: as if they were one.
+    // Between numbers that agree to twelve digits no two ticks would have different labels: they are drawn as one number.
     double const middle = (low_ + high_) / 2;
     if (high_ - low_ < (logarithmic ? 1e-9 : 1e-12 * std::abs(middle)) || low_ == high_) {
         double const around = logarithmic ? 0.5 : middle == 0 ? 1 : 0.1 * std::abs(middle);
@@ -82,10 +82,10 @@ Ticks Axis::ticks(int about) const { return logarithmic_ ? logarithmic(std::max(
 Ticks Axis::linear(int about) const {
     Ticks out;
     double const wished = std::ldexp((high_ - low_) / about, exponent_);
-    if (!(wished > 1e-300)) return out;  // among the least numbers a step has no digits of its own
+    if (!(wished > 1e-300)) return out;  // a step among subnormal numbers has too few digits
     Step const step = step_from(wished);
     double const unit = std::ldexp(step.value(), -exponent_);
-    constexpr double slack = 1e-9;  // of a step: an end that is a tick but for rounding shows it
+    constexpr double slack = 1e-9;  // of a step: an end that equals a tick except for rounding gets that tick
     auto const first = static_cast<long long>(std::ceil(low_ / unit - slack)),
                last = static_cast<long long>(std::floor(high_ / unit + slack));
     long long const most = std::max(std::abs(first), std::abs(last));
@@ -115,12 +115,12 @@ Ticks Axis::within_a_decade(int about) const {
     if (out.all.size() >= 3) {
         // The largest of these sets of digits that gives no more labels than wished for.
         for (std::string_view const labelled : {"123456789", "123468", "12357", "125", "13"}) {
-            auto const keeps = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
+            auto const is_kept = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
             int labels = 0;
-            for (size_t i = 0; i < digits.size(); ++i) labels += keeps(i);
+            for (size_t i = 0; i < digits.size(); ++i) labels += is_kept(i);
             if (labels > about && labelled != "13") continue;
             for (size_t i = 0; i < digits.size(); ++i)
-                if (!keeps(i)) out.all[i].text.clear(), out.all[i].power.clear();
+                if (!is_kept(i)) out.all[i].text.clear(), out.all[i].power.clear();
             break;
         }
         return out;

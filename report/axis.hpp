@@ -1,4 +1,4 @@
-// One axis: from numbers to places in a drawing, and ticks that people can read.
+// One axis: from numbers to places in a drawing, and readable ticks.
 #pragma once
 
 #include <limits>
@@ -62,7 +62,7 @@ public:
 /// "-3.2" with a minus sign, long integers in groups of three.
 std::string tick_text(std::string plain);
 
-/// About how wide a text is, in units of the size of its font; rather too wide.
+/// An estimate of the width of a text, in units of the size of its font; rather too large than too small.
 double text_width(std::string_view text);
 
 }  // namespace rlslab

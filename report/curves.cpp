@@ -75,8 +75,8 @@ std::string path_of(Run const& run, Box const& box) {
 }
 
 bool has_interval(Curve const& curve, size_t i) {
-    return i < curve.low.size() && i < curve.high.size() && (curve.low[i] != curve.y[i] || curve.high[i] != curve.y[i]) &&
-           !std::isnan(curve.low[i]) && !std::isnan(curve.high[i]);
+    return i < curve.lower.size() && i < curve.upper.size() && (curve.lower[i] != curve.y[i] || curve.upper[i] != curve.y[i]) &&
+           !std::isnan(curve.lower[i]) && !std::isnan(curve.upper[i]);
 }
 
 /// An end of an interval, moved into the panel: it may be infinite, or 0 where the axis is logarithmic.
@@ -91,15 +91,15 @@ std::string band(Curve const& curve, Axes const& axes) {
     for (size_t from = 0; from < curve.x.size();) {
         size_t to = from;
         bool wide = false;
-        for (; to < curve.x.size() && to < curve.low.size() && to < curve.high.size() && axes.x.shows(curve.x[to]) &&
-               !std::isnan(curve.low[to]) && !std::isnan(curve.high[to]);
+        for (; to < curve.x.size() && to < curve.lower.size() && to < curve.upper.size() && axes.x.shows(curve.x[to]) &&
+               !std::isnan(curve.lower[to]) && !std::isnan(curve.upper[to]);
              ++to)
             wide |= has_interval(curve, to);
         if (wide && to - from > 1) {
             Run upper, lower;
             for (size_t i = from; i < to; ++i) {
                 double const x = axes.x(curve.x[i]);
-                upper.push_back({x, inside(curve.high[i], axes)}), lower.push_back({x, inside(curve.low[i], axes)});
+                upper.push_back({x, inside(curve.upper[i], axes)}), lower.push_back({x, inside(curve.lower[i], axes)});
             }
             upper = thinned(upper), lower = thinned(lower);
             std::string path;
@@ -118,7 +118,7 @@ std::string says(Figure const& figure, Curve const& curve, size_t i) {
     std::string const x =
         place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
     std::string out = fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
-    if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.low[i]), number_text(curve.high[i]));
+    if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.lower[i]), number_text(curve.upper[i]));
     return out;
 }
 
@@ -129,11 +129,11 @@ std::string edge_mark(double x, Axes const& axes) { return mark_path("triangle-d
 std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
     std::string path, edges;
     for (size_t i = 0; i < curve.x.size(); ++i) {
-        if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i) || curve.high[i] < panel.y_least) continue;
-        double const x = axes.x(curve.x[i]), top = inside(curve.high[i], axes),
-                     bottom = curve.low[i] < panel.y_least ? axes.box.bottom : inside(curve.low[i], axes);
+        if (!axes.x.shows(curve.x[i]) || !has_interval(curve, i) || curve.upper[i] < panel.y_least) continue;
+        double const x = axes.x(curve.x[i]), top = inside(curve.upper[i], axes),
+                     bottom = curve.lower[i] < panel.y_least ? axes.box.bottom : inside(curve.lower[i], axes);
         path += fmt::format("M{0} {1}h6M{2} {1}V{3}", fixed(x - 3), fixed(top), fixed(x), fixed(bottom));
-        if (curve.low[i] < panel.y_least) edges += edge_mark(x, axes);
+        if (curve.lower[i] < panel.y_least) edges += edge_mark(x, axes);
         else path += fmt::format("M{} {}h6", fixed(x - 3), fixed(bottom));
     }
     if (path.empty()) return "";

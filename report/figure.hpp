@@ -24,11 +24,11 @@ struct Curve {
     std::string name;
     Look look;
     std::vector<double> x, y;
-    std::vector<double> low = {}, high = {};  ///< an interval about each y, drawn where it is not y itself; or empty
-    std::vector<std::string> row = {};        ///< cells: what each stands at along the other axis
+    std::vector<double> lower = {}, upper = {};  ///< an interval about each y, drawn where it is not y itself; or empty
+    std::vector<std::string> row = {};           ///< cells: what each stands at along the other axis
     bool marks = true, line = true;
     bool stems = false;                  ///< an upright line from y = 0 to each point
-    bool bars = false;                   ///< low and high as an error bar at each point; otherwise as a band
+    bool bars = false;                   ///< lower and upper as an error bar at each point; otherwise as a band
     std::vector<std::string> says = {};  ///< a tooltip for each point; if empty, they tell name and numbers
     bool strong = false;                 ///< thicker and over the others, which are lighter in a panel that has such a curve
 };

@@ -44,7 +44,7 @@ Range y_range(Figure const& figure, Panel const* only, bool logarithmic) {
         if (only && &panel != only) continue;
         add(out, panel.y_holds, logarithmic);
         for (Curve const& curve : panel.curves)
-            for (auto const* values : {&curve.y, &curve.low, &curve.high}) add(out, *values, logarithmic, panel.y_least);
+            for (auto const* values : {&curve.y, &curve.lower, &curve.upper}) add(out, *values, logarithmic, panel.y_least);
         for (Event const& event : panel.events) add(out, {event.y}, logarithmic, panel.y_least);
     }
     Axis near(out, logarithmic, 0.5);

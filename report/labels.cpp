@@ -58,8 +58,8 @@ std::string text_at(double x, double y, std::string const& text, std::string con
 
 namespace {
 
-/// Heights near those wished for, in their order, inside [top, bottom], `gap` apart or as far as there is room: halfway between
-/// only pushing down and only pushing up, then moved inside.
+/// Heights near the wished ones, in their order, inside [top, bottom], `gap` apart or as far apart as fits: the mean of those that
+/// pushing down alone and pushing up alone give, then moved inside.
 std::vector<double> spread(std::vector<double> wished, double gap, double top, double bottom) {
     size_t const n = wished.size();
     if (n < 2) return wished;
@@ -121,8 +121,8 @@ NamesGroup names_beside(Panel const& panel, std::vector<Curve const*> const& leg
             auto const height = [&](double y) {
                 return axes.y.shows(y) ? std::clamp(axes.y(y), axes.box.top, axes.box.bottom) : axes.box.bottom;
             };
-            if (curve.bars && i < curve.low.size() && i < curve.high.size())
-                bar = {at->x - 3, height(curve.high[i]), at->x + 3, height(curve.low[i])};
+            if (curve.bars && i < curve.lower.size() && i < curve.upper.size())
+                bar = {at->x - 3, height(curve.upper[i]), at->x + 3, height(curve.lower[i])};
             bool const last = curves.empty() || curves.back() != &curve;  // the others of a curve are in the way, and have no name
             double const width = last ? tick_size * text_width(curve.name) * (curve.strong ? 1.1 : 1) : 0;
             points.push_back({at->x, at->y, bar, width, curve.strong}), curves.push_back(&curve);

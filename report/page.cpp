@@ -23,7 +23,7 @@ std::string escaped(std::string_view text) {
 }
 
 namespace {
-/// Whether anything of this name can be shown.
+/// Whether a series of this name has anything that can be drawn.
 bool drawn(Figure const& figure, std::string const& name) {
     for (Panel const& panel : figure.panels)
         for (auto const* curves : {&panel.curves, &panel.guides})

@@ -12,7 +12,7 @@ std::string escaped(std::string_view text);
 /// Panels as SVG, with title and legend; wide and narrow versions where one would not be legible at both.
 std::string figure_html(Figure const& figure);
 
-/// LaTeX, written in the source as R"tex(...)tex": that is what the build looks for.
+/// A formula in LaTeX, written in the source as R"tex(...)tex": the build searches for that.
 std::string formula_html(std::string_view tex);
 /// The same as MathML; empty if the program was built without pandoc, or the source does not mark it as R"tex(...)tex".
 std::string_view mathml(std::string_view tex);

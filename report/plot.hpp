@@ -1,4 +1,4 @@
-// Inside the renderer: the parts a panel is drawn from. Lengths are units of the SVG; y grows downward.
+// The parts from which the renderer draws a panel; internal. Lengths are units of the SVG; y grows downward.
 #pragma once
 
 #include "report/axis.hpp"
@@ -27,9 +27,9 @@ std::string number_text(double x);
 
 constexpr double tick_size = 12;  ///< of the font of ticks and names
 
-/// Its beginning and "…", where it is too wide in a font of this size.
+/// The text, or its beginning and "…" if it is wider than this in a font of this size.
 std::string shortened(std::string const& text, double size, double width);
-/// So many lines at most, no wider than this, broken at spaces.
+/// The text broken at spaces into lines of at most this width, and at most so many lines.
 std::vector<std::string> wrapped(std::string const& text, double size, double width, size_t most);
 std::string text_at(double x, double y, std::string const& text, std::string const& attributes);
 
@@ -47,7 +47,8 @@ std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i
 
 /// A curve: its band or bars, its line, its marks with tooltips; nothing outside the box.
 std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide, Axes const& axes);
-/// What happened, over the curves; the text of an upright line at the end and on the side where no curve is, if there is one.
+/// Events, drawn over the curves. The text of an upright line stands at the end and on the side where no curve is, if there is such a
+/// place.
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes);
 
 /// Cells of a heat map; they meet halfway between their places.
@@ -79,7 +80,7 @@ std::string labels_group(Frame const& frame, double height);
 /// The place in the legend; its size if the name is not in it.
 size_t series_number(std::vector<Curve const*> const& legend, std::string const& name);
 
-/// Whether names stand beside single points: such a figure needs room.
+/// Whether names stand beside single points: such a figure needs more space.
 bool names_points(Figure const& figure);
 
 /// Where a panel's curves are named in it: at their ends, in a margin of this width, or beside single points.

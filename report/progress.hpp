@@ -1,11 +1,11 @@
-// How far along something is.
+// The progress of a long computation.
 #pragma once
 
 #include <functional>
 
 namespace rlslab {
 
-/// Called with the part that is done, in (0, 1], from one thread at a time.
+/// Called with the fraction that is done, in (0, 1], by one thread at a time.
 using Progress = std::function<void(double)>;
 
 }  // namespace rlslab

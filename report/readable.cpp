@@ -1,4 +1,4 @@
-// LaTeX for eyes without a typesetter: words for Greek letters, a/b for fractions, no backslash left.
+// LaTeX as plain text: words for Greek letters, a/b for fractions, no backslash.
 #include "report/page.hpp"
 
 #include <map>

@@ -50,7 +50,7 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
     return out;
 }
 
-/// What a screen reader says of it.
+/// The description for screen readers.
 std::string description(Figure const& figure, Panel const& panel) {
     std::string out = fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
     bool const log_y = logarithmic_y(figure, panel);

@@ -1,5 +1,5 @@
-// Our own renderer: a figure becomes SVG text. The same figure gives the same bytes on every machine: numbers are written
-// with fixed digits, and no function of libm that may differ between processors is called.
+// Draws a figure as SVG text. The same figure gives the same bytes on every machine: numbers are written with fixed digits, and no function
+// of libm is called that may differ between processors.
 #pragma once
 
 #include "report/figure.hpp"
@@ -9,8 +9,8 @@ namespace rlslab {
 /// The whole figure as a file of its own: title, panels, legend.
 std::string svg(Figure const& figure);
 
-/// One panel as an <svg> element for a page, `width` x `height` units, as large as its box. With `named` the names of the
-/// curves stand at their ends where the figure asks for that.
+/// One panel as an <svg> element for a page, `width` x `height` units, as large as its box. With `named` the names of the curves stand at
+/// their ends if Figure::names is set.
 std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named);
 
 /// The curves whose names find no place in that drawing: to be listed under it.

@@ -105,10 +105,9 @@ TEST(VariablePrecision, VariantsGiveTheBitsOfTheHardware) {
     for (auto const& [bits, name] : {std::pair{53, "double"}, std::pair{24, "float"}})
         for (Entry const& e : variable_precision_catalogue()) {
             PrecisionScope const precision(bits);
-            auto const hardware = std::ranges::find_if(
-                catalogue(), [&](Entry const& other) { return other.variant == e.variant && other.arithmetic->name == name; });
-            ASSERT_NE(hardware, catalogue().end());
-            Records const records = laws::rounded(laws::noise_records(5, 60, Seed{4}), hardware->arithmetic->round);
+            Entry const* const hardware = find_entry(e.variant, name);
+            ASSERT_TRUE(hardware);
+            Records const records = as_stored(laws::noise_records(5, 60, Seed{4}), *hardware->arithmetic);
             auto const f = e.make(laws::problem(5, 0.96875), Seed{1}), g = hardware->make(laws::problem(5, 0.96875), Seed{1});
             laws::take_rows(*f, records);
             laws::take_rows(*g, records);

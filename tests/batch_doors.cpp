@@ -1,4 +1,4 @@
-// Many rows at once: wrong sizes are refused at the door, and every thread computes as the calling one would.
+// Many rows at once: wrong sizes are refused before any row is processed, and every thread computes as the calling one would.
 #include "tests/laws.hpp"
 
 #include <rlslab/adapt/fold_all.hpp>

@@ -72,7 +72,7 @@ TEST_P(Battery, StartsFromNothingWhereItSaysSo) {
         EXPECT_THROW(entry.make(p, Seed{1}), std::invalid_argument);
         return;
     }
-    Records const records = rounded(noise_records(3, 30, Seed{33}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(3, 30, Seed{33}), *entry.arithmetic);
     auto const f = entry.make(p, Seed{1});
     for (Index k = 0; k < 3; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "undetermined") << k;
     for (Index k = 3; k < 30; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "sound") << k;

@@ -1,4 +1,4 @@
-// What citations.cpp asks of a text: each function takes (tree, path, text) and says what in that text leads nowhere.
+// The checks of citations.cpp: each function takes (tree, path, text) and returns the citations in the text that do not resolve.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// `rlslab compare` as a person meets it: what it asks for, what it answers first, what it writes.
+// `rlslab compare` on the command line: the options it requires, its first answer, the files it writes.
 #include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -128,7 +128,7 @@ TEST_F(CompareCommand, AnswersInAnyUnits) {
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
-        "'" + root + "/tests/data/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+        "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
     json const out = compared(longley);
     // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
     constexpr double certified[] = {-3482258.63459582, 15.0618722713733,       -0.358191792925910e-01, -2.02022980381683,

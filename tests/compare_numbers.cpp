@@ -57,15 +57,10 @@ double worst_digits(Vector<Reference> const& x, Solved const& s) {
     return out;
 }
 Matrix<Reference> rebuilt(Stored<Reference> const& stored) {
-    Matrix<Reference> X = stored.F;
-    if (stored.form == Stored<Reference>::Form::factor) {
-        Matrix<Reference> scaled = stored.F;
-        for (Index j = 0; j < stored.D.size(); ++j) scaled.col(j) *= stored.D[j];
-        X = scaled.lazyProduct(stored.F.transpose());
-    }
-    if (stored.quantity == Stored<Reference>::Quantity::covariance) return X;
-    Reference const det = X(0, 0) * X(1, 1) - X(0, 1) * X(1, 0);
-    return Matrix<Reference>{{X(1, 1) / det, -X(0, 1) / det}, {-X(1, 0) / det, X(0, 0) / det}};
+    return covariance_of(stored, [](Matrix<Reference> const& X) {
+        Reference const det = X(0, 0) * X(1, 1) - X(0, 1) * X(1, 0);
+        return Matrix<Reference>{{X(1, 1) / det, -X(0, 1) / det}, {-X(1, 0) / det, X(0, 0) / det}};
+    });
 }
 double covariance_digits(Stored<Reference> const& stored, Solved const& s) {
     Matrix<Reference> const P = rebuilt(stored);
@@ -100,7 +95,7 @@ TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
         int finite = 0;
         for (Result const& r : c.results) {
             Arithmetic const& a = *r.entry->arithmetic;
-            Records const stored = laws::rounded(given, a.round);
+            Records const stored = as_stored(given, a);
             auto const filter = r.entry->make({.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()}, Seed{1});
             ASSERT_EQ(r.path.size(), c.checkpoints.size());
             for (Index k = 0; k < given.rows(); ++k) {
@@ -134,7 +129,7 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
         for (Result const& r : c.results) {
             if (r.entry->block > 1) continue;
             Arithmetic const& a = *r.entry->arithmetic;
-            Records const stored = laws::rounded(given, a.round);
+            Records const stored = as_stored(given, a);
             Problem<double> const problem{.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()};
             PerMeasure<std::vector<double>> all;
             int broke = 0;
@@ -225,7 +220,7 @@ TEST(ComparisonNumbers, OfStorage) {
     Vector<double> const s = regressor_scales(given);
     for (Storage const& storage : c.storage) {
         Arithmetic const& a = *std::ranges::find(arithmetics(), storage.arithmetic, &Arithmetic::name);
-        Records const stored = laws::rounded(given, a.round);
+        Records const stored = as_stored(given, a);
         double const l = a.round(lambda);
         EXPECT_EQ(storage.forgetting, l);
         EXPECT_EQ(storage.rank, 2);
@@ -270,7 +265,7 @@ TEST(ComparisonNumbers, Asymmetry) {
     int asymmetric = 0;
     for (Result const& r : c.results) {
         Arithmetic const& a = *r.entry->arithmetic;
-        Records const stored = laws::rounded(given, a.round);
+        Records const stored = as_stored(given, a);
         auto const filter = r.entry->make({.size = 2, .forgetting = 0.875, .prior = c.scaled_prior->prior()}, Seed{1});
         for (Index k = 0; k < stored.rows(); ++k)
             if (r.entry->block == 1) filter->update(stored.sample(k), stored.y[k]);

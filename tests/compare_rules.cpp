@@ -186,8 +186,8 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     Made m;
     m.add("it", {13, 14, 15});
     Comparison c = m.comparison();
-    Storage const good{"double", 1, 3, true, 5.0, 0.01};
-    c.storage = {{"other", 0, 1, false, {}, 1}, good};
+    Storage const good{"double", 1, 3, true, 5.0, 0.01, 0};
+    c.storage = {{"other", 0, 1, false, {}, 1, 1}, good};
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
     auto const why = [&](Storage const& s) {
         c.storage.back() = s;

@@ -1,4 +1,4 @@
-// The recommendation on real records is not the luck of a last row: it stays when lambda or the length of the record changes a little.
+// The recommendation on real records does not depend on the last row: it stays when lambda or the length of the record changes a little.
 #include "tests/program.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Separators and decimal marks are found out, or given; what could be read in two ways is refused in a line that says how to go on.
+// Separators and decimal marks are found out, or given. A file that can be read in two ways is refused in a line that names the remedy.
 #include "tests/files.hpp"
 
 #include <rlslab/model/csv.hpp>

@@ -1,4 +1,4 @@
-// The quick look at a stored P and the exact decision agree in every arithmetic, at every scale that it has.
+// The quick proof about a stored P and the exact decision agree in every arithmetic, at every scale that it has.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/lab/breakdown.hpp>

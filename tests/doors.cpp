@@ -1,4 +1,4 @@
-// Compressed data are read as what they unpack to, and MATLAB's variables as columns; what cannot be read is refused in one line.
+// Compressed data are read as the data they contain, and MATLAB's variables as columns. A file that cannot be read is refused in one line.
 #include "tests/files.hpp"
 
 #include <rlslab/model/doors/gzip.hpp>

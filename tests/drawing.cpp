@@ -124,7 +124,7 @@ TEST(Drawing, ShowsAnyFiniteNumber) {
         }
         Figure figure = one(x, y, i % 2, i % 4 / 2);
         Panel& panel = figure.panels[0];
-        panel.curves[0].low = low, panel.curves[0].high = high, panel.curves[0].bars = i % 5 == 0, panel.curves[0].stems = i % 6 == 0;
+        panel.curves[0].lower = low, panel.curves[0].upper = high, panel.curves[0].bars = i % 5 == 0, panel.curves[0].stems = i % 6 == 0;
         panel.guides.push_back({.name = "guide", .look = {"#555555", true}, .x = x, .y = high});
         panel.events = {{.x = x[3], .text = "held out"}, {.x = x[4], .y = y[4], .text = "broken", .series = "curve"}};
         figure.square = i % 7 == 0;

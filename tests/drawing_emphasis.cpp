@@ -1,4 +1,4 @@
-// What a drawing says beside its numbers: names at their marks, what is below the axis, what stands out.
+// What a drawing shows besides its numbers: names at their marks, points below the axis, emphasised curves.
 #include "tests/drawn.hpp"
 #include "report/plot.hpp"
 
@@ -16,8 +16,14 @@ Figure named_points(std::vector<std::pair<double, double>> const& places, size_t
         auto const [x, y] = places[i];
         std::string name = "n" + std::to_string(i);
         name.resize(name_length, 'o');
-        out.panels[0].curves.push_back(
-            {.name = name, .look = look_of("", i), .x = {x}, .y = {y}, .low = {y - 0.3}, .high = {y + 0.2}, .line = false, .bars = true});
+        out.panels[0].curves.push_back({.name = name,
+                                        .look = look_of("", i),
+                                        .x = {x},
+                                        .y = {y},
+                                        .lower = {y - 0.3},
+                                        .upper = {y + 0.2},
+                                        .line = false,
+                                        .bars = true});
     }
     return out;
 }
@@ -116,8 +122,8 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
                             .look = look_of("", 1),
                             .x = {1.5, 2.5},
                             .y = {2, -7},
-                            .low = {-9, -9},
-                            .high = {3, -5},
+                            .lower = {-9, -9},
+                            .upper = {3, -5},
                             .line = false,
                             .bars = true});
     EXPECT_GE(lawful(figure), 8u);

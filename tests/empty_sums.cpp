@@ -1,4 +1,4 @@
-// A sum of no terms is zero in every arithmetic, not what was in memory before.
+// A sum of no terms is zero in every arithmetic, whatever was in memory before.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/pack.hpp>

@@ -1,4 +1,4 @@
-// Least squares in rationals, by elimination: nothing of the library but its data types.
+// Least squares in rationals, by elimination; uses nothing of the library except its data types.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>

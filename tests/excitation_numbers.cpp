@@ -247,6 +247,22 @@ TEST(DifferenceNumbers, SimulatesItsEquation) {
     EXPECT_EQ(of.b, (std::vector<std::vector<double>>{{2, 3}}));
     EXPECT_EQ(of.delay, 3);
     EXPECT_EQ(of.c, 4);
+    // Two inputs, and the same model by its terms in another order.
+    Arx const two{.na = 1, .nb = 1, .delay = 2, .intercept = true, .inputs = 2};
+    DifferenceEquation const by_arx = DifferenceEquation::of(two, Vector<double>{{1, 2, 3, 4, 5, 6}});
+    EXPECT_EQ(by_arx.b, (std::vector<std::vector<double>>{{2, 3}, {4, 5}}));
+    EXPECT_EQ(by_arx.c, 6);
+    std::vector<EquationTerm> const terms{{1, 3}, {EquationTerm::constant}, {0, 2}, {EquationTerm::output, 3}, {1, 2}};
+    DifferenceEquation const by_terms = DifferenceEquation::of(terms, Vector<double>{{5, 6, 2, 7, 4}}, 2);
+    EXPECT_EQ(by_terms.a, (std::vector<double>{0, 0, 7}));
+    EXPECT_EQ(by_terms.b, (std::vector<std::vector<double>>{{2}, {4, 5}}));
+    EXPECT_EQ(by_terms.delay, 2);
+    EXPECT_EQ(by_terms.c, 6);
+    std::vector<EquationTerm> const present{{EquationTerm::output, 0}}, third{{2, 0}};
+    EXPECT_THROW(DifferenceEquation::of(present, Vector<double>{{1}}, 1), std::invalid_argument);
+    EXPECT_THROW(DifferenceEquation::of(third, Vector<double>{{1}}, 2), std::invalid_argument);
+    EXPECT_THROW(DifferenceEquation::of(two, Vector<double>{{1, 2}}), std::invalid_argument);
+    EXPECT_EQ(DifferenceEquation::of(std::vector<EquationTerm>{{EquationTerm::output, 1}}, Vector<double>{{1}}, 0).delay, 0);
 }
 TEST(DifferenceNumbers, RootsAreThoseOfTheirPolynomial) {
     // (z - 3)(z - 1/2)(z^2 - z + 1/2) = z^4 - 4.5 z^3 + 5.5 z^2 - 3.25 z + 0.75

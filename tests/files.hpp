@@ -1,4 +1,4 @@
-// What tests of files share: a folder that goes with its test, and what an action is refused with.
+// Helpers for tests of files: a folder that is removed with its test, and the message with which an action is refused.
 #pragma once
 
 #include <rlslab/core/input_error.hpp>

@@ -1,4 +1,4 @@
-// What claims measure, by hand: each number, both ends of an interval, each group; and the cells that a table takes.
+// The functions of claims, checked by hand: each number, both ends of an interval, each group; and the cells that a table accepts.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

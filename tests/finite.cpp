@@ -1,4 +1,4 @@
-// What is said of theta and K without solving for them: never more than is so, and enough for ordinary data.
+// The proofs that theta and K are finite, without solving for them: never wrong, and sufficient for ordinary data.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 

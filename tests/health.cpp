@@ -14,11 +14,7 @@ namespace {
 
 using Row = Vector<double>;
 
-Entry const& entry_of(std::string_view variant, std::string_view arithmetic) {
-    for (Entry const& entry : catalogue())
-        if (entry.variant == variant && entry.arithmetic->name == arithmetic) return entry;
-    throw std::logic_error("no such entry");
-}
+Entry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
 
 /// Rows whose s leaves double's range while its root does not: gamma underflows, and nothing is wrong with the factors.
 TEST(Health, AnUnderflowOfGammaIsSound) {
@@ -47,7 +43,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
         factors += factor;
         if (factor && r.breakdown) {
             auto const f = r.entry->make({.size = 2, .prior = Prior<double>{.variance = r.entry->arithmetic->round(60000)}}, Seed{1});
-            Records const rounded = laws::rounded(records, r.entry->arithmetic->round);
+            Records const rounded = as_stored(records, *r.entry->arithmetic);
             bool definite = true;
             for (Index k = 0; k < r.breakdown->step; ++k) {
                 f->update(rounded.sample(k), rounded.y[k]);

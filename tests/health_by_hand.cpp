@@ -1,4 +1,4 @@
-// Steps whose health is known by hand, one variant at a time: what is kept aside is looked at, too.
+// Steps whose health is known by hand, one variant at a time, also for numbers that a variant stores separately.
 #include <rlslab/variants/extended_qr.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/information.hpp>

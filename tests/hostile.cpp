@@ -1,4 +1,4 @@
-// Random cases nobody would write down: any shape, any scale, what is not a number, at every variant in every arithmetic.
+// Random hostile cases: any shape, any scale, infinities and NaN, for every variant in every arithmetic.
 // No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"

@@ -234,7 +234,9 @@ TEST(House, EveryFileSaysWhatItIs) {
 std::vector<std::string> private_words(std::string const& code) {
     static std::regex const words(
         "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
-        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags)\\b(?!\\|)");
+        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk)\\b(?!\\|)|"
+        "\\b(settle|weigh|wanted|excess|feed)\\(|"
+        "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
     std::vector<std::string> out;
     for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
     return out;
@@ -246,6 +248,7 @@ TEST(House, NamesAreTheFieldsWords) {
         }
     EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
               (std::vector<std::string>{"Undisturbed", "absorb"}));
+    EXPECT_EQ(private_words("curve.low, range.low, fit.lower; // Fit::high"), (std::vector<std::string>{"curve.low", "Fit::high"}));
 }
 
 }  // namespace

@@ -291,13 +291,13 @@ TEST_F(Advice, APoleOutsideTheCircleIsNamed) {
 // --- a standstill ---------------------------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
-    for (size_t const still : {20u, 21u}) {
+    for (size_t const constant : {20u, 21u}) {
         Signal u = white_noise(600, Seed{5});
-        for (size_t k = 0; k < still; ++k) u[k] = 0.5;
+        for (size_t k = 0; k < constant; ++k) u[k] = 0.5;
         Identified const m = identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
-        EXPECT_EQ(m.excitation[0].constant_at_start, Index(still));
+        EXPECT_EQ(m.excitation[0].constant_at_start, Index(constant));
         auto const named = Contains(HasSubstr("stands still over the first 21 of 400 fitted samples"));
-        if (still == 21) EXPECT_THAT(m.warnings, named);
+        if (constant == 21) EXPECT_THAT(m.warnings, named);
         else EXPECT_THAT(m.warnings, Not(Contains(HasSubstr("stands still"))));
     }
 }

@@ -1,4 +1,4 @@
-// Every number that identify answers with, worked out another way: rationals, finite differences, closed forms, loops of their own.
+// Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate loops.
 #include "identify/checks.hpp"
 #include "identify/structure.hpp"
 #include "tests/exact_fit.hpp"
@@ -104,8 +104,8 @@ TEST_F(IdentifyNumbers, ParametersAndTheirIntervals) {
         double const sd = exact.sd(i, N - d);
         EXPECT_NEAR(p.value, number(exact.theta[i]), 1e-12);
         EXPECT_NEAR(p.sd / sd, 1, 1e-12);
-        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.high - p.value) / sd), 0.9, 1e-9);
-        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.value - p.low) / sd), 0.9, 1e-9);
+        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.upper - p.value) / sd), 0.9, 1e-9);
+        EXPECT_NEAR(exact_fit::student_inside(N - d, (p.value - p.lower) / sd), 0.9, 1e-9);
     }
 }
 TEST_F(IdentifyNumbers, CriteriaDigitsAndCondition) {

@@ -1,4 +1,4 @@
-// Structures of one's own, refusals in one line, and that what is printed is what was worked out.
+// Structures given by options, refusals in one line, and that the printed numbers are the computed ones.
 #include "identify/structure.hpp"
 #include "identify/text.hpp"
 #include "tests/files.hpp"
@@ -245,8 +245,8 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
         ASSERT_NE(at, line.npos) << text;
         std::vector<double> const n = numbers_in(line.substr(at + p.of.size()));
         ASSERT_EQ(n.size(), 4u) << line;
-        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.low, 5, p.name),
-            expect_printed(n[3], p.high, 5, p.name);
+        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.lower, 5, p.name),
+            expect_printed(n[3], p.upper, 5, p.name);
     }
     EXPECT_THAT(text, HasSubstr("99 % interval"));
     EXPECT_THAT(text, HasSubstr(fmt::format(": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n",
@@ -324,7 +324,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     for (size_t i = 0; i < m.parameters.size(); ++i) {
         Parameter const& p = m.parameters[i];
         EXPECT_EQ(out["parameters"][i],
-                  (json{{"name", p.name}, {"of", p.of}, {"value", p.value}, {"sd", p.sd}, {"low", p.low}, {"high", p.high}}));
+                  (json{{"name", p.name}, {"of", p.of}, {"value", p.value}, {"sd", p.sd}, {"low", p.lower}, {"high", p.upper}}));
     }
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];

@@ -108,6 +108,7 @@ TYPED_TEST(Kernels, GivePotterOneResult) { check_all<TypeParam, Potter>(); }
 TYPED_TEST(Kernels, GiveCarlsonOneResult) { check_all<TypeParam, Carlson>(); }
 TYPED_TEST(Kernels, GiveUdOneResult) { check_all<TypeParam, Ud>(); }
 TYPED_TEST(Kernels, GiveInverseQrOneResult) { check_all<TypeParam, InverseQr>(); }
+TYPED_TEST(Kernels, GiveKalmanOneResult) { check_all<TypeParam, Kalman>(); }
 TYPED_TEST(Kernels, GiveInformationOneResult) { check_all<TypeParam, Information>(64); }
 TYPED_TEST(Kernels, GiveQrOneResult) { check_all<TypeParam, Qr>(); }
 TYPED_TEST(Kernels, GiveGentlemanOneResult) { check_all<TypeParam, Gentleman>(); }

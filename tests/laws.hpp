@@ -35,11 +35,6 @@ inline Records noise_records(Index size, Index rows, Seed seed) {
     }
     return out;
 }
-inline Records rounded(Records records, double (*round)(double)) {
-    records.psi = Matrix<double>(records.psi.unaryExpr(round));
-    records.y = Vector<double>(records.y.unaryExpr(round));
-    return records;
-}
 
 inline void take_rows(AnyFilter& f, Records const& records, double scale = 1) {
     for (Index k = 0; k < records.rows(); ++k) f.update(records.sample(k), scale * records.y[k]);
@@ -56,7 +51,7 @@ inline Problem<double> problem(Index size, double forgetting = 1, double varianc
 /// numbers, theta is left to `stored`.
 inline bool a_zero_regressor_teaches_nothing(Entry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    take_rows(*f, rounded(noise_records(3, 20, Seed{17}), entry.arithmetic->round));
+    take_rows(*f, as_stored(noise_records(3, 20, Seed{17}), *entry.arithmetic));
     auto const theta = f->theta();
     auto const stored = f->stored();
     f->update(Vector<double>(Vector<double>::Zero(3)), 5);
@@ -68,7 +63,7 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
     auto const f = entry.make(problem(3, 31.0 / 32), Seed{1}), g = entry.make(problem(3, 31.0 / 32), Seed{1});
     Records records = noise_records(3, 40, Seed{11});
     records.y *= 64;  // keeps binary16 clear of its subnormal numbers
-    records = rounded(records, entry.arithmetic->round);
+    records = as_stored(records, *entry.arithmetic);
     take_rows(*f, records);
     take_rows(*g, records, 2);
     Vector<Reference> twice = f->theta();
@@ -85,7 +80,7 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
     Records records = noise_records(3, 30, Seed{7});
     for (Index k = 0; k < records.rows(); ++k)
         for (Index i = 0; i < 3; ++i) records.psi(i, k) = 1 + std::pow(records.psi(0, k), double(i)) / 64;
-    records = rounded(records, entry.arithmetic->round);
+    records = as_stored(records, *entry.arithmetic);
     auto const reported = entry.make(p, Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
         auto const f = entry.make(p, Seed{1});
@@ -101,7 +96,7 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
 
 /// A copy goes on as the original does, and the original as if it had not been copied.
 inline bool a_clone_continues_bit_for_bit(Entry const& entry) {
-    Records const records = rounded(noise_records(4, 60, Seed{5}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(4, 60, Seed{5}), *entry.arithmetic);
     auto const f = entry.make(problem(4, 0.96875), Seed{1}), undisturbed = entry.make(problem(4, 0.96875), Seed{1});
     take_rows(*undisturbed, records);
     std::unique_ptr<AnyFilter> clone;
@@ -116,7 +111,7 @@ inline bool a_clone_continues_bit_for_bit(Entry const& entry) {
 
 /// The same data and seed give the same bits; asking for reports on the way changes nothing.
 inline bool same_seed_same_bits_whoever_looks(Entry const& entry) {
-    Records const records = rounded(noise_records(4, 60, Seed{6}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(4, 60, Seed{6}), *entry.arithmetic);
     auto const f = entry.make(problem(4, 0.96875), Seed{3}), looked_at = entry.make(problem(4, 0.96875), Seed{3});
     for (Index k = 0; k < records.rows(); ++k) {
         f->update(records.sample(k), records.y[k]);
@@ -130,7 +125,7 @@ inline bool same_seed_same_bits_whoever_looks(Entry const& entry) {
 
 /// On well-conditioned data every step is sound and gamma lies in (0, 1].
 inline bool healthy_data_are_reported_sound(Entry const& entry) {
-    Records const records = rounded(noise_records(3, 60, Seed{8}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(3, 60, Seed{8}), *entry.arithmetic);
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
         Step<double> const step = f->update(records.sample(k), records.y[k]);
@@ -142,7 +137,7 @@ inline bool healthy_data_are_reported_sound(Entry const& entry) {
 /// A NaN in the data is reported at once.
 inline bool a_nan_is_reported(Entry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    take_rows(*f, rounded(noise_records(3, 10, Seed{8}), entry.arithmetic->round));
+    take_rows(*f, as_stored(noise_records(3, 10, Seed{8}), *entry.arithmetic));
     Vector<double> const psi = Vector<double>::Constant(3, std::numeric_limits<double>::quiet_NaN());
     return f->update(psi, 1).health == Health::nonfinite;
 }
@@ -157,7 +152,7 @@ inline double norm(Vector<Reference> const& x) {
 
 /// The worst |residual - (y - psi'theta)| over |y| + |psi||theta|, in epsilons: theta as reported after the step.
 inline double residual_error(Entry const& entry) {
-    Records const records = rounded(noise_records(3, 40, Seed{21}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(3, 40, Seed{21}), *entry.arithmetic);
     double const epsilon = 2 * entry.arithmetic->unit_roundoff();
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     double worst = 0;
@@ -178,7 +173,7 @@ inline double residual_error(Entry const& entry) {
 
 /// The worst |K - P psi| over |K|, in epsilons, P exactly as stored; covariance forms.
 inline double gain_error(Entry const& entry) {
-    Records const records = rounded(noise_records(3, 40, Seed{22}), entry.arithmetic->round);
+    Records const records = as_stored(noise_records(3, 40, Seed{22}), *entry.arithmetic);
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     double worst = 0;
     for (Index k = 0; k < records.rows(); ++k) {
@@ -223,15 +218,8 @@ struct Errors {
     double theta, covariance;
 };
 inline Errors errors(Entry const& entry, Problem<double> const& given, Records const& records) {
-    auto const round = entry.arithmetic->round;
-    Problem<double> p = given;
-    p.forgetting = round(p.forgetting);
-    if (p.prior) {
-        p.prior->variance = round(p.prior->variance);
-        if (p.prior->theta) p.prior->theta = Vector<double>(p.prior->theta->unaryExpr(round));
-        if (p.prior->covariance) p.prior->covariance = Matrix<double>(p.prior->covariance->unaryExpr(round));
-    }
-    Records const data = rounded(records, round);
+    Problem<double> const p = as_stored(given, *entry.arithmetic);
+    Records const data = as_stored(records, *entry.arithmetic);
     auto const f = entry.make(p, Seed{1});
     if (entry.block == 1) take_rows(*f, data);
     else f->update_block(data, 0, data.rows());

@@ -1,4 +1,4 @@
-// Which libm the processor gets does not show: no byte of a table differs, and no source calls it for a number.
+// The libm that a processor selects has no effect: no byte of a table differs, and no source calls libm for a number.
 #include "tests/program.hpp"
 
 #include <regex>

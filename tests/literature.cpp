@@ -1,5 +1,6 @@
 // Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
 #include "catalogue/catalogue.hpp"
+#include "studies/engine/scenarios.hpp"
 #include "tests/laws.hpp"
 
 #include <rlslab/model/regression.hpp>
@@ -15,11 +16,7 @@
 namespace rlslab {
 namespace {
 
-Entry const& entry(std::string_view variant, std::string_view arithmetic = "double") {
-    for (Entry const& e : catalogue())
-        if (e.variant == variant && e.arithmetic->name == arithmetic) return e;
-    throw std::logic_error("no such entry");
-}
+Entry const& entry(std::string_view variant) { return *find_entry(variant); }
 
 // --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2 --------------------------------
 
@@ -93,8 +90,7 @@ double shootout_slope(std::string_view variant) {
 }
 
 TEST(DyerMcReynolds, CovarianceFormsLoseTwoDigitsADecadeAndFactorFormsOne) {
-    for (auto variant : {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"})
-        EXPECT_NEAR(shootout_slope(variant), -2.0, 0.2) << variant;
+    for (std::string const& variant : words(covariance_forms())) EXPECT_NEAR(shootout_slope(variant), -2.0, 0.2) << variant;
     for (auto variant : {"potter", "carlson", "ud", "inverse_qr", "extended_qr"})
         EXPECT_NEAR(shootout_slope(variant), -1.0, 0.2) << variant;
 }
@@ -105,67 +101,49 @@ TEST(DyerMcReynolds, CovarianceFormsSaturateAtAFifthAndFactorFormsGoOn) {
     // bound by |P|, and the error goes on growing except where s happens to come out large (as at 2^-38, where it is 0.12).
     EXPECT_NEAR(shootout_error("joseph", 0x1p-38), 0.12, 0.06);
     EXPECT_GT(shootout_error("joseph", 0x1p-36), 1e4);
-    for (auto variant : {"potter", "carlson", "ud", "inverse_qr", "extended_qr", "qr", "gentleman"})
-        EXPECT_LT(shootout_error(variant, 1e-9), 1e-6) << variant;
+    for (std::string const& variant : words(factor_forms())) EXPECT_LT(shootout_error(variant, 1e-9), 1e-6) << variant;
 }
 
 // --- NIST StRD linear regression, P0 = 1e20 I, rows in file order ------------------------------------------------------
 
-struct Set {
-    std::string name;
-    std::vector<std::string> regressors;
-};
-std::vector<Set> const sets{{"longley", {"one", "x1", "x2", "x3", "x4", "x5", "x6"}},
-                            {"filip", {"x0", "x1", "x2", "x3", "x4", "x5", "x6", "x7", "x8", "x9", "x10"}},
-                            {"wampler1", {"x0", "x1", "x2", "x3", "x4", "x5"}},
-                            {"wampler2", {"x0", "x1", "x2", "x3", "x4", "x5"}},
-                            {"wampler3", {"x0", "x1", "x2", "x3", "x4", "x5"}},
-                            {"wampler4", {"x0", "x1", "x2", "x3", "x4", "x5"}},
-                            {"wampler5", {"x0", "x1", "x2", "x3", "x4", "x5"}}};
+char const* const sets[] = {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"};
 
-Records nist(Set const& set) {
-    std::vector<std::string> columns = set.regressors;
-    columns.push_back("y");
-    return linear_records(read_columns(RLSLAB_SOURCE_DIR "/tests/data/" + set.name + ".csv", columns), set.regressors, "y");
+Records nist(std::string const& set) {
+    CsvFile file(RLSLAB_SOURCE_DIR "/data/nist/" + set + ".csv");
+    std::vector<std::string> columns = file.names();
+    Columns const data = file.read(columns);
+    columns.pop_back();
+    return linear_records(data, columns, "y");
 }
-nlohmann::json solutions() {
-    std::ifstream file(RLSLAB_SOURCE_DIR "/tests/data/nist_solutions.json");
+nlohmann::json json_of(std::string const& name) {
+    std::ifstream file(RLSLAB_SOURCE_DIR "/data/nist/" + name);
     return nlohmann::json::parse(file);
 }
 
 TEST(Nist, TheReferenceIsTheExactSolutionOfTheStoredData) {
-    auto const published = solutions();
+    auto const published = json_of("solutions.json");
     // What is stored is not always what was published: digits of agreement that the storage leaves (docs/literature.md 3.5).
     std::map<std::string, double> const cap{{"longley", 14.6}, {"wampler2", 13.0}};
-    for (Set const& set : sets) {
+    for (std::string const set : sets) {
         Records const records = nist(set);
         Problem<double> const problem{.size = records.parameters(), .prior = std::nullopt};
         CertifiedSolution const exact = std::move(certified(problem, records, {records.rows()}).front());
-        ASSERT_EQ(name_of(exact.status()), "certified") << set.name;
+        ASSERT_EQ(name_of(exact.status()), "certified") << set;
         EXPECT_LE(exact.radius(), 1e-30);
-        auto const& theta = published[set.name][set.name == "filip" ? "theta_stored" : "theta"];
+        auto const& theta = published[set][set == "filip" ? "theta_stored" : "theta"];
         for (Index i = 0; i < records.parameters(); ++i) {
             Reference const listed(theta[size_t(i)].get<std::string>());
             Reference const off = abs(Reference(exact.theta()[i] - listed)) / abs(listed);
-            double const digits = cap.contains(set.name) ? cap.at(set.name) : set.name == "filip" ? 21.0 : 29.0;
-            EXPECT_LE(off, pow(Reference(10), -digits)) << set.name << " " << i;
+            double const digits = cap.contains(set) ? cap.at(set) : set == "filip" ? 21.0 : 29.0;
+            EXPECT_LE(off, pow(Reference(10), -digits)) << set << " " << i;
         }
     }
 }
 
-/// Digits of the worst coefficient: the recursive table of docs/literature.md 3.5.
 using Row = std::map<std::string, double>;
-std::map<std::string, Row> const table{
-    {"longley", {{"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0}, {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
-    {"filip", {{"carlson", 5.0}, {"ud", 5.0}, {"inverse_qr", 4.6}, {"qr", 7.3}, {"gentleman", 7.2}}},
-    {"wampler3", {{"carlson", 9.7}, {"ud", 9.8}, {"inverse_qr", 9.6}, {"information", 6.6}, {"qr", 9.4}, {"gentleman", 9.5}}},
-    {"wampler4", {{"carlson", 8.1}, {"ud", 7.8}, {"inverse_qr", 7.8}, {"information", 6.6}, {"qr", 7.8}, {"gentleman", 8.7}}},
-    {"wampler5", {{"carlson", 6.4}, {"ud", 5.8}, {"inverse_qr", 5.6}, {"information", 6.6}, {"qr", 5.8}, {"gentleman", 6.7}}}};
+/// The batch of docs/literature.md 3.5.
 Row const batch_householder{{"longley", 12.8}, {"filip", 7.6}, {"wampler3", 9.2}, {"wampler4", 7.7}, {"wampler5", 5.7}};
 
-Set const& set_named(std::string const& name) {
-    return *std::find_if(sets.begin(), sets.end(), [&](Set const& s) { return s.name == name; });
-}
 double worst_digits(std::string_view variant, Records const& records, CertifiedSolution const& exact) {
     auto const f = entry(variant).make({.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}}, Seed{1});
     if (entry(variant).block == 1) laws::take_rows(*f, records);
@@ -189,8 +167,8 @@ Records shuffled(Records records, Seed& seed) {
 /// order of evaluation within a row is another. Draws scatter by 0.3 to 1.0 digits (one standard deviation, 400 of them):
 /// where ours in file order is not close to the table's, the table's must lie within what other orders give.
 TEST(Nist, DigitsPerVariantAreThoseOfTheTable) {
-    for (auto const& [name, row] : table) {
-        Records const records = nist(set_named(name));
+    for (auto const& [name, row] : json_of("digits.json").get<std::map<std::string, Row>>()) {
+        Records const records = nist(name);
         CertifiedSolution const exact = with_large_prior(records);
         for (auto const& [variant, listed] : row) {
             double const digits = worst_digits(variant, records, exact);
@@ -211,7 +189,7 @@ TEST(Nist, DigitsPerVariantAreThoseOfTheTable) {
 /// better order: small pivots first. Eigen's Householder QR shows the same with the rows in either place.
 TEST(Nist, TheBlockFormBeatsTheTablesBatchByThePlaceOfThePrior) {
     for (auto const& [name, listed] : batch_householder) {
-        Records const records = nist(set_named(name));
+        Records const records = nist(name);
         CertifiedSolution const exact = with_large_prior(records);
         Index const d = records.parameters(), n = records.rows();
         Eigen::MatrixXd below(n + d, d);
@@ -225,13 +203,13 @@ TEST(Nist, TheBlockFormBeatsTheTablesBatchByThePlaceOfThePrior) {
     }
 }
 TEST(Nist, CovarianceFormsKeepNoDigitOfLongleyAndNoMethodMoreThanEightOfFilip) {
-    Records const longley = nist(set_named("longley"));
-    for (auto variant : {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"})
+    Records const longley = nist("longley");
+    for (std::string const& variant : words(covariance_forms()))
         EXPECT_LT(worst_digits(variant, longley, with_large_prior(longley)), 1) << variant;
     // Against the published decimals storage alone costs all but 7.9 digits (docs/literature.md 3.5). (qr_sparse is left out: its
     // error happens to point back to the decimals' solution, and 8.5 digits are luck.)
-    Records const filip = nist(set_named("filip"));
-    auto const published = solutions()["filip"]["theta_decimal"];
+    Records const filip = nist("filip");
+    auto const published = json_of("solutions.json")["filip"]["theta_decimal"];
     for (auto variant : {"qr", "gentleman", "qr_block", "extended_qr"}) {
         auto const f = entry(variant).make({.size = 11, .prior = Prior<double>{.variance = 1e20}}, Seed{1});
         f->update_block(filip, 0, filip.rows());

@@ -1,4 +1,4 @@
-// The manners of the program: what it says to who mistypes, closes its pipe, interrupts it, or asks for help.
+// The behaviour of the program towards its user: misspelt words, closed pipes, interrupts, help.
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 

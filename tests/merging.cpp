@@ -1,4 +1,4 @@
-// The laws of merging: rows folded apart and merged are the rows folded in; and a saboteur that forgets the weight.
+// The laws of merging: processing rows in separate filters and merging these gives what one filter gives. A saboteur forgets the weight.
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -12,7 +12,7 @@ namespace {
 /// Exact in bfloat16, as lambda is.
 Records const& some_rows() {
     static Records const records =
-        laws::rounded(laws::noise_records(4, 60, Seed{41}), [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
+        as_stored(laws::noise_records(4, 60, Seed{41}), [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
     return records;
 }
 template <class T>

@@ -1,4 +1,4 @@
-// What people's CSV files hold is read bit for bit, and what cannot be read is refused in one clear line.
+// CSV files of many dialects are read bit for bit, and a file that cannot be read is refused in one clear line.
 #include "tests/files.hpp"
 
 #include <rlslab/model/csv.hpp>
@@ -205,7 +205,7 @@ struct Fed {
     Columns data;
     int pieces = 0;
 };
-Fed feed(std::string const& piece, int times, std::string const& column) {
+Fed piped(std::string const& piece, int times, std::string const& column) {
     Folder const folder;
     std::string const path = (folder.path / "fifo").string();
     EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
@@ -224,7 +224,7 @@ Fed feed(std::string const& piece, int times, std::string const& column) {
 }
 
 TEST(CsvStream, ALineOf2GiBIsRefusedAfterItsFirst) {
-    auto const fed = feed(std::string(1 << 16, '1'), 1 << 15, "u");
+    auto const fed = piped(std::string(1 << 16, '1'), 1 << 15, "u");
     EXPECT_EQ(fed.message, "fifo:1: expected a line of at most 1 MiB");
     EXPECT_LE(fed.pieces, 2 * 16);  // 1 MiB, a chunk, and what the pipe holds
     EXPECT_EQ(message_of([] { read_columns("/dev/zero", {"u"}); }), "/dev/zero:1: expected a line of at most 1 MiB");
@@ -232,16 +232,16 @@ TEST(CsvStream, ALineOf2GiBIsRefusedAfterItsFirst) {
 
 TEST(CsvStream, RowsCrossChunks) {
     std::string const rows = "0.1,-12345.678901\r\n7,8\r\n";
-    auto const fed = feed(rows, 20000, "2");
+    auto const fed = piped(rows, 20000, "2");
     ASSERT_EQ(fed.message, "no error");
     ASSERT_EQ(fed.data.rows(), 40000);
     for (std::size_t i = 0; i < 40000; ++i) ASSERT_EQ(fed.data["2"][i], i % 2 == 0 ? -12345.678901 : 8);
 }
 
 TEST(CsvStream, EndsEarlyAsAnyFileDoes) {
-    EXPECT_EQ(feed("1,2\n3,4\n5", 1, "1").message, "fifo:3: expected 2 columns as in line 1, found 1");
-    EXPECT_EQ(feed("1,2\n3,4\n5,", 1, "1").message, "no error");
-    EXPECT_EQ(feed("", 0, "1").message, "fifo: expected rows of numbers, found an empty file");
+    EXPECT_EQ(piped("1,2\n3,4\n5", 1, "1").message, "fifo:3: expected 2 columns as in line 1, found 1");
+    EXPECT_EQ(piped("1,2\n3,4\n5,", 1, "1").message, "no error");
+    EXPECT_EQ(piped("", 0, "1").message, "fifo: expected rows of numbers, found an empty file");
 }
 
 TEST(CsvStream, ADashIsStandardInput) {

@@ -15,7 +15,7 @@ namespace rlslab {
 namespace {
 
 Records nist(std::string const& name) {
-    CsvFile file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data" / (name + ".csv"));
+    CsvFile file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "data/nist" / (name + ".csv"));
     std::vector<std::string> regressors = file.names();
     Columns const data = file.read(regressors);
     regressors.pop_back();
@@ -59,9 +59,9 @@ TEST(FitByHand, AStraightLineThroughFourPoints) {
         EXPECT_NEAR(f.sd[1], std::sqrt(0.27), 1e-14) << name_of(by);
         // Student's quantile of 2 degrees of freedom: c sqrt(2 / (1 - c^2)).
         double const t = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95));
-        EXPECT_NEAR(f.low[1], 1.1 - t * std::sqrt(0.27), 1e-13) << name_of(by);
-        EXPECT_NEAR(f.high[1], 1.1 + t * std::sqrt(0.27), 1e-13) << name_of(by);
-        EXPECT_NEAR(fit(line, by, 0.5).high[0], 1.1 + 0.5 * std::sqrt(2 / 0.75) * std::sqrt(1.35 * 0.7), 1e-13) << name_of(by);
+        EXPECT_NEAR(f.lower[1], 1.1 - t * std::sqrt(0.27), 1e-13) << name_of(by);
+        EXPECT_NEAR(f.upper[1], 1.1 + t * std::sqrt(0.27), 1e-13) << name_of(by);
+        EXPECT_NEAR(fit(line, by, 0.5).upper[0], 1.1 + 0.5 * std::sqrt(2 / 0.75) * std::sqrt(1.35 * 0.7), 1e-13) << name_of(by);
         EXPECT_NEAR(f.percent, 100 * (1 - std::sqrt(2.7 / 8.75)), 1e-12) << name_of(by);
         EXPECT_EQ(f.rank, 2) << name_of(by);
     }
@@ -75,14 +75,14 @@ TEST(FitByHand, AsManyRowsAsParametersLeaveNoVariance) {
         Fit const f = fit(two, by);
         EXPECT_NEAR(f.theta[1], 2, 1e-15);
         EXPECT_TRUE(std::isnan(f.sigma2)) << name_of(by);
-        EXPECT_TRUE(std::isnan(f.sd[0]) && std::isnan(f.low[0])) << name_of(by);
+        EXPECT_TRUE(std::isnan(f.sd[0]) && std::isnan(f.lower[0])) << name_of(by);
     }
     Records const three{.psi = Matrix<double>{{1, 1, 1}, {0, 1, 2}},
                         .y = Vector<double>{{1, 3, 2}},
                         .names = {}};  // one degree of freedom: t = tan(pi c / 2)
     Fit const f = fit(three);
     EXPECT_NEAR(f.sigma2, 1.5, 1e-14);
-    EXPECT_NEAR(f.high[1], 0.5 + std::tan(std::acos(-1.0) * 0.475) * std::sqrt(0.75), 1e-12);
+    EXPECT_NEAR(f.upper[1], 0.5 + std::tan(std::acos(-1.0) * 0.475) * std::sqrt(0.75), 1e-12);
 }
 TEST(FitByHand, ThePercentOfAFit) {
     Vector<double> const y{{1, 2, 3, 4}};
@@ -160,9 +160,9 @@ TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
             EXPECT_NEAR(s.scatter.sd[i] * std::sqrt(s.scatter.J / s.scatter.freedom) / rational.sd(i, freedom), 1, 1e-14)
                 << set.name << ' ' << i;
             EXPECT_NEAR(f.sd[i] / set.sd[size_t(i)], 1, lost) << set.name << ' ' << i;
-            double const t = (f.high[i] - f.theta[i]) / f.sd[i];
+            double const t = (f.upper[i] - f.theta[i]) / f.sd[i];
             EXPECT_NEAR(exact_fit::student_inside(int(freedom), t), 0.95, 1e-9) << set.name << ' ' << i;
-            EXPECT_NEAR((f.high[i] - f.theta[i]) / (f.theta[i] - f.low[i]), 1, 1e-9) << set.name << ' ' << i;
+            EXPECT_NEAR((f.upper[i] - f.theta[i]) / (f.theta[i] - f.lower[i]), 1, 1e-9) << set.name << ' ' << i;
         }
     }
 }

@@ -182,10 +182,10 @@ TEST(Demo, SalesFollowTheirIndicator) {
     EXPECT_EQ(records.presample, 4);
 }
 
-/// The files of tests/data as records, and their exact solutions.
+/// The files of data/nist as records, and their exact solutions.
 struct Nist {
-    fs::path folder = fs::path(RLSLAB_SOURCE_DIR) / "tests/data";
-    nlohmann::json solutions = nlohmann::json::parse(std::ifstream(folder / "nist_solutions.json"));
+    fs::path folder = fs::path(RLSLAB_SOURCE_DIR) / "data/nist";
+    nlohmann::json solutions = nlohmann::json::parse(std::ifstream(folder / "solutions.json"));
     Records records(std::string const& name) const {
         CsvFile file(folder / (name + ".csv"));
         auto regressors = file.names();

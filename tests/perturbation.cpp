@@ -1,4 +1,4 @@
-// A gain error reaches a filter, or is refused: it is never dropped in silence.
+// A gain error reaches a filter or is refused; it is never ignored silently.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 

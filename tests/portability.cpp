@@ -1,4 +1,4 @@
-// What other compilers, options and processors make of the headers: options that break rounding are refused or told of, and
+// The headers with other compilers, options and processors: options that break rounding are refused or reported, and
 // another processor leaves the same bits.
 #include "tests/files.hpp"
 

@@ -1,4 +1,4 @@
-// What tests of the program share: a folder of its own for each test, and a shell in it.
+// Helpers for tests of the program: a folder for each test, and a shell in it.
 #pragma once
 
 #include "tests/files.hpp"

@@ -1,4 +1,4 @@
-// What the README's table and the variants' docstrings say of cost is what the Counted scalar measures.
+// The costs in the README's table and in the variants' docstrings are those that the Counted scalar measures.
 #include "catalogue/catalogue.hpp"
 
 #include <gtest/gtest.h>

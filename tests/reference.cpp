@@ -1,4 +1,5 @@
-// The certified solution: every exact rational solution lies inside it, and it says so when there is none.
+// The certified solution: every exact rational solution lies inside its enclosure, and its status says when there is none.
+#include <rlslab/core/random.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <flint/flint.h>
@@ -13,19 +14,12 @@
 namespace rlslab {
 namespace {
 
-struct Random {
-    std::uint64_t state;
-    std::uint64_t next() {
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-        return z ^ (z >> 31);
-    }
+struct Random : Seed {
     double uniform() { return double(std::int64_t(next()) >> 11) * 0x1p-52; }  // in [-1, 1)
 };
 
 Records random_records(Index d, Index rows, std::uint64_t seed) {
-    Random random{seed};
+    Random random{{seed}};
     Records data{.psi = Eigen::MatrixXd(d, rows), .y = Vector<double>(rows), .names = {}};
     for (Index k = 0; k < rows; ++k) {
         for (Index i = 0; i < d; ++i) data.psi(i, k) = random.uniform();
@@ -35,7 +29,7 @@ Records random_records(Index d, Index rows, std::uint64_t seed) {
 }
 
 Matrix<double> random_covariance(Index d, std::uint64_t seed) {
-    Random random{seed};
+    Random random{{seed}};
     Matrix<double> A(d, d);
     for (double& a : A.reshaped()) a = std::ldexp(std::round(random.uniform() * 64), -6);
     return A * A.transpose() + Matrix<double>::Identity(d, d);  // exact: few bits

@@ -1,4 +1,5 @@
-// Definiteness is decided for the very bits stored; the quick proof in double never claims what is not so.
+// Definiteness is decided for exactly the stored bits; the quick proof in double never claims it wrongly.
+#include <rlslab/core/random.hpp>
 #include <rlslab/reference/definiteness.hpp>
 
 #include <gtest/gtest.h>
@@ -14,15 +15,8 @@ using Quantity = Stored<double>::Quantity;
 using Form = Stored<double>::Form;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
-struct Random {
-    std::uint64_t state;
-    std::uint64_t next() {
-        std::uint64_t z = (state += 0x9e3779b97f4a7c15);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-        return z ^ (z >> 31);
-    }
-    double uniform() { return double(std::int64_t(next()) >> 11) * 0x1p-52; }
+struct Random : Seed {
+    double uniform() { return double(std::int64_t(next()) >> 11) * 0x1p-52; }  // in [-1, 1)
     Index below(Index n) { return Index(next() % std::uint64_t(n)); }
 };
 
@@ -142,7 +136,7 @@ TEST(Definiteness, OfWhatIsNotFinite) {
 }
 
 TEST(Definiteness, AgreesWithRationalElimination) {
-    Random random{42};
+    Random random{{42}};
     int positive = 0;
     for (int trial = 0; trial < 600; ++trial) {
         Index const d = 2 + random.below(5);
@@ -157,7 +151,7 @@ TEST(Definiteness, AgreesWithRationalElimination) {
 }
 
 TEST(SurelyPositive, NeverClaimsWhatIsNotSo) {
-    Random random{7};
+    Random random{{7}};
     int claimed = 0, positive = 0, asked = 0;
     for (int trial = 0; trial < 6000; ++trial, ++asked) {
         Index const d = 1 + random.below(9);
@@ -181,7 +175,7 @@ TEST(SurelyPositive, NeverClaimsWhatIsNotSo) {
 }
 
 TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
-    Random random{8};
+    Random random{{8}};
     int claimed = 0;
     for (int trial = 0; trial < 2000; ++trial) {
         Index const d = 2 + random.below(6);
@@ -221,7 +215,7 @@ TEST(SurelyPositive, AsksForTheLeastEigenvalueOfItsBound) {
 }
 
 TEST(SurelyPositive, AlmostAlwaysSeesHealth) {
-    Random random{9};
+    Random random{{9}};
     for (Index const d : {1, 2, 9, 33, 64})
         for (int trial = 0; trial < 50; ++trial) {
             Matrix<double> A = Matrix<double>::Zero(d, d);

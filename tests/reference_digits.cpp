@@ -119,9 +119,9 @@ TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     double const norm = std::sqrt(84.0) / 8;
     P(0, 1) += Reference(1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
-    Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9), shrunk = information() * Reference(1 + 1e-9);
+    Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9), scaled_down = information() * Reference(1 + 1e-9);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, swollen), 9, 1e-6);
-    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, shrunk), 9, 1e-6);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, scaled_down), 9, 1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::factor, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
     Matrix<Reference> asymmetric = information();  // dP = -P E P, E = 1e-8 e_0 e_2'

@@ -1,4 +1,4 @@
-// A folded block has the same bits whatever the registers: all of baseline, AVX2 and a scalar that has none.
+// Folding in a block gives the same bits with registers of any width: baseline, AVX2, and a scalar without registers.
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>

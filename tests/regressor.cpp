@@ -1,4 +1,4 @@
-// What an update takes for a regressor, and what it must not: numbers that do not lie one after another in memory.
+// The types that an update accepts as a regressor. It must not accept numbers that do not lie one after another in memory.
 #include "catalogue/catalogue.hpp"
 #include "tests/laws.hpp"
 

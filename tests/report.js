@@ -5,7 +5,8 @@ const wide = document.documentElement.scrollWidth;
 if (wide > window.innerWidth) {
   wrong.push(`the page is ${wide} wide in a window of ${window.innerWidth}`);
   for (const e of document.body.querySelectorAll('*'))
-    if (e.getBoundingClientRect().right > window.innerWidth + 1 && !e.closest('.scroll, .formula, svg')) wrong.push(`beyond the edge: ${e.outerHTML.slice(0, 90)}`);
+    if (e.getBoundingClientRect().right > window.innerWidth + 1 && !e.closest('.scroll, .formula, svg'))
+      wrong.push(`beyond the edge: ${e.outerHTML.slice(0, 90)}`);
 }
 const shown = e => { const r = e.getBoundingClientRect(); return r.width > 100 && r.height > 100; };
 for (const figure of document.querySelectorAll('figure')) {

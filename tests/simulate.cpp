@@ -1,4 +1,4 @@
-// Records that would show nothing are refused in one line; every command reads them in the forms that people have.
+// Options for records that would show nothing are refused in one line; every command reads simulated records in all supported formats.
 #include "tests/program.hpp"
 
 #include <rlslab/core/random.hpp>

@@ -36,7 +36,7 @@ bool same_reports(AnyFilter const& a, AnyFilter const& b) {
 
 /// Rows of noise; a zero row, -0, and if asked for a NaN, an infinity and a number that overflows.
 Records rows_for(Entry const& entry, Index rows, Seed seed, bool spoilt) {
-    Records out = laws::rounded(laws::noise_records(4, rows, seed), entry.arithmetic->round);
+    Records out = as_stored(laws::noise_records(4, rows, seed), *entry.arithmetic);
     out.psi.col(3).setZero();
     out.y[5] = -0.0;
     out.psi(2, 5) = -0.0;

@@ -1,4 +1,4 @@
-// The study engine: the same bytes on any number of threads, nothing lost by a kill, a false claim caught.
+// The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
 #include "catalogue/catalogue.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/journal.hpp"
@@ -133,10 +133,7 @@ TEST(StudyEngine, AFalseClaimIsCaught) {
     // A "joseph" that subtracts K psi'P: an error in its gain is of first order.
     std::vector<Entry> entries = catalogue();
     for (Entry& entry : entries)
-        if (entry.variant == "joseph")
-            entry.make = std::ranges::find_if(catalogue(), [&](Entry const& e) {
-                             return e.variant == "symmetric" && e.arithmetic == entry.arithmetic;
-                         })->make;
+        if (entry.variant == "joseph") entry.make = find_entry("symmetric", entry.arithmetic->name)->make;
     Outcome const outcome = run(study, {.out = folder.path / "false", .entries = &entries});
     EXPECT_FALSE(outcome.holds());
     EXPECT_NE(verdict_lines(outcome, false).find("FAILS  Joseph's forms: slope 2.00"), std::string::npos);

@@ -1,4 +1,4 @@
-// A command on a terminal of its own: what a person would see there, and what a person types.
+// Runs a command on a pseudo-terminal: what it prints there, and input as if typed.
 #pragma once
 
 #include <functional>

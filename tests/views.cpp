@@ -65,10 +65,9 @@ TEST(Views, AnUpdateReadsItsRegressorBeforeItOverwritesIt) {
     a_view_is_as_good_as_a_copy(Variants<float>{});
     a_view_is_as_good_as_a_copy(Variants<Chopped<binary16>>{});
     a_view_is_as_good_as_a_copy(Variants<Pack<double, 4>>{});
-    a_view_is_as_good_as_a_copy(
-        TypeList<Conventional<double, 3>, ConventionalTwoSided<double, 3>, Symmetric<double, 3>, Joseph<double, 3>,
-                 JosephRankTwo<double, 3>, Potter<double, 3>, Carlson<double, 3>, Ud<double, 3>, InverseQr<double, 3>, Kalman<double, 3>,
-                 Information<double, 3>, Qr<double, 3>, Gentleman<double, 3>, ExtendedQr<double, 3>, QrBlock<double, 3>>{});
+    for_each(Variants<double>{}, []<class F>() {
+        if constexpr (!std::is_void_v<AtSize<F, 3>>) a_view_is_as_good_as_a_copy(TypeList<AtSize<F, 3>>{});
+    });
 }
 
 /// The sign of a zero is a lane's, too.

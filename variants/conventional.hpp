@@ -6,14 +6,14 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; the one vector f serves as column and as row.
+/// Propagates P in full storage; the vector f is used both as the column P psi and as the row psi'P.
 ///
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P = (P - K f') / lambda    (5) theta += K e
 ///
-/// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989): kept as the cautionary form.
-/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] reports breakdown; P may be
-/// indefinite and gamma inside all the same, where psi does not see it.
+/// The antisymmetric part of a rounding error grows as lambda^-k (Verhaegen 1989); the form is here as a warning.
+/// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] reports breakdown. P may be indefinite
+/// while gamma is inside: gamma depends on P along psi only.
 /// Source: Plackett 1950.
 template <Field T, int N = Dynamic>
 class Conventional {

@@ -6,8 +6,8 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; column and row products are computed apart, so the lemma holds for the P that is
-/// stored even when it has lost its symmetry, and the antisymmetric part dies out.
+/// Propagates P in full storage. The column P psi and the row psi'P are computed separately, so the lemma holds for the
+/// stored P even when it is not symmetric, and the antisymmetric part decays.
 ///
 ///   (1) f = P psi, h = P'psi       (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P = (P - K h') / lambda    (5) theta += K e

@@ -13,7 +13,7 @@ namespace rlslab {
 ///       [ psi'             0'                 y              ]      [ 0'  v'  eta ]
 ///   (2) sqrt(gamma) = c_1 ... c_d,   e = eta / sqrt(gamma),   K = -sqrt(gamma) v,   theta = theta - eta v
 ///
-/// A rounding error in W is never forgotten (its memory is neutral while R's decays): theta and P are reported from W.
+/// A rounding error in W neither grows nor decays, while one in R decays. theta and P are reported from W.
 /// Storage 2 d^2 (half used); per update 5 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
 /// Source: Yang & Böhme 1992.
 template <Real T, int N = Dynamic>

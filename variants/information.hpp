@@ -6,14 +6,14 @@
 
 namespace rlslab {
 
-/// Propagates X = P^-1 and b = X theta, and solves the normal equations where a row is reported:
+/// Propagates X = P^-1 and b = X theta, and solves the normal equations for the report of a row:
 ///
 ///   (1) gamma = lambda / (lambda + psi'X^-1 psi)          from the factors of the step before
-///   (2) X = lambda X + psi psi',   b = lambda b + psi y   (3) X = L D L',   theta = X^-1 b,   K = X^-1 psi when asked
+///   (2) X = lambda X + psi psi',   b = lambda b + psi y   (3) X = L D L',   theta = X^-1 b,   K = X^-1 psi on request
 ///
-/// Squares the condition number: the other cautionary form. A pivot D_j <= 0 is breakdown (indefinite): theta is then
-/// NaN until a later X factors again, and the row after it indefinite too, having no theta to innovate on. Starts without
-/// a prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
+/// Squares the condition number; the form is here as a warning. A pivot D_j <= 0 is breakdown (indefinite): theta is NaN
+/// until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts without a
+/// prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
 /// multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss; Bierman 1977.
 template <Field T, int N = Dynamic>
 class Information {
@@ -71,7 +71,7 @@ public:
         add_sample(X_, b_, lambda_, psi_, y);                                                                      // (2)
         ++rows_;
         solved_ = false;
-        if (!all(started_)) solve();    // breakdown is told from a start by X having factored once
+        if (!all(started_)) solve();    // X that factored once and does so no longer is breakdown, not a start
     }
     Vector<T, N> theta() const { return solved_ ? theta_.view() : solved().theta_.view(); }
     Vector<T, N> gain() const {

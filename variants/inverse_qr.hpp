@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates the upper triangular square root S of the covariance, P = S S'; rotations carry a into the leading b:
+/// Propagates the upper triangular square root S of the covariance, P = S S'; rotations make a zero against b:
 ///
 ///   (1) a = S'psi / sqrt(lambda)
 ///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and

@@ -1,4 +1,4 @@
-// Joseph's stabilised form, evaluated as the products it is written in.
+// Joseph's stabilised form, evaluated as the matrix products of its formula.
 #pragma once
 
 #include <rlslab/core/concept.hpp>

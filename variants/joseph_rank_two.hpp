@@ -1,4 +1,4 @@
-// Joseph's form expanded to a symmetric rank-two update: its immunity to gain errors at O(d^2).
+// Joseph's form expanded to a symmetric rank-two update: an error in the gain enters P in second order only, at O(d^2).
 #pragma once
 
 #include <rlslab/core/concept.hpp>

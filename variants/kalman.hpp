@@ -1,4 +1,4 @@
-// The Kalman filter of parameters that stand still or walk at random: recursive least squares seen as estimation of a state.
+// The Kalman filter of parameters that are constant or follow a random walk: recursive least squares as state estimation.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -31,8 +31,8 @@ public:
         : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),
           K_(problem.size), P_(start_covariance<T, N>(problem)), Q_(problem.size), walks_(false) {}
 
-    /// With a walk. Throws std::invalid_argument for a Q of another size, or not symmetric; that it is no covariance
-    /// otherwise is not checked.
+    /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether Q is
+    /// positive semidefinite is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
         expects(Q.rows() == problem.size && Q.cols() == problem.size && Q == Q.transpose(), "a symmetric Q of size x size");
         for (Index j = 0; j < problem.size; ++j)

@@ -13,7 +13,7 @@ namespace rlslab {
 ///       [ psi'             y              ]      [ 0'  eta ]
 ///   (2) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
-/// theta (R theta = z) and K (R'R K = psi) are solved for when asked, d^2/2 and d^2 multiplications.
+/// theta (R theta = z) and K (R'R K = psi) are solved for on request, d^2/2 and d^2 multiplications.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
 /// zero on its diagonal the innovation is NaN and health undetermined.
 /// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).

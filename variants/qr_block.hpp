@@ -1,4 +1,4 @@
-// QR by Householder reflections on blocks of rows: batch least squares that never holds more than one block, and merges.
+// QR by Householder reflections on blocks of rows: batch least squares in the memory of one block. Two such filters merge.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -12,12 +12,12 @@ namespace rlslab {
 ///
 ///   (1) [ sqrt(lambda)^B R   sqrt(lambda)^B z ]  ->  [ R  z   ]
 ///       [ psi'               y                ]      [ 0  eta ]
-///   (2) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for when asked
+///   (2) theta (R theta = z) and K (R'R K = psi, the last row's) are solved for on request
 ///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
-/// One row at a time (update) this reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior: better so than with
-/// 1/sqrt(P0) below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// update() processes one row and reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior, and should if
+/// 1/sqrt(P0) is below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Real T, int N = Dynamic>
 class QrBlock {
     T lambda_, root_lambda_;
@@ -27,9 +27,9 @@ class QrBlock {
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     Rows<T> A_;                                            // a block, with y as its last column
 
-    /// Rounding can leave a pivot where there is none; fewer rows than parameters prove it.
+    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a zero.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
-    /// A under weight [R z], the sum of `rows` rows.
+    /// Folds A, which stands for `rows` rows, into weight [R z].
     PerLane<T, Health> fold_in(T const& weight, Index rows) {
         lengths_.take_rows(weight, A_);
         reflect_block_into(weight, L_, z_, A_);
@@ -59,7 +59,7 @@ public:
         return fold_in(weighted_rows(psi, y, root_lambda_, A_), rows);                                           // (1)
     }
 
-    /// Puts after the rows here those of `newer`, a filter of this problem that started without prior.
+    /// Appends the rows of `newer`, a filter of this problem that started without prior.
     void merge(QrBlock const& newer) {
         Index const d = z_.size();
         expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_, "a part of this problem, no prior");

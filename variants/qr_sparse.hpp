@@ -13,8 +13,8 @@ namespace rlslab {
 ///       [ psi'               y                ]       [ 0  * ]
 ///   (2) e = y - psi'theta,   gamma = lambda / (lambda + |R^-T psi|^2)    with the R of the step before
 ///
-/// Storage and time follow the fill of R, not d^2; each block costs all of R once: with many parameters take as many rows
-/// at once. Needs a prior. Source: Davis 2011.
+/// Storage and time follow the fill of R, not d^2. Each block costs a pass over all of R, so that a block should have about
+/// as many rows as there are parameters. Needs a prior. Source: Davis 2011.
 class QrSparse {
     double lambda_;
     Vector<double> z_, theta_;

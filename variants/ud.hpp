@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates P = U D U', U unit upper triangular. Nothing in a sweep over U's columns waits for a division:
+/// Propagates P = U D U', U unit upper triangular. All divisions come before the sweep over U's columns:
 ///
 ///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
 ///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j,  v_i += t g_j

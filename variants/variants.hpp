@@ -1,4 +1,4 @@
-// THE list of variants. A new one is its file and two lines here; tests, studies and the program walk the list.
+// THE list of variants. A new one is its file and two lines here; tests, studies and the program go through the list.
 #pragma once
 
 #include <rlslab/core/type_list.hpp>
@@ -25,7 +25,7 @@
 namespace rlslab {
 
 namespace detail {
-/// The scalar of the forms that take square roots: T where T has one, otherwise one that drops them from T's list.
+/// T if T has a square root. Otherwise double, so that `OverScalar` leaves the square-root forms out of T's list.
 template <Field T>
 using Rooted = std::conditional_t<Real<T>, T, double>;
 }  // namespace detail

@@ -20,7 +20,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = kappa * kappa}}, *entry.arithmetic);
     Records const records = as_stored(graded(size, rows, kappa, trial.seed({"kappa", "replicate"}), noise), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
-    feed_rows(*filter, records, 0, rows);
+    process_rows(*filter, records, 0, rows);
     Errors const error = errors(*filter, certified(problem, records, {rows}, 60).front());
     out({error.theta, error.covariance});
 }
@@ -43,8 +43,8 @@ Finding slopes(Table const& t, std::vector<std::string> const& variants, std::st
     return out;
 }
 
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph_rank_two"};
+std::vector<std::string> const factors = words(factor_forms());
+std::vector<std::string> const plain = words(subtracting_forms());
 
 }  // namespace
 

@@ -22,16 +22,14 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = entry.make(problem, Seed{1});
     Index at = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
         out({double(at), error.theta / u, error.covariance / u});
     }
 }
 
-/// The forms whose theta is corrected by its own innovation, but for `conventional`, whose asymmetry is a matter of its own.
-std::vector<std::string> const corrected{
-    "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr"};
+std::vector<std::string> const corrected = words(corrected_forms());
 
 /// After the prior is forgotten, which a large one costs the covariance forms tens of u.
 constexpr double settled = 256;
@@ -103,8 +101,7 @@ Study const accuracy_steps{
             {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 N u",
              [](Table const& t) {
                  Number const share = [](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); };
-                 std::vector<std::string> others = corrected;
-                 for (char const* form : {"qr", "gentleman", "extended_qr", "information"}) others.emplace_back(form);
+                 std::vector<std::string> const others = words(without(row_forms(), {"conventional"}));
                  return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0, 0.25);
              }},
             {"the conventional form's P: exponent 1.00 +- 0.05 in double",

@@ -24,15 +24,16 @@ double digits(Entry const& entry, Problem<double> const& problem, Records const&
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
-        feed_rows(*filter, records, k, std::min(k + stride, rows));
+        process_rows(*filter, records, k, std::min(k + stride, rows));
         if (!breakdown(*filter, *entry.arithmetic).empty()) return 0;
     }
     Errors const e = errors(*filter, exact);
     return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));
 }
 
-/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, under the prior that the widest of them asks for.
-/// Every length for every variant on the same data, from the longest down: what is needed is the shortest from which on all do.
+/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, with a prior that fits the widest of them. Every variant
+/// is run on the same data with every length, from the longest down. The length needed is the least one from which on all longer ones
+/// suffice.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
     Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;  // few, or ten to twenty memories of 0.99
@@ -50,17 +51,17 @@ void measure(Trial const& trial, TrialOutput& out) {
             as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
-        for (Entry const& entry : variable_precision_catalogue())
-            for (Cell const& name : row_forms())
-                if (entry.variant == std::get<std::string>(name))
-                    kept[std::string(entry.variant)].push_back(digits(entry, problem, records, exact));
+        for (Cell const& form : row_forms()) {
+            std::string const& name = std::get<std::string>(form);
+            kept[name].push_back(digits(*find_entry(variable_precision_catalogue(), name, arithmetic.name), problem, records, exact));
+        }
     }
     for (Cell const& name : row_forms()) {
         std::vector<double> const& of = kept[std::get<std::string>(name)];
         double needed = INFINITY, half = INFINITY;
         for (size_t i = 0; i < of.size() && of[i] >= three_digits; ++i) needed = lengths[i];
         for (size_t i = 0; i < of.size() && of[i] >= lengths[i] * correctly::log10(2) / 2; ++i) half = lengths[i];
-        for (size_t i = of.size(); i-- > 0;)  // ascending, as a figure wants them
+        for (size_t i = of.size(); i-- > 0;)  // ascending, as a figure needs them
             out({std::get<std::string>(name), correctly::log2(kappa), double(lengths[i]), of[i],
                  std::min(1.0, of[i] / (lengths[i] * correctly::log10(2))), needed, half});
     }
@@ -72,7 +73,7 @@ Table steep(Table const& t, std::vector<std::string> const& variants, std::strin
         return p <= longest;
     });
 }
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const factors = words(factor_forms());
 std::vector<std::string> const plain{"conventional_two_sided", "symmetric", "joseph_rank_two", "information"};
 
 /// needed - slope log2 kappa over the same rows.
@@ -97,8 +98,8 @@ Study const choose{
         "the orders kappa, kappa^2 and beyond: Golub & Wilkinson 1966, Björck 1967, part II (cited, not read), "
         "docs/literature.md 3.6, docs/theory.md 48; the map is measured here",
     .formula =
-        R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\ p &\approx 2\log_2\kappa + c
-              && \text{P or its inverse stored plainly} \\
+        R"tex(\begin{aligned} p &\approx \log_2\kappa + c && \text{factor forms} \\
+               p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
     .interpretation =
         "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "

@@ -37,14 +37,14 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : row_forms()) {
         Entry const& entry = trial.entry(std::get<std::string>(variant));
         auto const filter = entry.make(problem, Seed{1});
-        feed_rows(*filter, records, first, rows);
+        process_rows(*filter, records, first, rows);
         Errors const error = errors(*filter, exact);
         std::string const status = breakdown(*filter, *entry.arithmetic);
         out({variant, status.empty() ? "sound" : status, error.theta, error.covariance});
     }
 }
 
-Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // a hair wide: powers are computed
+Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // powers are computed, so the bounds are a little wider
     return t.where("start", "prior").where("amount", [=](double c2) { return from / 1.01 < c2 && c2 < to * 1.01; });
 }
 /// The least median error from any c^2 I, over the median error from the batch of 2 d rows: what the batch start gains.
@@ -61,8 +61,8 @@ Finding gains(Table const& t, std::vector<std::string> const& variants, double f
     Finding const P = within(of, {"variant", "lambda"}, gain("covariance"), from, to);
     return {theta.holds && P.holds, "theta " + theta.measured + "; P " + P.measured};
 }
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const plain = words(covariance_forms());
+std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace
 

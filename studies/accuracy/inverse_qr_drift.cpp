@@ -83,7 +83,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     std::unique_ptr<AnyFilter> const filter = local ? nullptr : trial.entry(form, "float").make(problem, Seed{1});
     Index at = 0;
     for (CertifiedSolution const& e : exact) {
-        if (filter) feed_rows(*filter, records, at, e.step());
+        if (filter) process_rows(*filter, records, at, e.step());
         for (; at < e.step(); ++at)
             if (!filter) array.update(records.sample(at));
         row(e, filter ? filter->stored() : array.stored());

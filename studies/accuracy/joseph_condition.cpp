@@ -99,7 +99,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     };
     for (std::string const form : {"joseph", "joseph_rank_two", "symmetric", "conventional_two_sided"}) {
         auto const filter = trial.entry(form).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, rows);
+        process_rows(*filter, records, 0, rows);
         row(form, filter->stored());
     }
     row("P_stored", joseph_with(InDouble::storage, problem, records));

@@ -19,8 +19,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({static_cast<double>(P), static_cast<double>(error), P == 0 ? "zero" : "positive"});
 }
 
-std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "joseph_rank_two"};
-std::vector<std::string> const others{"joseph", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr", "information"};
+std::vector<std::string> const subtracting = words(subtracting_forms());
+std::vector<std::string> const others = words(without(row_forms(), joined(subtracting_forms(), {"potter"})));
 
 /// P_1 is 0 exactly from this variance on.
 Finding zero_from(Table const& t, std::string const& arithmetic, double variance) {

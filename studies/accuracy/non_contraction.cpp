@@ -86,8 +86,8 @@ Study const non_contraction{
         "docs/literature.md 3.8)",
     .formula =
         R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
-= \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
+P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
+        I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
     .interpretation =
         "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
@@ -133,8 +133,8 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad I - K\psi^\top
              [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }},
             {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
              [](Table const& t) {
-                 Number const excess = [](Table const& rows) { return least("norm")(rows) - 1; };
-                 Finding out = within(t.where("psi", "none"), {}, excess, 1e-12, 1e9);
+                 Number const over_one = [](Table const& rows) { return least("norm")(rows) - 1; };
+                 Finding out = within(t.where("psi", "none"), {}, over_one, 1e-12, 1e9);
                  Table const chance = t.where("psi", "eigenvector");
                  for (double const norm : chance.numbers("norm")) out.holds = out.holds && norm == 1;
                  out.measured = fmt::format("by at least {}; {} eigenvectors", out.measured, chance.rows().size());

@@ -50,14 +50,14 @@ void measure(Trial const& trial, TrialOutput& out) {
         auto const filter = trial.entry(variant).make(problem, Seed{1});
         filter->update(records.sample(0), records.y[0]);
         double const first = determinant_error(filter->stored(), determinant);
-        feed_rows(*filter, records, 1, rows);
+        process_rows(*filter, records, 1, rows);
         double const predicted = static_cast<double>(0x1p-53 * sqrt(Reference(c2) * (1 + x * x)));
         Errors const error = errors(*filter, exact);
         out({variant, exact.theta_digits_worst(filter->theta()), error.theta, error.covariance, first, first / predicted});
     }
 }
 
-Table at_1e20(Table const& t) {  // powers are computed: a hair wide
+Table at_1e20(Table const& t) {  // powers are computed, so the bounds are a little wider
     return t.where("data", "norris").where("c2", [](double c2) { return 0.99e20 < c2 && c2 < 1.01e20; });
 }
 Table lines(Table const& t, double from, double to) {

@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : row_forms()) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, rows);
+        process_rows(*filter, records, 0, rows);
         std::string const status = breakdown(*filter, arithmetic);
         out({name, status.empty() ? "sound" : status, relative_change(with_prior, without), errors(*filter, with_prior).theta,
              errors(*filter, without).theta});
@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table in(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants, double from, double to) {
-    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // a hair wide: powers are computed
+    auto const inside = [=](double c2) { return from / 1.01 <= c2 && c2 <= to * 1.01; };  // powers are computed, so the bounds are wider
     return t.where("arithmetic", arithmetic).where("variant", variants).where("c2", inside);
 }
 
@@ -58,14 +58,14 @@ Number spread = [](Table const& t) {
     return most / least;
 };
 
-/// Where the least error lies, and what it is. A hair wide: powers are computed.
+/// The c^2 of the least error, and that error. The bounds are a little wider, because powers are computed.
 Finding valley(Table const& t, double c2_from, double c2_to, double error_from, double error_to) {
     Finding const c2 = within(t, {"variant"}, best_prior, c2_from / 1.01, c2_to * 1.01);
     Finding const error = within(t, {"variant"}, best_error, error_from, error_to);
     return {c2.holds && error.holds, "c^2 " + c2.measured + "; error " + error.measured};
 }
-std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const plain = words(covariance_forms());
+std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace
 
@@ -75,7 +75,7 @@ Study const prior_size{
     .question = "How large should the prior variance c^2 be?",
     .source = "derived (docs/theory.md 13); docs/literature.md 3.5; docs/literature.md 5, question 6; the atlas is measured here",
     .formula =
-        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|}
+        R"tex(\frac{\|\theta_N-\theta_{LS}\|}{\|\theta_{LS}\|} \;
               \le \underbrace{\frac{\kappa^2}{c^2}}_{\text{bias}} + \underbrace{g(u, c^2)}_{\text{rounding}},\qquad
               P_N^{-1} = c^{-2} I + \Phi^\top\Phi)tex",
     .interpretation =

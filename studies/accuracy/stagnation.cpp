@@ -1,4 +1,4 @@
-// Short words: how far the covariance of a running mean comes down before rounding holds it.
+// Short formats: how far the covariance of a running mean falls before rounding stops it.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

@@ -1,4 +1,4 @@
-// Which stored covariances stop being positive definite, and when: decided for the very bits at every step.
+// Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -60,7 +60,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-/// The last row of each curve: what became of all runs.
+/// The last row of each curve: the outcome of all runs.
 Table ends(Table const& t) { return t.where("step", double(horizon)); }
 
 /// The median first step of one variant over another's, in each arithmetic.
@@ -123,8 +123,8 @@ Study const definiteness{
             {"factor forms (potter, carlson, ud, inverse_qr, qr, gentleman, extended_qr) stay definite and finite through every run in "
              "every arithmetic, up to kappa_P = 4/u",
              [](Table const& t) {
-                 return within(ends(t).where("variant", {"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}),
-                               {"arithmetic", "hardness", "variant"}, least("definite"), 1, 1);
+                 return within(ends(t).where("variant", words(factor_forms())), {"arithmetic", "hardness", "variant"}, least("definite"), 1,
+                               1);
              }},
             {"conventional loses it in every run, also where kappa_P is only 1/(64u): by step 2500 at the latest",
              [](Table const& t) {
@@ -132,10 +132,9 @@ Study const definiteness{
              }},
             {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in every arithmetic",
              [](Table const& t) {
-                 return within(ends(t)
-                                   .where("hardness", 4.0)
-                                   .where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "information"}),
-                               {"arithmetic", "variant"}, least("indefinite"), 0.5, 1);
+                 return within(
+                     ends(t).where("hardness", 4.0).where("variant", words(without(row_forms(), joined(factor_forms(), {"conventional"})))),
+                     {"arithmetic", "variant"}, least("indefinite"), 0.5, 1);
              }},
             {"Joseph's broken promise: at kappa_P = 4/u joseph is indefinite in every run, in the median no later than 1.2 times "
              "symmetric's step",

@@ -18,7 +18,7 @@ constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53, replicates = 3;
 
 Entry const& of_any_length(std::string const& variant) {
-    return *std::ranges::find_if(variable_precision_catalogue(), [&](Entry const& entry) { return entry.variant == variant; });
+    return *find_entry(variable_precision_catalogue(), variant, variable_precision_catalogue().front().arithmetic->name);
 }
 
 /// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.
@@ -52,7 +52,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Seed seed = trial.seed({"pole", "lambda"});
     for (int i = 0; i < replicates; ++i) data.push_back(delay_line(size, rows, trial.number("pole"), Seed{seed.next()}));
     double needed = INFINITY, relapses = 0;
-    // Beyond 30 bits in strides: what does not survive those fails for another reason than rounding too coarsely.
+    // Beyond 30 bits in larger steps: a variant that fails there fails for another reason than coarse rounding.
     for (int p = shortest; p <= longest && p <= needed + 2; p += p < 30 ? 1 : p < 50 ? 10 : 3) {
         bool const alive = std::ranges::all_of(data, [&](Records const& records) { return survives(entry, p, lambda, records); });
         if (alive && !std::isfinite(needed)) needed = p;
@@ -61,14 +61,14 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({needed, relapses, correctly::log2(1 / (1 - lambda)), correctly::log2(kappa_of_delay_line(trial.number("pole")))});
 }
 
-/// The bits of `variant` less what `law` says of the same row.
+/// The bits of `variant` minus the number that `law` gives for the same row.
 Finding off(Table const& t, std::vector<std::string> const& variants, std::function<double(Table const&)> const& law, double from,
             double to) {
     return within(
         t.where("variant", variants), {"variant", "pole", "lambda"}, [=](Table const& row) { return row.number("bits") - law(row); }, from,
         to);
 }
-/// What another variant needs for the same data.
+/// The bits that another variant needs for the same data.
 Number needs(Table const& t, std::string const& variant) {
     return [=](Table const& row) {
         return t.where("variant", variant).where("pole", row.number("pole")).where("lambda", row.number("lambda")).number("bits");

@@ -17,7 +17,7 @@ namespace {
 bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
 
 Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bool log_x, bool log_y) {
-    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}, .low = {}, .high = {}};
+    Curve out{.name = std::move(name), .look = std::move(look), .x = {}, .y = {}, .lower = {}, .upper = {}};
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
@@ -25,23 +25,23 @@ Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bo
     for (auto const& [place, values] : at) {
         out.x.push_back(place);
         out.y.push_back(median(values));
-        out.low.push_back(*std::ranges::min_element(values));
-        out.high.push_back(*std::ranges::max_element(values));
+        out.lower.push_back(*std::ranges::min_element(values));
+        out.upper.push_back(*std::ranges::max_element(values));
     }
     return out;
 }
 
 /// A cell for each (x, series), the median of its numbers.
 Curve cells(Table const& rows, Plot const& plot) {
-    Curve out{.name = plot.y, .look = {}, .x = {}, .y = {}, .low = {}, .high = {}};
+    Curve out{.name = plot.y, .look = {}, .x = {}, .y = {}, .lower = {}, .upper = {}};
     for (Cell const& line : rows.distinct(plot.series)) {
         Table const along = rows.where(plot.series, line);
         for (Cell const& place : along.distinct(plot.x)) {
             double const value = median(along.where(plot.x, place).numbers(plot.y));
             out.x.push_back(std::get<double>(place));
             out.y.push_back(value);
-            out.low.push_back(value);
-            out.high.push_back(value);
+            out.lower.push_back(value);
+            out.upper.push_back(value);
             out.row.push_back(as_text(line));
         }
     }
@@ -51,7 +51,7 @@ Curve cells(Table const& rows, Plot const& plot) {
 /// Over the panel's x, which is where the curves are.
 Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y, double floor) {
     constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
-    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}, .low = {}, .high = {}};
+    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}, .lower = {}, .upper = {}};
     double from = INFINITY, to = -INFINITY;
     for (Curve const& c : curves)
         for (double const x : c.x) from = std::min(from, x), to = std::max(to, x);

@@ -1,4 +1,4 @@
-// What claims measure, and the two ways in which it may be where it should.
+// The numbers that claims measure, and the two tests of them.
 #include "studies/engine/findings.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

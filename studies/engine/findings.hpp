@@ -1,4 +1,4 @@
-// The words claims are written in: numbers drawn from tables, and whether they are where they should be.
+// The functions with which claims are written: numbers computed from tables, and whether they lie where they should.
 #pragma once
 
 #include "studies/engine/study.hpp"
@@ -20,11 +20,11 @@ Number root_mean_square(std::string column);
 
 double median(std::vector<double> values);
 
-/// Every group's number lies in [from, to]: "0.99 (joseph, lambda 0.9) ... 1.01 (symmetric, lambda 1)". NaN does not. No
-/// group at all does not hold either: a claim about nothing is a mistake.
+/// Holds if the number of every group lies in [from, to]; NaN does not. The finding reads "0.99 (joseph, lambda 0.9) ... 1.01 (symmetric,
+/// lambda 1)". A table without rows does not hold: such a claim is a mistake.
 Finding within(Table const& table, std::vector<std::string> const& by, Number const& number, double from, double to);
 
-/// Every row's cell in this column is the value; for claims such as "never indefinite".
+/// Holds if every row's cell in this column is the value; for claims such as "never indefinite".
 Finding everywhere(Table const& table, std::string const& column, Cell const& value);
 
 }  // namespace rlslab

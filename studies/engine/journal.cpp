@@ -1,4 +1,4 @@
-// A line for each finished trial, with a checksum; what is not whole is cut off.
+// A line for each finished trial, with a checksum; an incomplete last line is removed.
 #include "studies/engine/journal.hpp"
 
 #include <rlslab/core/input_error.hpp>

@@ -1,4 +1,4 @@
-// What an interrupted run has finished: a file of lines, one for each trial, each whole or not there.
+// The finished trials of an interrupted run: a file with one line for each trial. A line that was not written completely is ignored.
 #pragma once
 
 #include <rlslab/core/files.hpp>
@@ -12,13 +12,13 @@
 
 namespace rlslab {
 
-/// Of text, for telling apart, not for safety (FNV-1a).
+/// A checksum that tells texts apart; not for security (FNV-1a).
 constexpr std::uint64_t hash(std::string_view text, std::uint64_t from = 0xcbf29ce484222325) {
     for (char const c : text) from = (from ^ std::uint8_t(c)) * 0x100000001b3;
     return from;
 }
 
-/// A trial's lines of CSV by its number. Begun again when the key in the file is another: the program, the study, its
+/// The lines of CSV of each finished trial, by its number. The file starts anew if its key is another one: then the program, the study, its
 /// budget or the seed has changed.
 class Journal {
     std::filesystem::path path_;
@@ -30,12 +30,12 @@ public:
     Journal(std::filesystem::path path, std::string const& key);
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
-    /// One line at the end: killed at any moment, it is there whole or its checksum is wrong. Throws InputError.
+    /// Appends one line. If the process is killed meanwhile, the line is complete or its checksum is wrong. Throws InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
-/// One run at a time in a folder: held until destroyed, or until the process ends in whatever way. Where the file system has
-/// no locks, none is held.
+/// A lock that allows one run at a time in a folder. It is released when this object is destroyed or the process ends in any way. On a file
+/// system without locks it has no effect.
 class FolderLock {
     int file_;
 

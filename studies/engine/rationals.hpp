@@ -54,13 +54,6 @@ inline bool is_positive_definite(M const& A) {
     return true;
 }
 /// P as the stored numbers say.
-inline M covariance(Stored<Q> const& stored) {
-    M X = stored.F;
-    if (stored.form == Stored<Q>::Form::factor) {
-        for (Index j = 0; j < stored.D.size(); ++j) X.col(j) *= stored.D[j];
-        X = M(X.lazyProduct(stored.F.transpose()));
-    }
-    return stored.quantity == Stored<Q>::Quantity::covariance ? X : inverse(X);
-}
+inline M covariance(Stored<Q> const& stored) { return covariance_of(stored, inverse); }
 
 }  // namespace rlslab::rationals

@@ -10,7 +10,7 @@
 namespace rlslab {
 namespace {
 
-/// As much of a table as anybody reads in a page; all of it is in the CSV file.
+/// The most rows of a table that a page shows; the CSV file has all.
 std::string beginning(Table const& table) {
     constexpr size_t most = 200;
     std::vector<std::vector<std::string>> rows;

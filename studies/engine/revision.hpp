@@ -1,4 +1,4 @@
-// What was built, and by what: kept with every result.
+// The revision of the tree and the compiler that built the program; every result is stored with them.
 #pragma once
 
 namespace rlslab {

@@ -29,8 +29,7 @@ Seed Trial::seed(std::vector<std::string> const& factors) const {
 }
 
 Entry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
-    for (Entry const& e : *entries_)
-        if (e.variant == variant && e.arithmetic->name == arithmetic) return e;
+    if (Entry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
     throw std::logic_error(fmt::format("study {}: no {} in {}", study_, variant, arithmetic));
 }
 
@@ -42,7 +41,7 @@ namespace {
 
 std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
 
-/// The program as it is: results of another one are not to be mixed with its own.
+/// Identifies the program: results of another program are not mixed with its own.
 std::uint64_t identity() {
     static std::uint64_t const value = [] {
         std::ifstream file("/proc/self/exe", std::ios::binary);
@@ -53,7 +52,7 @@ std::uint64_t identity() {
     return value;
 }
 
-/// Nothing in it depends on the machine, the number of threads or the folder: nor do the bytes of a table.
+/// It does not depend on the machine, the number of threads or the folder, so that the bytes of a table do not either.
 std::vector<std::string> provenance(Study const& study, RunOptions const& options) {
     return {fmt::format("study: {}", study.name),
             fmt::format("question: {}", study.question),
@@ -63,7 +62,7 @@ std::vector<std::string> provenance(Study const& study, RunOptions const& option
             fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget), options.seed)};
 }
 
-/// The trials of one study and what has come of them.
+/// The trials of one study and their results.
 struct Running {
     Study const* study;
     std::vector<Factor> factors;

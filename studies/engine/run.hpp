@@ -1,4 +1,4 @@
-// Runs studies: trials on all cores, bits that do not depend on how many, and nothing lost when it is killed.
+// Runs studies: trials on all cores, with bits that do not depend on their number. A run that is killed can be continued.
 #pragma once
 
 #include "catalogue/catalogue.hpp"
@@ -26,9 +26,9 @@ struct Outcome {
     bool holds() const;
 };
 
-/// Runs the studies' trials and writes out/NAME.csv for each (a header of provenance in lines with #, then the table in
-/// the order of its factors). Finished trials are kept in out/.trials: the same program asked for the same study, budget
-/// and seed takes them from there. Throws InputError when a file cannot be written; what a trial throws, with its name.
+/// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the table in the order of
+/// its factors). Finished trials are stored in out/.trials, and the same program uses them again for the same study, budget and seed.
+/// Throws InputError when a file cannot be written, and what a trial throws, with its name.
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress);
 
 /// For each study its claims, each with its verdict and what was measured.

@@ -10,12 +10,27 @@
 namespace rlslab {
 
 std::vector<Cell> covariance_forms() { return {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}; }
+std::vector<Cell> subtracting_forms() { return without(covariance_forms(), {"joseph"}); }
 std::vector<Cell> factor_forms() { return {"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}; }
+std::vector<Cell> triangular_forms() { return without(factor_forms(), {"potter"}); }
+std::vector<Cell> corrected_forms() {
+    return joined(without(covariance_forms(), {"conventional"}), {"potter", "carlson", "ud", "inverse_qr"});
+}
 std::vector<Cell> row_forms() { return joined(covariance_forms(), joined(factor_forms(), {"information"})); }
 
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
     a.insert(a.end(), b.begin(), b.end());
     return a;
+}
+
+std::vector<Cell> without(std::vector<Cell> a, std::vector<Cell> const& b) {
+    std::erase_if(a, [&](Cell const& x) { return std::ranges::count(b, x) > 0; });
+    return a;
+}
+std::vector<std::string> words(std::vector<Cell> const& cells) {
+    std::vector<std::string> out;
+    for (Cell const& cell : cells) out.push_back(std::get<std::string>(cell));
+    return out;
 }
 
 std::vector<Cell> powers(double base, double first, double last, double step) {
@@ -96,40 +111,16 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
     return answered(std::move(psi), seed, noise);
 }
 
-Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic) {
-    problem.forgetting = arithmetic.round(problem.forgetting);
-    if (problem.prior) {
-        problem.prior->variance = arithmetic.round(problem.prior->variance);
-        if (problem.prior->theta) problem.prior->theta = Vector<double>(problem.prior->theta->unaryExpr(arithmetic.round));
-        if (problem.prior->covariance) problem.prior->covariance = Matrix<double>(problem.prior->covariance->unaryExpr(arithmetic.round));
-    }
-    return problem;
-}
-
-Records as_stored(Records records, Arithmetic const& arithmetic) {
-    records.psi = records.psi.unaryExpr(arithmetic.round).eval();
-    records.y = records.y.unaryExpr(arithmetic.round).eval();
-    return records;
-}
-
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
     auto const error = [](double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; };
     return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
 }
 
-void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
+void process_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
 
 Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
-    using Form = Stored<Reference>::Form;
-    Matrix<Reference> X = stored.F;
-    if (stored.form == Form::factor) {
-        Matrix<Reference> FD = stored.F;
-        for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
-        X = FD.lazyProduct(stored.F.transpose());
-    }
-    if (stored.quantity == Stored<Reference>::Quantity::information)
-        X = X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
-    return X;
+    return covariance_of(
+        stored, [](Matrix<Reference> const& X) { return X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval(); });
 }
 
 double frobenius(Matrix<Reference> const& A) {

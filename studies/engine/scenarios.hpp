@@ -1,4 +1,4 @@
-// The data of studies, the families of variants, and what a filter has got wrong.
+// The data of studies, the families of variants, and the errors of a filter.
 #pragma once
 
 #include "studies/engine/study.hpp"
@@ -7,16 +7,30 @@
 
 namespace rlslab {
 
-// --- variants, as factors of a study ----------------------------------------------------------------------------------
+// --- families of variants ---------------------------------------------------------------------------------------------
+// Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
+// about these variants and no others. Without `kalman`: its random walk aside it is `conventional`.
 
-/// Propagate P itself.
+/// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
-/// Propagate a factor of P or of its inverse; one row at a time.
+/// The variants that subtract from P; Joseph's form adds products instead.
+std::vector<Cell> subtracting_forms();
+/// The variants that propagate a factor of P or of its inverse.
 std::vector<Cell> factor_forms();
-/// Both, and `information`: every dense variant that takes one row at a time.
+/// The variants whose factor is a triangle; Potter's is full.
+std::vector<Cell> triangular_forms();
+/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose asymmetry is studied
+/// apart.
+std::vector<Cell> corrected_forms();
+/// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
+
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
+/// Those of a that are not in b.
+std::vector<Cell> without(std::vector<Cell> a, std::vector<Cell> const& b);
+/// As Table::where takes them.
+std::vector<std::string> words(std::vector<Cell> const& cells);
 
 /// base^first, base^(first + step), ... to base^last.
 std::vector<Cell> powers(double base, double first, double last, double step = 1);
@@ -35,20 +49,16 @@ Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1
 
 // --- answers ----------------------------------------------------------------------------------------------------------
 
-/// The problem and the data as an arithmetic stores them: what its reference must be given too.
-Problem<double> as_stored(Problem<double> problem, Arithmetic const& arithmetic);
-Records as_stored(Records records, Arithmetic const& arithmetic);
-
-/// Relative errors in the 2-norm and the Frobenius norm: 10^-digits. Infinity where the filter has an infinity or a NaN.
+/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a NaN.
 struct Errors {
     double theta, covariance;
 };
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 
 /// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
-void feed_rows(AnyFilter& filter, Records const& records, Index first, Index last);
+void process_rows(AnyFilter& filter, Records const& records, Index first, Index last);
 
-/// P in the 257 bits of Reference: F itself, multiplied out, or inverted.
+/// P in the 257 bits of Reference, from F itself, by multiplying factors out, or by inversion.
 Matrix<Reference> covariance_of(Stored<Reference> const& stored);
 /// ||A||_F.
 double frobenius(Matrix<Reference> const& A);

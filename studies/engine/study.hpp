@@ -15,8 +15,8 @@ struct Factor {
     std::vector<Cell> values;
 };
 
-/// One combination of the factors' values: the unit of work, of parallelism and of resuming. Everything it does follows
-/// from the study's name, the run's seed, the budget and its own values, so that it may run anywhere and at any time.
+/// One combination of the factors' values: the unit of work, of parallelism and of resuming. Its results depend only on the study's name,
+/// the run's seed, the budget and its own values, so that it may run on any thread and at any time.
 class Trial {
     std::string_view study_;
     std::vector<Factor> const* factors_;
@@ -36,13 +36,13 @@ public:
     std::string const& text(std::string_view factor) const { return std::get<std::string>(value(factor)); }
     bool full() const { return budget_ == Budget::full; }
 
-    /// The same for all trials that agree on these factors: so several variants see the same data.
+    /// The same seed for all trials that agree on these factors, so that several variants are given the same data.
     Seed seed(std::vector<std::string> const& factors) const;
     /// A variant by name. Throws std::logic_error when the catalogue has no such filter.
     Entry const& entry(std::string_view variant, std::string_view arithmetic = "double") const;
 };
 
-/// What a trial measured: any number of rows behind its factors' values.
+/// The rows that a trial measured, any number of them; the values of its factors are put before each.
 class TrialOutput {
     std::vector<Cell> const& values_;
     std::vector<std::string> lines_;
@@ -63,8 +63,8 @@ struct Guide {
     std::function<double(double x)> y;
 };
 
-/// How a table is drawn: y against x, one line for each value of `series`, one picture for each value of `panel`. Where
-/// several rows share a place it is their median, with a band from the least to the greatest.
+/// How a table is drawn: y against x, one line for each value of `series`, one picture for each value of `panel`. Several rows of the same
+/// x, series and panel are drawn as their median, with a band from the least to the greatest.
 struct Plot {
     std::string title, x, y;
     std::string series = "variant", panel = {};
@@ -77,7 +77,7 @@ struct Plot {
     bool cells = false;
 };
 
-/// Whether a claim held, and by what.
+/// Whether a claim holds, and the numbers measured.
 struct Finding {
     bool holds;
     std::string measured;
@@ -92,9 +92,9 @@ struct Claim {
 struct Study {
     std::string name;            ///< as on the command line
     std::string question;        ///< one sentence
-    std::string source;          ///< who says so, and how sure it is (docs/literature.md 0)
+    std::string source;          ///< where the law is from, and how certain that is (docs/literature.md 0)
     std::string formula;         ///< LaTeX; lines apart by \\ .
-    std::string interpretation;  ///< what one sees, and where it differs from what was published
+    std::string interpretation;  ///< of the result, and where it differs from published ones
     std::function<std::vector<Factor>(Budget)> factors;
     std::function<bool(Trial const&)> admits = {};  ///< combinations that make sense; all if empty
     std::vector<std::string> measures;              ///< the columns behind the factors

@@ -29,10 +29,10 @@ public:
     size_t index(std::string_view column) const;
 
     void add(std::vector<Cell> row);
-    /// A line of CSV without quotes: what reads as a number is one.
+    /// Adds a line of CSV without quotes. A cell that can be read as a number becomes one.
     void add_line(std::string_view line);
 
-    /// The rows whose cell in this column is the value; holds(number); one of these words.
+    /// The rows whose cell in this column is the value, or is a number for which `holds` is true, or is one of these words.
     Table where(std::string_view column, Cell const& value) const;
     Table where(std::string_view column, std::function<bool(double)> const& holds) const;
     Table where(std::string_view column, std::vector<std::string> const& words) const;
@@ -40,10 +40,10 @@ public:
     std::vector<double> numbers(std::string_view column) const;
     /// Each value once, in order of appearance.
     std::vector<Cell> distinct(std::string_view column) const;
-    /// Of a table with one row. Throws std::logic_error otherwise: the question was ambiguous.
+    /// The number in this column of a table with one row. Throws std::logic_error for more rows or none.
     double number(std::string_view column) const;
 
-    /// The rows apart by their cells in these columns, in order of appearance, each with "joseph, lambda 0.98" as its name.
+    /// The rows grouped by their cells in these columns, in order of appearance. A group's name is "joseph, lambda 0.98".
     std::vector<std::pair<std::string, Table>> groups(std::vector<std::string> const& by) const;
 };
 

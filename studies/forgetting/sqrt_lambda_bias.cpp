@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Index at = 0;
     Reference bias = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Matrix<Reference> const P = covariance_of(filter->stored()), true_P = exact.covariance();
         Reference trace = 0, true_trace = 0;

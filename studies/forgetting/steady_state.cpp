@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Index at = 0;
     double theta = 0, covariance = 0;
     for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        feed_rows(*filter, records, at, exact.step());
+        process_rows(*filter, records, at, exact.step());
         at = exact.step();
         Errors const error = errors(*filter, exact);
         theta += error.theta * error.theta / double(steps.size());
@@ -35,8 +35,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({memory, std::sqrt(theta) / u, std::sqrt(theta * (1 - lambda * lambda)) / u, std::sqrt(covariance) / u});
 }
 
-std::vector<std::string> const corrected{
-    "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr"};
+std::vector<std::string> const corrected = words(corrected_forms());
 Table white_of(Table const& t) { return t.where("pole", 0.0).where("variant", corrected); }
 Table from(Table const& t, double lambda) {
     return t.where("lambda", [=](double l) { return l >= lambda; });
@@ -64,11 +63,10 @@ Study const steady_state{
         "0.999 is the rounding of sqrt(lambda) (study sqrt_lambda_bias).",
     .factors =
         [](Budget budget) {
-            std::vector<Cell> const covariances{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
             return std::vector<Factor>{{"arithmetic", {"float", "double"}},
                                        {"pole", {0.0, 0.99}},
                                        {"lambda", {0.9, 0.97, 0.99, 0.997, 0.999}},
-                                       {"variant", joined(covariances, joined(factor_forms(), {"information"}))},
+                                       {"variant", without(row_forms(), {"conventional"})},
                                        {"replicate", counted(budget == Budget::full ? 12 : 5)}};
         },
     // What coloured regressors do is no matter of a few per cent.

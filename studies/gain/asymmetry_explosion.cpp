@@ -1,4 +1,4 @@
-// The conventional form's own rounding errors, left alone: when its asymmetry has grown over everything.
+// The rounding errors of the conventional form: after how many steps their antisymmetric part exceeds P.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 

@@ -14,7 +14,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda");
     Records const records = white(size, start + last, trial.seed({"replicate"}));
     auto const wrong = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
-    feed_rows(*wrong, records, 0, start - 1);
+    process_rows(*wrong, records, 0, start - 1);
     auto const right = wrong->clone();
     wrong->update(records.sample(start - 1), records.y[start - 1] + 1);
     right->update(records.sample(start - 1), records.y[start - 1]);

@@ -44,7 +44,7 @@ void examine(Trial const& trial, TrialOutput& out) {
             P0 += outer(b, b);
         }
         F before({.size = d, .forgetting = lambda, .prior = Prior<Q>{.covariance = P0}});
-        for (int k = 0; k < 3; ++k) before.update(fractions(d, seed), Q(0));  // honest rows make P general
+        for (int k = 0; k < 3; ++k) before.update(fractions(d, seed), Q(0));  // undisturbed rows make P general
         V const psi = fractions(d, seed), deltaK = fractions(d, seed);
         F honest = before, wrong = before;
         honest.update(psi, Q(0));

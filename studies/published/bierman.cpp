@@ -18,7 +18,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem = as_stored({.size = 2, .prior = Prior<double>{.variance = 1 / (eps * eps)}}, *entry.arithmetic);
     Records const records{.psi = Eigen::MatrixXd{{1.0, 1.0}, {eps, 1.0}}, .y = Vector<double>::Zero(2), .names = {}};
     auto const filter = entry.make(problem, Seed{1});
-    feed_rows(*filter, records, 0, 2);
+    process_rows(*filter, records, 0, 2);
     double const u = entry.arithmetic->unit_roundoff(), error = errors(*filter, certified(problem, records, {2}).front()).covariance;
     std::string const broken = breakdown(*filter, *entry.arithmetic);
     double const variance = static_cast<double>(covariance_of(filter->stored())(0, 0));
@@ -29,7 +29,7 @@ void measure(Trial const& trial, TrialOutput& out) {
          broken.empty() ? "sound" : broken, entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
 }
 
-std::vector<std::string> const triangular{"ud", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const triangular = words(triangular_forms());
 Table of(Table const& t, char const* arithmetic, char const* eps) { return t.where("arithmetic", arithmetic).where("eps", eps); }
 
 /// The variance is positive up to 2^-last and negative from there on.

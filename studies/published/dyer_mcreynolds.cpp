@@ -22,7 +22,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const norm = frobenius(P), last = static_cast<double>(P(2, 2));
     auto const run = [&](std::string const& variant) {
         auto filter = trial.entry(variant).make(problem, Seed{1});
-        feed_rows(*filter, records, 0, 2);
+        process_rows(*filter, records, 0, 2);
         return filter;
     };
     double const carlson = errors(*run("carlson"), exact).covariance * norm;
@@ -35,9 +35,9 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-std::vector<std::string> const P_forms{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr", "qr_block"};
-std::vector<std::string> const rows_by_one{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+std::vector<std::string> const P_forms = words(covariance_forms());
+std::vector<std::string> const factors = words(joined(factor_forms(), {"qr_block"}));
+std::vector<std::string> const rows_by_one = words(factor_forms());
 Table between(Table const& t, double from, double to) {
     return t.where("delta", [=](double d) { return from * 0.999 <= d && d <= to * 1.001; });  // rounded powers of ten
 }
@@ -75,7 +75,7 @@ Study const dyer_mcreynolds{
                .y = "error",
                .x_label = "δ",
                .y_label = "relative error of P",
-               .where = {{"variant", {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "information"}}},
+               .where = {{"variant", words(joined(covariance_forms(), {"information"}))}},
                .guides = {{"u/δ²", [](double d) { return 0x1p-53 / (d * d); }}}},
               {.title = "Factor forms",
                .x = "delta",
@@ -99,7 +99,7 @@ Study const dyer_mcreynolds{
             {"P forms other than Joseph's products saturate at 0.2 +- 0.06: the median over delta = 1e-10 ... 1e-15, and no error above "
              "0.3",
              [](Table const& t) {
-                 std::vector<std::string> const saturating{"conventional", "conventional_two_sided", "symmetric", "joseph_rank_two"};
+                 std::vector<std::string> const saturating = words(subtracting_forms());
                  Table const small = between(t, 1e-15, 1e-10).where("variant", saturating);
                  Finding const middle = within(small, {"variant"}, median("error"), 0.14, 0.26);
                  Finding const most = within(small, {"variant"}, greatest("error"), 0, 0.3);

@@ -25,7 +25,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         Records const records = order ? shuffled(original, seed) : original;
         for (Cell const& variant : joined(row_forms(), {"qr_block"})) {
             auto const filter = trial.entry(std::get<std::string>(variant)).make(problem, Seed{1});
-            feed_rows(*filter, records, 0, records.rows());
+            process_rows(*filter, records, 0, records.rows());
             Vector<Reference> const theta = filter->theta();
             bool const finite = std::isfinite(with_prior.theta_digits_worst(theta));
             auto const digits = [&](double d) { return finite ? d : -INFINITY; };

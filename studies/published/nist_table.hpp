@@ -2,6 +2,7 @@
 #pragma once
 
 #include "studies/engine/findings.hpp"
+#include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_data.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -35,25 +35,12 @@ inline Records shuffled(Records records, Seed seed) {
     return records;
 }
 
-/// Digits of the worst parameter at c^2 = 1e20 in file order: the recursive table of docs/literature.md 3.5, where a digit is left.
-using Row = std::map<std::string, double>;
-inline std::map<std::string, Row> const listed{
-    {"longley",
-     {{"potter", 0.6}, {"carlson", 11.1}, {"ud", 10.4}, {"inverse_qr", 11.0}, {"information", 8.5}, {"qr", 11.8}, {"gentleman", 11.4}}},
-    {"filip", {{"potter", 1.4}, {"carlson", 5.0}, {"ud", 5.0}, {"inverse_qr", 4.6}, {"qr", 7.3}, {"gentleman", 7.2}}},
-    {"wampler3",
-     {{"potter", 0.4}, {"carlson", 9.7}, {"ud", 9.8}, {"inverse_qr", 9.6}, {"information", 6.6}, {"qr", 9.4}, {"gentleman", 9.5}}},
-    {"wampler4",
-     {{"potter", -1.6}, {"carlson", 8.1}, {"ud", 7.8}, {"inverse_qr", 7.8}, {"information", 6.6}, {"qr", 7.8}, {"gentleman", 8.7}}},
-    {"wampler5",
-     {{"potter", -3.6}, {"carlson", 6.4}, {"ud", 5.8}, {"inverse_qr", 5.6}, {"information", 6.6}, {"qr", 5.8}, {"gentleman", 6.7}}}};
-
 /// An entry is met within 0.7 in file order, or lies among what other orders of the rows give.
 inline Finding table_is_met(Table const& t) {
     int met = 0, among = 0;
     double scatter = 0;
     std::string missed;
-    for (auto const& [set, row] : listed)
+    for (auto const& [set, row] : listed_digits())
         for (auto const& [variant, digits] : row) {
             std::vector<double> const ours = t.where("set", set).where("variant", variant).numbers("digits");
             auto const [least, most] = std::minmax_element(ours.begin(), ours.end());
@@ -78,7 +65,7 @@ inline Number fall(std::string from, std::string to) {
 inline Number lead(std::string variant) {
     return [=](Table const& t) { return median("digits")(t.where("variant", variant)) - median("digits")(t.where("variant", "qr")); };
 }
-inline std::vector<std::string> const plain{"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};
-inline std::vector<std::string> const rooted{"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"};
+inline std::vector<std::string> const plain = words(covariance_forms());
+inline std::vector<std::string> const rooted = words(triangular_forms());
 
 }  // namespace rlslab::strd

@@ -13,7 +13,7 @@ namespace {
 using namespace rationals;
 constexpr Index d = 3;
 
-/// One run of small integers. `note` hears of every identity at every step whether it held.
+/// One run with small integers. Calls `note` for every identity at every step with whether it held.
 template <class F, class Note>
 void run(Q const& lambda, Seed seed, Note note) {
     M const I = M::Identity(d, d), P0 = I + outer(V{{1, 2, -1}}, V{{1, 2, -1}}) + outer(V{{0, 1, 3}}, V{{0, 1, 3}});

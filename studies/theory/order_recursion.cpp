@@ -1,4 +1,4 @@
-// Recursion in model order: bordering against its QR twin, in digits and in operations.
+// Recursion in model order: bordering against appending columns to a QR factorisation, in digits and in operations.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -33,7 +33,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({"information", error(fit(records, FitBy::normal_equations).theta)});  // the normal equations, factored afresh
 }
 
-/// Multiplications of all orders up to n by bordering, by the QR twin, and by a QR factorisation anew for each order.
+/// Multiplications of all orders up to n by bordering, by appended columns of one QR factorisation, and by a new QR for each order.
 Finding cheaper() {
     using C = Counted<double>;
     Seed seed{1};

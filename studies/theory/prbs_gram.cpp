@@ -36,7 +36,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const M1 = double(period) + 1;
     for (size_t n : {size_t(2), size_t(3), size_t(4), size_t(6), period}) {
         if (n > period) continue;
-        // n eigenvectors that span the space: 1 and e_0 - e_j, asked of the products.
+        // n eigenvectors that span the space: 1 and e_0 - e_j, tested by multiplication.
         auto const entry = [&](size_t i, size_t j) { return R[(period + i - j) % period]; };
         bool spectrum = true;
         for (size_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// Prints what each variant computes, a line each: two compilers must print the same. Stochastic rounding tells on an order of
+// Prints what each variant computes, a line each: two compilers must print the same. Stochastic rounding shows an order of
 // evaluation that the language leaves open, because every operation draws.
 #include "tests/compilers/everything.hpp"
 

@@ -17,8 +17,10 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
 lay(flint3 include/flint/arb.h include/flint/flint.h include/mpfr.h include/gmp.h lib/libflint.so lib/libmpfr.so lib/libgmp.so)
-lay(debian12 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h lib/libflint-arb.so lib/libflint.so lib/libmpfr.so lib/libgmp.so)
-lay(arb2 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h lib64/libarb.so lib64/libflint.so lib64/libmpfr.so lib64/libgmp.so)
+lay(debian12 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h
+  lib/libflint-arb.so lib/libflint.so lib/libmpfr.so lib/libgmp.so)
+lay(arb2 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h
+  lib64/libarb.so lib64/libflint.so lib64/libmpfr.so lib64/libgmp.so)
 lay(both include/arb.h include/flint/arb.h lib/libarb.so lib/libflint.so lib/libmpfr.so lib/libgmp.so)
 lay(flint2 include/flint/flint.h include/mpfr.h include/gmp.h lib/libflint.so lib/libmpfr.so lib/libgmp.so)
 lay(half include/arb.h lib/libflint.so lib/libmpfr.so lib/libgmp.so)

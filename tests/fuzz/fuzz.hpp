@@ -1,4 +1,4 @@
-// What a target for random bytes is: take() must neither crash nor let anything but its refusals out.
+// A fuzz target: take() must neither crash nor throw anything except the errors with which input is refused.
 #pragma once
 
 #include <rlslab/core/input_error.hpp>

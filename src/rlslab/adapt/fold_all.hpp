@@ -1,4 +1,5 @@
-// Batch least squares on all cores, from rows in memory or in a file larger than it: parts folded apart, merged in order.
+// Batch least squares on all cores, for rows in memory or in a file that is larger than memory. Parts are processed separately and merged
+// in order.
 #pragma once
 
 #include <rlslab/arithmetic/carried.hpp>
@@ -14,9 +15,9 @@
 
 namespace rlslab {
 
-/// Any number of rows [psi' y] of binary64, to be read from any place, by several threads at once.
+/// N rows [psi' y] of binary64 that several threads may read at the same time, in any order.
 ///   size(), rows()         d and N
-///   read(first, block)     rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block
+///   read(first, block)     writes rows first, first + 1, ... to the columns [psi; y] of the (d + 1) x B block
 template <class S>
 concept RowSource = requires(S const s, Index first, Matrix<double> block) {
     { s.size() } -> std::convertible_to<Index>;
@@ -24,7 +25,7 @@ concept RowSource = requires(S const s, Index first, Matrix<double> block) {
     s.read(first, block);
 };
 
-/// Records as a source. They must outlive it.
+/// Records as a source. The records must outlive it. Throws std::invalid_argument unless they have as many outputs as rows.
 class RowsInMemory {
     Records const* records_;
 
@@ -49,17 +50,17 @@ struct Joined {
 };
 }  // namespace detail
 
-/// Rows a part: 1.3 MB of them at 40 parameters; merging a part's d rows is then a hundredth of folding it in.
+/// Rows of a part: 1.3 MB at 40 parameters. Merging the d rows of a part's triangle then costs a hundredth of processing the part.
 inline constexpr Index rows_a_part = 4096;
 
-/// The filter that took every row of the source, in order: rows (i B, (i + 1) B] are folded into a filter of their own that
-/// starts without prior, and these are merged into F(problem) in order of i, each by the thread that folded it:
+/// The filter F(problem) after all rows of the source, in order. Rows (i B, (i + 1) B], B = part, are processed by a filter that starts
+/// without prior. These filters are merged into F(problem) in order of i, each by the thread that made it:
 ///
 ///   ((F(problem) + part 0) + part 1) + ...
 ///
-/// so that the bits depend on B alone, not on the number of threads (0: one a core); nor do they where the arithmetic takes its
-/// length, or the seed of its rounding, from the calling thread (Carried). Memory: a part and two filters for
-/// each thread, whatever the rows. Throws what the source and F throw; std::invalid_argument when sizes differ.
+/// The bits depend on B, not on the number of threads (0: one for each core), also if the arithmetic takes a length or a random stream from
+/// the calling thread (Carried). Memory: one part and two filters for each thread, for any N. Throws what the source and F throw;
+/// std::invalid_argument if the source does not have the problem's size, or if B < 1.
 /// Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source>
 F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {

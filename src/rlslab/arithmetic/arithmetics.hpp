@@ -1,5 +1,5 @@
 // THE list of arithmetics that the catalogue holds, from the shortest to the longest. Variants are compiled once for
-// each, in an object library of its own (catalogue/CMakeLists.txt counts them).
+// each, in an object library of its own.
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -12,16 +12,28 @@
 namespace rlslab {
 
 namespace detail {
+// One a line: CMake reads them here. Extended... is long double or nothing.
+// clang-format off
 template <class... Extended>
-using ArithmeticsWith = std::tuple<Chopped<bfloat16>, Chopped<bfloat16, Rounding::stochastic>, Chopped<binary16>,
-                                   Chopped<binary16, Rounding::stochastic>, float, double, Extended..., Quad, Reference>;
+using ArithmeticsWith = std::tuple<
+    Chopped<bfloat16>,
+    Chopped<bfloat16, Rounding::stochastic>,
+    Chopped<binary16>,
+    Chopped<binary16, Rounding::stochastic>,
+    float,
+    double,
+    Extended...,
+    Quad,
+    Reference
+>;
+// clang-format on
 }  // namespace detail
 
-/// With long double where it is x87's: elsewhere it is one of the others, or none that rounds once.
+/// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not round once.
 using Arithmetics =
     std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
 
-/// Behind them one that is no format: significands of any length, for the studies.
+/// The place behind the list: VariablePrecision, whose length is set at run time.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;
 template <int I>
 using ArithmeticAt = std::tuple_element_t<I, decltype(std::tuple_cat(Arithmetics{}, std::tuple<VariablePrecision>{}))>;

@@ -1,14 +1,14 @@
-// What the results of an arithmetic depend on in the calling thread, for other threads that do parts of the same work.
+// Passes the state on which an arithmetic's results depend from the calling thread to other threads that do parts of its work.
 #pragma once
 
 #include <cstdint>
 
 namespace rlslab {
 
-/// Made in the calling thread before the others start, and outlives them. In any of these (or in the calling one), a
-/// Carried<T>::Part lives while the part of that number is done: T then computes there as the calling thread would have it,
-/// with results that depend on the number of the part, not on the thread. Nothing for most arithmetics; those that take
-/// something from their thread specialise it beside their definition.
+/// Make a Carried<T> in the calling thread before the other threads start; it must outlive them. A thread makes a Carried<T>::Part with the
+/// number of the part that it is about to compute, and destroys it when the part is finished. Meanwhile T computes there with the calling
+/// thread's state. The results depend on the number of the part, not on the thread. Most arithmetics have no such state; one that has (a
+/// length, a random stream, a tally) specialises Carried beside its definition.
 template <class T>
 struct Carried {
     struct Part {

@@ -1,4 +1,4 @@
-// Short words emulated: a double that holds a number of a Format, every operation's exact result rounded once into it.
+// Short formats, emulated: a double holds a number of the Format, and the exact result of every operation is rounded once to it.
 #pragma once
 
 #include <rlslab/arithmetic/carried.hpp>
@@ -13,8 +13,9 @@
 
 namespace rlslab {
 
-/// While one is alive, this thread's stochastic roundings draw from the seed, which is its owner's and advances; then
-/// from the one before again. So whoever holds a Seed beside its numbers is replayed and cloned bit for bit.
+/// Stochastic rounding in this thread draws from `seed` until this object is destroyed. Then the previous stream continues. `seed` advances
+/// with each draw and belongs to the caller, who must keep it alive. An object that stores a Seed beside its numbers can therefore be
+/// replayed and copied bit for bit.
 class [[nodiscard]] StochasticStream {
     static inline constinit thread_local Seed* current_ = nullptr;
     Seed* previous_;
@@ -35,8 +36,8 @@ public:
     static double uniform() { return current().uniform(); }  ///< the next draw
 };
 
-/// A number of the format F. Rounding to nearest takes double's result as exact; the others need to know on which side
-/// of it the exact one lies, and how far: the tail.
+/// A number of the format F. Rounding to nearest needs only double's result (see round_to_nearest). The other roundings also need the tail:
+/// the exact result minus double's.
 template <Format F, Rounding R = Rounding::nearest>
 class Chopped {
     static_assert(fits_in_double(F));
@@ -45,7 +46,7 @@ class Chopped {
     struct AlreadyRounded {};
     Chopped(double x, AlreadyRounded) : value_(x) {}
 
-    /// `tail` is called only where the rounding asks for it.
+    /// `tail` is called only if the rounding needs it.
     template <class Tail>
     static Chopped rounded(double head, Tail&& tail) {
         if constexpr (R == Rounding::nearest) return {round_to_nearest<F>(head), AlreadyRounded{}};
@@ -70,7 +71,7 @@ public:
     friend Chopped operator*(Chopped a, Chopped b) { return rounded(a.value_ * b.value_, none); }
     friend Chopped operator/(Chopped a, Chopped b) {
         double const x = a.value_, y = b.value_, quotient = x / y;
-        return rounded(quotient, [=] {  // the remainder is exact; none is left by 0 / y and by x / infinity
+        return rounded(quotient, [=] {  // the remainder is exact; it is 0 for 0 / y and x / infinity
             return quotient == 0 ? 0.0 : std::fma(-quotient, y, x) / y;
         });
     }
@@ -93,7 +94,7 @@ public:
     friend auto operator<=>(Chopped const&, Chopped const&) = default;
 };
 
-/// Each part of the work draws from a seed of its own, made of one draw of the calling thread's and the part's number.
+/// Each part of the work draws from its own seed, made from one draw of the calling thread and the number of the part.
 template <Format F>
 struct Carried<Chopped<F, Rounding::stochastic>> {
     std::uint64_t drawn = StochasticStream::current().next();
@@ -106,7 +107,7 @@ struct Carried<Chopped<F, Rounding::stochastic>> {
     };
 };
 
-/// The stream goes back to where it was.
+/// Afterwards the stream continues from where it was before.
 template <Format F>
 struct Aside<Chopped<F, Rounding::stochastic>> {
     Seed* const stream = StochasticStream::installed();
@@ -129,7 +130,7 @@ using Tf32 = Chopped<tf32>;
 using Tf32Zero = Chopped<tf32, Rounding::toward_zero>;
 using Tf32Stochastic = Chopped<tf32, Rounding::stochastic>;
 
-/// As on the command line; formats without a name of their own are "chopped".
+/// The name as on the command line. A format without a name is "chopped".
 constexpr std::string_view name_of(Format format, Rounding rounding) {
     constexpr std::string_view names[][3] = {{"binary16", "binary16-zero", "binary16-stochastic"},
                                              {"bfloat16", "bfloat16-zero", "bfloat16-stochastic"},

@@ -1,4 +1,4 @@
-// A scalar that counts its operations: what an update costs is measured, not typed.
+// A scalar that counts its operations, so that the cost of an update is measured.
 #pragma once
 
 #include <rlslab/arithmetic/carried.hpp>
@@ -11,7 +11,7 @@
 
 namespace rlslab {
 
-/// Operations by kind; subtractions are additions. Signs, comparisons, constructions and conversions are free.
+/// Operations by kind. A subtraction is an addition. Changes of sign, comparisons, constructions and conversions are not counted.
 struct Tally {
     long additions = 0, multiplications = 0, divisions = 0, square_roots = 0;
 
@@ -31,7 +31,7 @@ namespace detail {
 inline constinit thread_local Tally operations_so_far{};
 }
 
-/// What the call did in this thread, whichever Counted<T> did it. Calls nest: the outer one sees the inner one's too.
+/// The operations of all Counted<T> in this thread during the call. Calls may be nested: the outer one counts those of the inner one too.
 template <std::invocable Work>
 Tally counted(Work&& work) {
     Tally const before = detail::operations_so_far;
@@ -39,7 +39,7 @@ Tally counted(Work&& work) {
     return detail::operations_so_far - before;
 }
 
-/// A T whose every operation is tallied, whatever the values: a multiplication by 0 or 1 is one.
+/// A T that counts each of its operations, whatever the values: a multiplication by 0 or 1 counts.
 template <Field T>
 class Counted {
     T value_ = T(0);
@@ -94,7 +94,7 @@ public:
     friend bool operator>=(Counted const& a, Counted const& b) { return a.value_ >= b.value_; }
 };
 
-/// The tally goes back to what it was.
+/// Afterwards the tally is what it was before.
 template <class T>
 struct Aside<Counted<T>> {
     Tally const before = detail::operations_so_far;
@@ -109,7 +109,7 @@ struct ArithmeticTraits<Counted<T>> : ArithmeticTraits<T> {
     static constexpr std::string_view name = "counted";
 };
 
-/// What other threads did for the calling one is counted there in the end.
+/// The operations of the other threads are added to the calling thread's tally when the Carried is destroyed.
 template <class T>
 class Carried<Counted<T>> : public Carried<T> {
     mutable std::mutex mutex_;
@@ -138,7 +138,7 @@ Reference widen(Counted<T> const& x) {
 
 }  // namespace rlslab
 
-/// Eigen's constants come from T: asking for one counts nothing.
+/// Eigen's constants are those of T; none of them counts an operation.
 template <class T>
 struct Eigen::NumTraits<rlslab::Counted<T>> : rlslab::detail::StorageTraits<rlslab::Counted<T>> {
     using Number = rlslab::Counted<T>;

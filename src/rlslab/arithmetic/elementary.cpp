@@ -21,7 +21,7 @@ public:
     operator mpfr_ptr() { return x_; }
 };
 
-/// f(arguments) rounded to 53 bits, and where those are too many for a subnormal number, by the side that f was rounded from.
+/// f(arguments) rounded to 53 bits. A subnormal result has fewer bits: it is rounded again, with the direction of the first rounding known.
 template <class F, class... X>
 double of(F* f, X... arguments) {
     Number out;

@@ -1,7 +1,7 @@
-// Short binary formats as data, and the three roundings of an exact value into one.
+// Short binary formats as data, and three ways to round an exact value to one.
 //
-// Decisions are taken on the bits of a double and by exact operations only, so no rounding mode, optimisation level or
-// instruction set can change a result.
+// All decisions use the bits of a double and exact operations only, so that no rounding mode, optimisation level or instruction set can
+// change a result.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace rlslab {
 
-/// Numbers of p = `digits` bits: 1.f x 2^e for min_exp <= e <= max_exp, subnormal below; infinities, NaN, both zeros.
+/// The numbers 1.f x 2^e of p = `digits` bits with min_exp <= e <= max_exp, subnormal numbers below them, infinities, NaN, both zeros.
 struct Format {
     int digits, min_exp, max_exp;
     friend constexpr bool operator==(Format const&, Format const&) = default;
@@ -29,7 +29,7 @@ constexpr double magnitude(double x) { return from_bits(bits_of(x) & ~sign_bit);
 constexpr double with_sign_of(double x, double magnitude) { return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit)); }
 constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }  ///< -1022 <= e <= 1023
 
-/// The exponent of the smallest subnormal, in units of which every number of the format is an integer.
+/// The exponent of the smallest subnormal number. Every number of the format is an integer multiple of that.
 constexpr int lowest_exp(Format f) { return f.min_exp - f.digits + 1; }
 
 }  // namespace detail
@@ -38,8 +38,7 @@ constexpr double largest(Format f) { return detail::power_of_two(f.max_exp) * (2
 constexpr double smallest_normal(Format f) { return detail::power_of_two(f.min_exp); }
 constexpr double smallest_subnormal(Format f) { return detail::power_of_two(detail::lowest_exp(f)); }
 
-/// Whether double can carry the format's arithmetic. With l = lowest_exp and t = max_exp + 1, all numbers lie in
-/// [2^l, 2^t), and
+/// Whether double can emulate the format. With l = lowest_exp and t = max_exp + 1 all positive numbers lie in [2^l, 2^t), and
 ///   precision   2p + 2 <= 53 makes double rounding innocuous to nearest (see round_to_nearest) and products exact;
 ///   products    lie in [2^2l, 2^2t): normal doubles if 2l >= -1022 and 2t <= 1023;
 ///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of an inexact quotient q is (a - q b) / b, where a - q b
@@ -53,27 +52,27 @@ constexpr bool fits_in_double(Format f) {
 
 namespace detail {
 
-/// Of a normal number, in a double's bits.
+/// One unit in the last place of a normal number, as an increment of a double's bits.
 template <Format F>
 inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);
 
 constexpr bool is_number(double x) { return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity()); }
-/// Infinities as they are and one NaN for all: which of two NaNs the hardware passes on depends on the compiler.
+/// Infinities unchanged, and one bit pattern for every NaN: which of two NaNs an operation returns depends on the compiler.
 constexpr double not_a_number(double x) { return x == x ? x : std::numeric_limits<double>::quiet_NaN(); }
 
-/// The tail of |head + tail|. (Signs are random: bits are flipped, not branched on.)
+/// The tail of |head + tail|. (It flips bits: a branch on random signs would be slow.)
 constexpr double outward(double head, double tail) { return from_bits(bits_of(tail) ^ (bits_of(head) & sign_bit)); }
 
 /// The largest double <= |head + tail|, when head is the double nearest to head + tail.
 constexpr double floor_of(double head, double tail) { return from_bits((bits_of(head) & ~sign_bit) - (outward(head, tail) < 0)); }
 
-/// x >= 0 cut to the format's grid, continued upward without end.
+/// x >= 0 truncated to the format's numbers, as if its exponents had no upper bound.
 template <Format F>
 constexpr double truncated(double x) {
     if (x >= smallest_normal(F)) return from_bits(bits_of(x) & ~(one_ulp<F> - 1));
     return double(std::int64_t(x * power_of_two(-lowest_exp(F)))) * smallest_subnormal(F);
 }
-/// The number after x >= 0 on that grid.
+/// The next of those numbers after x >= 0.
 template <Format F>
 constexpr double after(double x) {
     return x >= smallest_normal(F) ? from_bits(bits_of(x) + one_ulp<F>) : x + smallest_subnormal(F);
@@ -81,10 +80,10 @@ constexpr double after(double x) {
 
 }  // namespace detail
 
-/// To the nearest number of the format, ties to even; to infinity from the largest number plus half an ulp on.
+/// x rounded to the nearest number of the format, ties to even; infinity from the largest number plus half an ulp on.
 ///
-/// It needs no tail: rounding a result of two p-bit operands first to double and then here gives what one rounding
-/// would. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the exact
+/// It needs no tail: if the result of two p-bit operands is rounded to double and then here, the outcome is that of one
+/// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the exact
 /// result was elsewhere. But products are exact; sums are exact or within 2^-(51-p) relative of an operand, midpoints
 /// no closer than 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p (2^-(2p+1))
 /// relative, whereas double moves it by at most 2^-53. The same counts hold among subnormals, where midpoints have
@@ -110,8 +109,8 @@ constexpr double round_to_nearest(double x) {
     return with_sign_of(x, double(whole + up) * smallest_subnormal(F));
 }
 
-/// head + tail toward zero, where head is the double nearest to the exact value and tail has the sign of what is
-/// missing. Finite values beyond the largest number become the largest number.
+/// head + tail rounded toward zero. head is the double nearest to the exact value, tail has the sign of the exact value minus head.
+/// Finite values beyond the largest number become the largest number.
 template <Format F>
 constexpr double round_toward_zero(double head, double tail = 0) {
     static_assert(fits_in_double(F));
@@ -121,10 +120,9 @@ constexpr double round_toward_zero(double head, double tail = 0) {
     return with_sign_of(head, below > largest(F) ? largest(F) : below);
 }
 
-/// head + tail to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to the outer
-/// one and u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact value. A
-/// number of the format stays, and draws nothing. Overflow is as if exponents had no bound: the largest number's outer
-/// neighbour is 2^(max_exp+1), and from there on everything is infinity.
+/// head + tail rounded to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to the outer one and
+/// u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact value. A number of the format stays,
+/// and draws nothing. The outer neighbour of the largest number is 2^(max_exp+1); a result of that size or more becomes infinity.
 template <Format F, class Uniform>
 constexpr double round_stochastically(double head, double tail, Uniform&& uniform) {
     static_assert(fits_in_double(F));
@@ -138,7 +136,7 @@ constexpr double round_stochastically(double head, double tail, Uniform&& unifor
         // rounding, or for the tail, to matter.
         double const above = after<F>(below), gap = above - below;
         bool const up = uniform() * gap - (size - below) < outward(head, tail);
-        // A coin toss: added, not branched on.
+        // Added, because a branch on a random bit would be slow.
         chosen = from_bits(bits_of(below) + up * (bits_of(above) - bits_of(below)));
     }
     return with_sign_of(head, chosen > largest(F) ? std::numeric_limits<double>::infinity() : chosen);

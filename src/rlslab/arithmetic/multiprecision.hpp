@@ -1,6 +1,6 @@
-// The wide scalars: Quad (113 bits), Reference (257 bits), Rational (exact); and `widen`, which loses nothing.
+// The wide scalars: Quad (113 bits), Reference (257 bits), Rational (exact); and `widen`, an exact conversion.
 //
-// Fixed precision on the stack and expression templates off: `auto` holds a value, no global precision is consulted.
+// Their precision is fixed, no global precision is read, and expression templates are off: `auto` holds a value.
 #pragma once
 
 #include <rlslab/arithmetic/quad.hpp>
@@ -11,7 +11,7 @@
 
 namespace rlslab {
 
-/// MPFR at 77 decimal digits, 257 bits: "is it rounding, or the method?"
+/// MPFR at 77 decimal digits, 257 bits: long enough that an error seen in it comes from the method, not from rounding.
 using Reference = boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
                                                 boost::multiprecision::et_off>;
 /// Exact rationals: the identities of recursive least squares hold with ==.
@@ -54,7 +54,7 @@ template <>
 struct Eigen::NumTraits<rlslab::Reference> : rlslab::detail::StorageTraits<rlslab::Reference> {};
 template <>
 struct Eigen::NumTraits<rlslab::Rational> : rlslab::detail::StorageTraits<rlslab::Rational> {
-    /// There is no largest rational: Eigen hears double's, which bounds all data.
+    /// There is no largest rational. Eigen gets double's largest number, which bounds all data.
     static rlslab::Rational highest() { return rlslab::Rational((std::numeric_limits<double>::max)()); }
     static rlslab::Rational lowest() { return -highest(); }
     static rlslab::Rational epsilon() { return 0; }

@@ -1,5 +1,5 @@
-// L filters in lockstep: a scalar that is L numbers, one in each lane. Lane i of every result is, bit for bit, what the
-// single scalar gives on the numbers of lane i.
+// L filters in lockstep: a scalar that is L numbers, one in each lane. Lane i of every result has the bits that the scalar T gives for the
+// numbers of lane i.
 #pragma once
 
 #include <rlslab/arithmetic/storage_traits.hpp>
@@ -15,7 +15,7 @@
 namespace rlslab {
 
 namespace detail {
-/// Bytes of the registers that this translation unit is compiled for. Vectors wider than that are lowered badly by GCC.
+/// Bytes of a register of the instruction set for which this translation unit is compiled. GCC makes slow code of wider vectors.
 #if defined(__AVX512F__)
 inline constexpr int pack_register = 64;
 #elif defined(__AVX__)
@@ -24,7 +24,7 @@ inline constexpr int pack_register = 32;
 inline constexpr int pack_register = 16;
 #endif
 
-/// work(k) for k = 0 ... R - 1, each k a constant: registers in an array are registers only where no loop indexes them.
+/// work(k) for k = 0 ... R - 1, each k a constant: the compiler keeps an array in registers only if no loop indexes it.
 template <int R, class Work>
 [[gnu::always_inline]] inline void for_registers(Work work) {
     [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) { (work(std::integral_constant<int, k>{}), ...); }
@@ -43,7 +43,7 @@ struct PackShape {
 };
 }  // namespace detail
 
-/// What a comparison of packs answers: one truth a lane.
+/// The result of a comparison of packs: one truth for each lane.
 template <class T, int L>
 class PackMask {
     using Shape = detail::PackShape<T, L>;
@@ -82,7 +82,7 @@ public:
     [[gnu::always_inline]] friend bool all(PackMask const& a) { return !any(!a); }
 };
 
-/// L numbers; every operation rounds once in every lane, nothing is fused.
+/// L numbers of float or double; L fills whole registers. Every operation rounds once in every lane, and nothing is fused.
 template <class T, int L>
 class Pack {
     using Shape = detail::PackShape<T, L>;
@@ -96,7 +96,7 @@ public:
     Numbers v[R];
 
     [[gnu::always_inline]] Pack() : Pack(T(0)) {}
-    /// Copied in whole registers: GCC's own copy goes by halves, which the next load of a whole one has to wait for.
+    /// Copies whole registers. GCC's own copy goes by halves, and the next load of a whole register has to wait for both.
     [[gnu::always_inline]] Pack(Pack const& other) {
         detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = other.v[k]; });
     }
@@ -188,7 +188,7 @@ private:
     }
 };
 
-/// One value a lane of what is not a number, e.g. a Health.
+/// One value for each lane of a type that is not a number, for example Health.
 template <class X, int L>
 struct Lanes {
     std::array<X, size_t(L)> value;

@@ -12,7 +12,7 @@ namespace rlslab {
 class Quad;
 }
 
-/// Before the class: libc++ asks it already where a Quad is compared.
+/// It stands before the class because libc++ reads it where Quads are compared.
 template <>
 struct std::numeric_limits<rlslab::Quad> {
     using Quad = rlslab::Quad;
@@ -37,9 +37,9 @@ struct std::numeric_limits<rlslab::Quad> {
 
 namespace rlslab {
 
-/// 113 bits, exponents -16382 ... 16383, subnormals below: +, -, x, / and sqrt round once, to nearest, ties to even. MPFR computes
-/// with the significand where it lies, and its own exponents reach further: only results at the ends of the range need care.
-/// A plain value of 32 bytes.
+/// 113 bits, exponents -16382 ... 16383, subnormals below: +, -, x, / and sqrt round once, to nearest, ties to even. MPFR computes directly
+/// on the limbs stored here. Its exponents reach further, so only overflow and subnormal results need a second step. A plain value of 32
+/// bytes.
 class Quad {
     static constexpr int bits = 113, limbs = (bits + GMP_NUMB_BITS - 1) / GMP_NUMB_BITS;
     static constexpr mpfr_exp_t last = 16384, first = -16381, least = -16493;  // of 0.1f x 2^e: largest, least normal, least
@@ -52,7 +52,7 @@ class Quad {
         if (mpfr_exp_t const e = mpfr_get_exp(x); e > last) mpfr_set_inf(x, mpfr_sgn(x));
         else if (e < first) into_subnormals(x, ternary);
     }
-    /// What MPFR rounded to 113 bits, `ternary` telling from which side, rounded to the fewer bits that are there.
+    /// x was rounded to 113 bits, from the side that `ternary` tells. Rounds it to the fewer bits that a subnormal number has.
     [[gnu::noinline]] static void into_subnormals(mpfr_ptr x, int ternary) {
         mpfr_exp_t const before = mpfr_get_emin();
         mpfr_set_emin(least);
@@ -72,7 +72,7 @@ class Quad {
     }
 
 public:
-    /// The number for MPFR's functions to read, while the Quad is there.
+    /// A view for MPFR's functions to read. The Quad must outlive it.
     class View {
         mpfr_t x_;
 
@@ -127,7 +127,7 @@ public:
     friend Quad ldexp(Quad const& a, int e) {
         return of([&](mpfr_ptr x) { return mpfr_mul_2si(x, a.mpfr(), e, MPFR_RNDN); });
     }
-    /// a = f 2^e with 1/2 <= |f| < 1; what is no such number, zero included, stays with e = 0.
+    /// f and e of a = f 2^e with 1/2 <= |f| < 1. Zero, an infinity or a NaN is returned unchanged, with e = 0.
     friend Quad frexp(Quad a, int* e) {
         *e = int(a.exponent_);
         a.exponent_ = 0;

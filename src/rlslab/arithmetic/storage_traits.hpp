@@ -1,4 +1,4 @@
-// What Eigen must know of a scalar of ours to store it.
+// What Eigen must know of a scalar to store it.
 #pragma once
 
 #include <rlslab/core/scalar.hpp>
@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 namespace rlslab::detail {
-/// Boost 1.74's own traits name the smallest positive number as lowest().
+/// Written out because Boost 1.74's traits return the smallest positive number as lowest().
 template <class T>
 struct StorageTraits : Eigen::GenericNumTraits<T> {
     using Real = T;

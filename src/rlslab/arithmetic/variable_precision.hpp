@@ -1,4 +1,4 @@
-// Significands of any length: a double that holds p bits, every operation's exact result rounded once to nearest.
+// Significands of any length up to 53 bits: a double holds p bits, and the exact result of every operation is rounded once to nearest.
 #pragma once
 
 #include <rlslab/arithmetic/carried.hpp>
@@ -12,7 +12,8 @@
 
 namespace rlslab {
 
-/// While one is alive, this thread's VariablePrecision have so many bits, 2 to 53; then as many as before. Outside of any: 53.
+/// Sets the length to which VariablePrecision rounds in this thread, 2 to 53 bits, until this object is destroyed; then the previous length
+/// applies again. Without any scope it is 53. Throws std::invalid_argument for another number of bits.
 class [[nodiscard]] PrecisionScope {
     static inline constinit thread_local int current_ = 53;
     int previous_;
@@ -28,8 +29,8 @@ public:
     static int bits() { return current_; }
 };
 
-/// head + tail to p bits, ties to even, where head is the double nearest to the exact value and tail has the sign of what is
-/// missing: where head is a midpoint of the p-bit numbers the exact value need not be one. Exponents are double's.
+/// head + tail rounded to p bits, ties to even. head is the double nearest to the exact value, tail has the sign of the exact value minus
+/// head: it decides when head lies halfway between two p-bit numbers and the exact value does not. Exponents are double's.
 inline double round_to_bits(double head, double tail, int p) {
     using namespace detail;
     if (p == 53 || !is_number(head)) return head;
@@ -39,7 +40,7 @@ inline double round_to_bits(double head, double tail, int p) {
     return from_bits(below + (up ? ulp : 0));
 }
 
-/// How many bits it takes, asked as one run after another: what PrecisionScope says when an operation is done.
+/// A number of any significand length up to 53 bits. Every operation rounds to the length that the thread's current PrecisionScope sets.
 class VariablePrecision {
     double value_ = 0;
     struct AlreadyRounded {};

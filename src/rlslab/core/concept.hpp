@@ -8,10 +8,12 @@ namespace rlslab {
 /// Mathematics: after k updates theta() minimises J_k (see Problem), exactly in exact arithmetic; stored() is P_k, its
 ///              inverse, or a factor of either; gain() is K_k = P_k psi_k.
 /// Members:     scalar, name                   T and the variant's name on the command line
-///              F(Problem<T>)                  throws std::invalid_argument on misuse
-///              update(psi, y) -> Step<T>      one row; allocates nothing (dense variants); breakdown is Step::health
-///              theta(), gain(), stored()      reports; theta() and gain() are views into the filter where it holds them
-/// Unchecked:   determinism; that copying copies the whole state; that reports do not change what follows.
+///              F(Problem<T>)                  throws std::invalid_argument for a problem that is not well posed
+///              update(psi, y) -> Step<T>      one row; allocates nothing (dense variants); breakdown is Step::health. Throws
+///                                             std::invalid_argument unless psi has d numbers
+///              theta(), gain(), stored()      reports. theta() and gain() have d numbers; where the filter stores these, the
+///                                             report is a view of them, which the next update changes
+/// Unchecked:   determinism; that copying copies the whole state; that reports do not change later results.
 ///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.
 template <class F>
 concept RecursiveLeastSquares = Field<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
@@ -23,42 +25,44 @@ concept RecursiveLeastSquares = Field<typename F::scalar> && std::copyable<F> &&
                                     { c.stored() } -> std::same_as<Stored<typename F::scalar>>;
                                 };
 
-/// Propagates P, or a factor of it: covariance() multiplies the factors out in the filter's own arithmetic.
+/// Propagates P, d x d, or a factor of it. covariance() is P; factors are multiplied out in the filter's own arithmetic.
 template <class F>
 concept ReportsCovariance = RecursiveLeastSquares<F> && requires(F const c) {
     { c.covariance() } -> std::convertible_to<Matrix<typename F::scalar>>;
 };
 
-/// Propagates P^-1, or a factor of it.
+/// Propagates P^-1, d x d, or a factor of it. information() is P^-1; factors are multiplied out in the filter's own arithmetic.
 template <class F>
 concept ReportsInformation = RecursiveLeastSquares<F> && requires(F const c) {
     { c.information() } -> std::convertible_to<Matrix<typename F::scalar>>;
 };
 
-/// Can start from no information at all (Problem::prior = nullopt).
+/// Can start without a prior (Problem::prior = nullopt). Until the rows determine theta, health is undetermined and theta() has no meaning.
 template <class F>
 concept StartsWithoutPrior = RecursiveLeastSquares<F> && F::starts_without_prior;
 
-/// What an update does with its gain unless told otherwise: nothing.
+/// The default argument `perturb` of update: leaves the gain as it is.
 struct NoPerturbation {
     template <class K>
     void operator()(K&) const {}
 };
 
-/// Uses K in the update of P, and lets it be changed just before: update(psi, y, perturb) calls perturb(K).
+/// Uses the gain K in the update of P. update(psi, y, perturb) calls perturb(K) before that use; perturb may change the d numbers of K.
 template <class F>
 concept GainPerturbable = ReportsCovariance<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
     { f.update(psi, y, NoPerturbation{}) } -> std::same_as<Step<typename F::scalar>>;
 };
 
-/// Takes one row without reporting on it, for those whose report costs more than the row: accumulate(psi, y) leaves what
-/// update(psi, y) leaves, bit for bit (where rounding is not at random). Breakdown that lasts shows at the next update and in theta().
+/// accumulate(psi, y) processes one row without a report, for variants whose report costs more than the row. It leaves the same state as
+/// update(psi, y), bit for bit unless rounding is stochastic. `accumulate` reports no health. If it breaks the filter down, the next
+/// `update` reports that, and theta() is not finite.
 template <class F>
 concept Accumulates = RecursiveLeastSquares<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
     { f.accumulate(psi, y) } -> std::same_as<void>;
 };
 
-/// Takes a block of rows at once, oldest first, columns of psi, cheaper or better than row by row; says how it stands after the last.
+/// update_block(psi, y) processes B >= 1 rows at once, the oldest first: psi is d x B, y has B numbers. It returns the health after the
+/// last row; there is no Step. F::block is the number of rows that `process` passes at once.
 template <class F>
 concept TakesBlocks = RecursiveLeastSquares<F> && requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
     { F::block } -> std::convertible_to<Index>;
@@ -74,8 +78,8 @@ concept NamesItsState = requires(F& f, F const& c) {
     F::state(c);
 };
 
-/// f.merge(newer) puts after f's rows those of newer, a filter of the same problem that started without prior: f is then,
-/// but for rounding, what it would be had it taken newer's rows itself. Associative; an empty newer changes no bit.
+/// f.merge(newer) appends the rows of `newer` to those of f. `newer` is a filter of the same problem that started without prior. Except
+/// for rounding, f is then what it would be after processing newer's rows itself. Associative; a `newer` without rows changes no bit.
 template <class F>
 concept Merges = StartsWithoutPrior<F> && requires(F f, F const& newer) { f.merge(newer); };
 

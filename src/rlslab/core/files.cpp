@@ -1,4 +1,4 @@
-// A file beside, written, closed, renamed; its name is kept where a signal handler can read it.
+// A temporary file in the same folder is written, closed and renamed. Its name is stored where a signal handler can read it.
 #include <rlslab/core/files.hpp>
 
 #include <rlslab/core/input_error.hpp>
@@ -27,14 +27,14 @@ namespace {
 char unfinished_name[PATH_MAX];
 std::atomic<bool> unfinished = false;
 
-/// The file beside, until it is renamed.
+/// The temporary file, until it is renamed.
 class Unfinished {
     std::string const name_;
     int file_;
 
 public:
     explicit Unfinished(std::string name) : name_(std::move(name)) {
-        // The name first: a signal may come as soon as the file is there. One too long for the handler is too long for open.
+        // The name is stored first: a signal may come as soon as the file exists. A name too long for the handler is too long for open.
         std::strncpy(unfinished_name, name_.c_str(), PATH_MAX - 1);
         unfinished = true;
         file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -57,7 +57,7 @@ public:
             text.remove_prefix(size_t(written));
         }
         if (on_disk && ::fsync(file_) != 0) return false;
-        return ::close(std::exchange(file_, -1)) == 0;  // where a quota or a network tells late
+        return ::close(std::exchange(file_, -1)) == 0;  // a quota or a network may report an error only here
     }
     bool rename_to(std::filesystem::path const& path) {
         if (::rename(name_.c_str(), path.c_str()) != 0) return false;

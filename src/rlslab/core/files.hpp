@@ -1,4 +1,4 @@
-// Files that are there whole or not at all.
+// Files that are written completely or not at all.
 #pragma once
 
 #include <filesystem>
@@ -6,18 +6,18 @@
 
 namespace rlslab {
 
-/// Makes the folder, and those it is in, unless they are there. Throws InputError.
+/// Creates the folder and its parents; existing ones stay. Throws InputError if that fails.
 void create_folder(std::filesystem::path const& folder);
 
-/// Writes the text to a file beside it, PATH.PID.new, and renames that: a reader sees all of the text or what was there before.
-/// Throws InputError and removes the file beside when the text cannot be written. on_disk: so also where the machine loses its power,
-/// and the text is on the disk when this returns (as far as the disk tells the truth): milliseconds.
+/// Writes the text to PATH.PID.new in the same folder, then renames that file to `path`: a reader sees the old file or the whole new one.
+/// If the text cannot be written, PATH.PID.new is removed and InputError thrown. on_disk: waits until the disk has the text, so that the
+/// same holds where the machine loses its power; milliseconds.
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk = false);
 
-/// Removes what processes that were killed were writing there by replace_file.
+/// Removes the PATH.PID.new files in the folder that killed processes left behind.
 void remove_leftovers(std::filesystem::path const& folder);
 
-/// For a signal handler whose process is about to die: removes the file that replace_file is writing, if it is.
+/// For a signal handler that ends the process: removes the file that replace_file is writing at that moment, if any.
 void remove_unfinished_file() noexcept;
 
 }  // namespace rlslab

@@ -1,4 +1,4 @@
-// What a person is told when their data or their wishes cannot be used: one line, whatever the file held.
+// The error for data or options that cannot be used. Its message is one printable line, whatever the file contains.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,14 @@
 
 namespace rlslab {
 
-/// what() is one printable line: where (file, line, column), what was expected, what was found.
+/// what() is one printable line: the place (file, line, column), what was expected, what was found.
 class InputError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// Bytes of the well-formed UTF-8 character at the start of text; 0: none there, or one a terminal may act upon.
+/// The number of bytes of the well-formed UTF-8 character at the start of the text. 0: there is none, or it is one on which a terminal
+/// may act (a control character, a change of direction).
 inline std::size_t printable_character(std::string_view text) {
     auto const byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     if (text.empty()) return 0;
@@ -34,7 +35,7 @@ inline std::size_t printable_character(std::string_view text) {
     return code < least || code > 0x10ffff || surrogate || line_or_direction ? 0 : length;
 }
 
-/// Foreign text made fit for one line: what is not printable as \xNN, what is beyond `limit` characters as "...".
+/// Text from a file or a command line, made printable on one line: other bytes as \xNN, everything after `limit` characters as "...".
 inline std::string printable(std::string_view text, std::size_t limit = 40) {
     constexpr char hex[] = "0123456789abcdef";
     std::string line;

@@ -17,17 +17,19 @@ using Index = Eigen::Index;
 inline constexpr int Dynamic = Eigen::Dynamic;
 
 /// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
-/// DontAlign: how Eigen allocates aligned storage depends on the instruction set it is compiled for, and the compiled core
-/// and an app may differ in that; these types are laid out, allocated and freed alike everywhere.
+/// DontAlign: Eigen's aligned storage depends on the instruction set for which a file is compiled, and an application may be compiled for
+/// another one than the library. Without alignment all files lay out, allocate and free these types alike.
 template <class T, int N = Dynamic>
 using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
-template <class T, int N = Dynamic>
-using Matrix = Eigen::Matrix<T, N, N, Eigen::DontAlign>;
+/// Rows x Columns; Matrix<T, N> is square, Matrix<T> of any shape: each use says which.
+template <class T, int Rows = Dynamic, int Columns = Rows>
+using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
 
 template <class T>
 struct Stored;
 
-/// What is believed before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse.
+/// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
+/// the noise variance sigma^2.
 template <Field T>
 struct Prior {
     T variance = T(16384);                     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
@@ -38,21 +40,39 @@ struct Prior {
 
 /// Minimise over theta, after k rows,
 ///   J_k = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i' theta)^2.
-/// Without a prior the first term is absent; only variants that can start from no information take that.
+/// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that.
 template <Field T>
 struct Problem {
     Index size = 0;                              ///< d >= 1, the number of parameters
     T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
+
+    /// The problem with convert(x) in place of each number x.
+    template <Field To, class Convert>
+    Problem<To> mapped(Convert convert) const {
+        Problem<To> out{.size = size, .forgetting = convert(forgetting), .prior = std::nullopt};
+        if (!prior) return out;
+        out.prior = Prior<To>{.variance = convert(prior->variance)};
+        if (prior->theta) out.prior->theta = prior->theta->unaryExpr(convert);
+        if (prior->covariance) out.prior->covariance = prior->covariance->unaryExpr(convert);
+        if (prior->stored) out.prior->stored = prior->stored->template mapped<To>(convert);
+        return out;
+    }
 };
 
+/// Whether lambda is a forgetting factor.
+template <Field T>
+Truth<T> is_forgetting_factor(T const& lambda) {
+    return T(0) < lambda && lambda <= T(1);
+}
+
 /// Breakdown is a result.
-///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are finite: looked at
-///                  where they are kept; proven, or else solved for, where they are solved for on request (linalg/finite.hpp). What
-///                  overflows in the store shows at once where a sum of this step has it, at the next step at the latest
-///   undetermined   without a prior: fewer independent rows than parameters before this one, so that there was no theta
-///                  to innovate on; the row that determines theta is the last to say so. Read off exact zeros: rounding
-///                  may leave a tiny pivot where exact arithmetic has none, and such a pivot counts
+///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are finite: tested
+///                  where the filter stores them, otherwise proven finite or solved for (linalg/finite.hpp). An overflow in the
+///                  stored numbers is reported by this step if one of its sums contains it, and by the next step at the latest
+///   undetermined   without a prior: before this row there were fewer independent rows than parameters, so that no theta could
+///                  predict y. The row that determines theta is the last to report this. Exact zeros decide: rounding may leave
+///                  a tiny pivot where exact arithmetic has a zero, and such a pivot counts as a pivot
 ///   indefinite     the computed psi'P psi is negative, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 /// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
@@ -63,19 +83,19 @@ constexpr std::string_view name_of(Health health) {
     return names[static_cast<int>(health)];
 }
 
-/// The worse of two.
+/// The worse of two, in the order of the enumeration.
 constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
 
-/// What one update reports.
+/// What one update reports. While theta is undetermined innovation and residual are NaN and gamma is 0.
 template <Field T>
 struct Step {
-    T innovation;  ///< e = y - psi' theta(k-1)
+    T innovation;  ///< e = y - psi' theta(k-1), in the unit of y
     T residual;    ///< y - psi' theta(k), evaluated as gamma e
-    T gamma;       ///< conversion factor lambda / s, in (0, 1]; 0 when it underflows
+    T gamma;       ///< conversion factor lambda / s, in (0, 1], without unit; 0 when it underflows
     PerLane<T, Health> health = Health::sound;
 };
 
-/// Lane by lane.
+/// a in the lanes where `truth` holds, b in the others.
 template <Field T>
 Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
     requires(!std::same_as<Truth<T>, bool>)
@@ -84,7 +104,8 @@ Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
             select(truth, a.health, b.health)};
 }
 
-/// A report of one update from e and gamma alone; the health they show.
+/// The step of an update with innovation e and conversion factor gamma; its residual is gamma e. Health is nonfinite if e or gamma is not
+/// finite, else indefinite if gamma lies outside [0, 1], else sound.
 template <Field T>
 Step<T> report(T const& innovation, T const& gamma) {
     PerLane<T, Health> health = Health::sound;
@@ -93,20 +114,21 @@ Step<T> report(T const& innovation, T const& gamma) {
     return {innovation, gamma * innovation, gamma, health};
 }
 
-/// The same where s is at hand: gamma = lambda / s, and an overflow of s does not pass as a small gamma.
+/// The same for gamma = lambda / s. If s overflowed, health is nonfinite: gamma alone would be 0 and look sound.
 template <Field T>
 Step<T> report(T const& innovation, T const& lambda, T const& s) {
     return if_finite(is_finite(s), report(innovation, T(lambda / s)));
 }
 
-/// The step, but nonfinite where what it leaves behind is not finite.
+/// The step, with health nonfinite in the lanes where `finite` is false.
 template <Field T>
 Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
     step.health = select(finite, step.health, PerLane<T, Health>(Health::nonfinite));
     return step;
 }
 
-/// The health after rows that were taken without a step: whether they were finite, theta is determined, and what is answered is finite.
+/// The health after rows that were processed without a step. taken: the rows were finite; determined: they determine theta; finite: theta
+/// and the gain are finite. Not taken is nonfinite, not determined is undetermined, not finite is nonfinite, in this order.
 template <Field T>
 PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, Truth<T> const& finite) {
     using H = PerLane<T, Health>;
@@ -114,7 +136,7 @@ PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, 
     return select(taken, answered, H(Health::nonfinite));
 }
 
-/// What is not defined: NaN in every scalar that has one.
+/// The value of a result that is not defined: NaN, or 0 in a scalar that has no NaN (the rationals).
 template <Field T>
 T undefined() {
     if constexpr (Real<T>)  // the rationals have none
@@ -122,16 +144,18 @@ T undefined() {
     else return T(0);
 }
 
-/// gamma = 0: without a prior, before theta is defined, there is no innovation to report. `seen` is any number that data
-/// which are not finite have spoilt.
+/// The step before theta is determined: innovation and residual are undefined(), gamma is 0. `seen` is a number computed from the row that
+/// is not finite if the row was not: health is then nonfinite instead of undetermined.
 template <Field T>
 Step<T> report_undetermined(T const& seen) {
     return {undefined<T>(), T(0), T(0),
             select(is_finite(seen), PerLane<T, Health>(Health::undetermined), PerLane<T, Health>(Health::nonfinite))};
 }
 
-/// The report of a rotated row: eta at the end of it, sqrt(gamma), the product of the cosines, and whether R had no zero
-/// on its diagonal before. Where sqrt(gamma) underflows the innovation is lost and said to be: nonfinite.
+/// The step of a row that was rotated into R:
+///   gamma = root_gamma^2,   innovation = eta / root_gamma,   residual = eta root_gamma
+/// eta is the rotated output, root_gamma the product of the cosines. determined: R had no zero on its diagonal before this row. If
+/// root_gamma underflows to 0, the innovation is not known and health is nonfinite.
 template <Field T>
 Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determined) {
     T const gamma = root_gamma * root_gamma;
@@ -140,18 +164,20 @@ Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determ
     return select(determined, step, report_undetermined(eta));
 }
 
-/// Misuse throws at the door, saying what was expected.
+/// Throws std::invalid_argument("expected " + what) unless `holds`.
 inline void expects(bool holds, char const* what) {
     if (!holds) throw std::invalid_argument(std::string("expected ") + what);
 }
 
-/// Throws std::invalid_argument unless the problem is well posed as stated (definiteness of a full P0: start.hpp).
-/// A prior that overflowed the scalar's range is let in: what follows is numerical breakdown, not misuse.
+/// Returns the problem. Throws std::invalid_argument unless size >= 1 (and equal to fixed_size, if that is not Dynamic),
+/// 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a full P0 is positive
+/// definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range of T is accepted: the consequence is
+/// numerical breakdown, not misuse.
 template <Field T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     expects(problem.size >= 1, "size >= 1");
     expects(fixed_size == Dynamic || problem.size == fixed_size, "size equal to the filter's fixed size");
-    expects(all(T(0) < problem.forgetting && problem.forgetting <= T(1)), "0 < forgetting <= 1");
+    expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
         expects(all(T(0) < prior.variance), "prior variance > 0");
@@ -173,8 +199,8 @@ namespace detail {
 template <class C>
 concept OfEigen = requires(C const& c) { []<class Derived>(Eigen::DenseBase<Derived> const&) {}(c); };
 
-/// Numbers one after another in memory, for all that is known when compiling: of Eigen a vector, a map, a column; of the standard
-/// library what std::span takes. The row of a matrix by columns, a reversed or a strided map, an expression are not.
+/// Numbers one after another in memory, as far as the compiler knows: Eigen's vectors, maps and columns; what std::span accepts. The row
+/// of a matrix stored by columns, a reversed or strided map, and an expression do not satisfy it.
 template <class C, class T>
 concept Contiguous = (OfEigen<C> && requires(C const& c) {
                          { c.data() } -> std::convertible_to<T const*>;
@@ -182,15 +208,16 @@ concept Contiguous = (OfEigen<C> && requires(C const& c) {
                      }) || (!OfEigen<C> && std::convertible_to<C const&, std::span<T const>>);
 }  // namespace detail
 
-/// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of
-/// data, numbers in braces. What is not contiguous does not compile: update(X.row(k).eval(), y) copies it.
+/// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of data, numbers
+/// in braces. It copies nothing and must not outlive them. An update accepts a view of the filter's own theta or gain. Numbers that are not
+/// contiguous do not compile: update(X.row(k).eval(), y) copies them first.
 template <Field T>
 class Regressor {
     T const* data_;
     Index size_;
 
 public:
-    /// A pointer and a size. The literal 0 is no pointer: {0, 2} are two numbers.
+    /// A pointer to `size` numbers. The literal 0 is not a pointer here: {0, 2} are two numbers.
     template <std::same_as<T> Number>
     Regressor(Number const* data, Index size) : data_(data), size_(size) {}
     Regressor(std::initializer_list<T> numbers) : Regressor(numbers.begin(), Index(numbers.size())) {}

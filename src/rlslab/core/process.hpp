@@ -7,10 +7,10 @@
 
 namespace rlslab {
 
-/// The columns of psi and the numbers of y, the oldest first, each rounded to F's scalar: in blocks where F TakesBlocks,
-/// else one by one, without a report but the last one's where it Accumulates. Returns the last row's step; of blocks
-/// there is none: its numbers are NaN, its health is that after the last block. Throws std::invalid_argument, and takes no
-/// row, unless psi is d x N and y has N numbers.
+/// Processes all rows, the oldest first: column k of psi (d x N) with number k of y (N). Each number is converted to F's scalar, which
+/// rounds it once. A variant that TakesBlocks is given blocks of F::block rows; one that Accumulates computes a report for the last row
+/// only. Returns the step of the last row. A variant that takes blocks has no steps: the numbers of the result are NaN, and its health is
+/// that after the last block. N = 0 returns NaN and sound. Throws std::invalid_argument for other shapes, before any row is processed.
 template <RecursiveLeastSquares F, class Psi, class Y>
 Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
     using T = typename F::scalar;

@@ -1,4 +1,4 @@
-// Data as every part of the lab passes them: regressors and outputs, binary64 by definition.
+// Regressors and outputs, always in binary64: the form in which data are passed everywhere.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
@@ -12,7 +12,7 @@ namespace rlslab {
 struct Records {
     Matrix<double> psi;              ///< d x N: column k is psi_k, contiguous
     Vector<double> y;                ///< N
-    std::vector<std::string> names;  ///< d: what each parameter multiplies, for people ("-y[k-1]", "u[k]", "income")
+    std::vector<std::string> names;  ///< d: of the parameters from arx_records() ("a1", "b0"), else of the regressors ("-y[k-1]", "1")
     Index skipped = 0;               ///< rows left out because a value they need was missing
     Index presample = 0;             ///< rows at the start without the history a regressor needs; not among skipped
     Index parameters() const { return psi.rows(); }

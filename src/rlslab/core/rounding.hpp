@@ -1,4 +1,4 @@
-// Does this program, in this thread, round as rlslab defines it? To be asked once at start-up, or in a test of an app.
+// Tests whether this program, in this thread, rounds as rlslab defines it. Call it once at start-up, or in a test of an application.
 #pragma once
 
 #include <rlslab/core/scalar.hpp>
@@ -12,26 +12,26 @@
 namespace rlslab {
 
 namespace detail {
-// What no compiler may know, so that the hardware answers. The functions below are static: each translation unit is asked
-// about the options that it was compiled with itself.
+// The value, hidden from the compiler: the processor computes with it, not the compiler. The functions below are static, so that each
+// translation unit tests the options with which it was compiled itself.
 template <class T>
 [[maybe_unused]] static T unknown(T value) {
     T volatile stored = value;
     return stored;
 }
-/// a b - 1 where the product rounds to 1: not 0 if it was never rounded.
+/// a b - 1, where the rounded product is 1: a result other than 0 shows that the product was not rounded.
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool fuses(T half_ulp) {
     T const a = unknown(T(1) + half_ulp), b = unknown(T(1) - half_ulp), c = unknown(T(-1));
     return a * b + c != T(0);
 }
-/// (1 + t) - 1 where the sum rounds to 1: t if it was cancelled on paper.
+/// (1 + t) - 1, where the rounded sum is 1: a result other than 0 shows that the compiler cancelled 1 - 1.
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool reorders(T tiny) {
     T const a = unknown(T(1)), t = unknown(tiny);
     return (a + t) - a != T(0);
 }
-/// 5 / 49 and 7 / 49: one product with 1 / 49 instead of a quotient changes one of the two.
+/// 1 / 49, 3 / 49, 5 / 49 ...: products with the rounded 1 / 49 instead of quotients change some of them.
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool multiplies_by_reciprocals() {
     T const by = unknown(T(49));
@@ -50,7 +50,7 @@ template <class T>
 template <class T>
 [[gnu::noinline, maybe_unused]] static bool loses_subnormal_results() {
     T const half = unknown(std::numeric_limits<T>::min()) * unknown(T(0.5));
-    std::uint64_t bits = 0;  // compared as a number it might itself be taken as zero
+    std::uint64_t bits = 0;  // a comparison of numbers might take a subnormal as zero
     std::memcpy(&bits, &half, sizeof half);
     return bits == 0;
 }
@@ -62,9 +62,9 @@ template <class T>
 }
 }  // namespace detail
 
-/// One line for each thing in which this translation unit, run by this thread, departs from the definition: float and double
-/// rounded once an operation, to nearest, subnormal numbers kept. Empty where nothing does: only then do the same data give
-/// the same bits as elsewhere.
+/// One line for each way in which this translation unit, run by this thread, departs from the definition: every operation on float and
+/// double is rounded once, to nearest, and subnormal numbers are kept. If the result is empty, the same data give the same bits as on any
+/// other machine.
 [[maybe_unused]] static std::vector<std::string_view> rounding_faults() {
     using namespace detail;
     std::vector<std::string_view> out;
@@ -72,7 +72,7 @@ template <class T>
         if (fault) out.push_back(text);
     };
     if (!rounds_to_nearest(0x1p-54) || !rounds_to_nearest(0x1p-25f)) {
-        note(true, "the rounding mode is not to nearest: fesetround(FE_TONEAREST)");  // in which nothing but the format can be told
+        note(true, "the rounding mode is not to nearest: fesetround(FE_TONEAREST)");  // the other tests rely on it
     } else {
         note(fuses(0x1p-30) || fuses(0x1p-13f),
              "products and sums are contracted into one rounding: compile with -ffp-contract=off (rlslab::headers brings it)");

@@ -1,7 +1,7 @@
-// What a scalar must offer for the text of a variant to compile, and what the lab asks about every scalar.
+// The operations that a variant needs of its scalar, and the properties of a scalar that the rest of the library needs.
 #pragma once
 
-// Rounding is defined here, operation by operation. These options let a compiler round, reorder or drop as it likes.
+// Every operation is rounded once, in the order written. These options allow a compiler to fuse, reorder or drop operations.
 #if (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__FAST_MATH__)
 #error "rlslab: -ffast-math or -ffinite-math-only (-Ofast) takes infinities and NaN away: a breakdown would be reported sound"
 #elif defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
@@ -17,9 +17,9 @@
 
 namespace rlslab {
 
-/// An ordered field, as far as arithmetic goes: +, -, x, / and comparisons, built from int and from double.
-/// Unchecked: that the operations round as the arithmetic's name promises (tests/arithmetic*.cpp do that).
-// It would take b * b for a pointer.
+/// An ordered field, except for rounding: +, -, x, / and comparisons; constructible from int and from double.
+/// Unchecked: that the operations round as the arithmetic's name says (tests/arithmetic*.cpp test that).
+// clang-format would take b * b for a pointer.
 // clang-format off
 template <class T>
 concept Field = std::copyable<T> && std::constructible_from<T, int> && std::constructible_from<T, double> &&
@@ -37,11 +37,12 @@ concept Field = std::copyable<T> && std::constructible_from<T, int> && std::cons
                 };
 // clang-format on
 
-/// What a comparison of two T answers: bool, or where T is many numbers one truth a lane.
+/// The type of a comparison of two T: bool, or one truth for each lane where T is a Pack of numbers.
 template <class T>
 using Truth = std::remove_cvref_t<decltype(std::declval<T const&>() < std::declval<T const&>())>;
 
-/// A branch is written so that it may go either way in each lane; with one lane it is the branch.
+/// A branch in the text of a variant is written with all, any and select, so that each lane of a Pack takes its own side. For a scalar
+/// these are the plain branch. select: a where `truth` holds, else b.
 inline bool all(bool truth) { return truth; }
 inline bool any(bool truth) { return truth; }
 template <class X>
@@ -56,7 +57,7 @@ struct PerLaneOf {
 template <class T, class X>
 using PerLane = typename PerLaneOf<T, X>::type;
 
-/// A field with a square root: what the square-root forms need and the rational numbers lack.
+/// A Field with a square root, which the square-root forms need and the rational numbers lack.
 /// `sqrt` is found by argument-dependent lookup after `using std::sqrt`.
 template <class T>
 concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
@@ -82,7 +83,7 @@ template <Real T>
     return sqrt(x);
 }
 
-/// What the lab knows of an arithmetic; each scalar specialises it beside its definition.
+/// The properties of an arithmetic. Each scalar specialises this beside its definition.
 ///   name      as on the command line          digits  bits p of the significand, so that u = 2^-p
 ///   min_exp, max_exp   exponents e of the smallest and largest normal 1.f x 2^e
 template <class T>
@@ -106,20 +107,20 @@ struct ArithmeticTraits<long double> {
     static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1, max_exp = Limits::max_exponent - 1;
 };
 
-/// p, also where it changes at run time.
+/// The number of bits p of the significand; for VariablePrecision the one that holds in the calling thread now.
 template <class T>
 constexpr int significand_bits() {
     return ArithmeticTraits<T>::digits;
 }
 
-/// While one is alive something is looked at that is no part of the algorithm: it draws nothing and counts nothing. Scalars that keep
-/// such accounts specialise it.
+/// While an Aside exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of operations
+/// are what they were before. A scalar that has such a stream or tally specialises this.
 template <class T>
 struct Aside {
     Aside() {}
 };
 
-/// The distance from 1 to the next larger number, 2^(1-p) = 2u: the unit in which error budgets are stated.
+/// The distance from 1 to the next larger number, 2^(1-p) = 2u. Error budgets are stated in it.
 template <class T>
 double epsilon() {
     return std::ldexp(1.0, 1 - ArithmeticTraits<T>::digits);

@@ -30,7 +30,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string_view nearest(std::string_view asked, std::vector<std::string_view> const& names) {
-    constexpr std::size_t longest = 64;  // beyond, a name is not mistyped but no name
+    constexpr std::size_t longest = 64;  // a longer word is no mistyped name
     if (asked.size() > longest) return {};
     std::size_t least = 1 + asked.size() / 3;
     std::string_view found;

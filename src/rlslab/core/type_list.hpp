@@ -1,6 +1,8 @@
 // A list of types, and the walk over it.
 #pragma once
 
+#include <rlslab/core/scalar.hpp>
+
 #include <type_traits>
 
 namespace rlslab {
@@ -27,9 +29,17 @@ struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
         typename OverScalar<T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
                             Rest...>::type;
 };
+template <int N, template <Real, int> class F, Real T, int M>
+std::type_identity<F<T, N>> at_size(std::type_identity<F<T, M>>);
+template <int N>
+std::type_identity<void> at_size(...);
 }  // namespace detail
 
-/// Those of the types whose scalar is T, in order.
+/// F with the fixed size N in place of its own: Ud<double, 4> for Ud<double>. void if F has no size as template argument.
+template <class F, int N>
+using AtSize = typename decltype(detail::at_size<N>(std::type_identity<F>{}))::type;
+
+/// A TypeList of those of the types whose member `scalar` is T, in order.
 template <class T, class... Types>
 using OverScalar = typename detail::OverScalar<T, TypeList<>, Types...>::type;
 

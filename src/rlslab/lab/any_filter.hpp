@@ -1,4 +1,4 @@
-// The erased boundary: a filter of any variant in any arithmetic, seen through binary64 data and exact reports.
+// The type-erased interface: a filter of any variant in any arithmetic, with binary64 data and exact reports.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -11,22 +11,23 @@
 
 namespace rlslab {
 
-/// Data go in as binary64 and are rounded once to the arithmetic; reports come out widened, exactly.
+/// Data are binary64 and are rounded once to the arithmetic. Reports are converted exactly to Reference. d is the problem's size.
 class AnyFilter {
 public:
     virtual ~AnyFilter() = default;
-    /// One row. A step's numbers are rounded to binary64.
+    /// One row, psi of d numbers. The numbers of the step are rounded to binary64. Throws std::invalid_argument for another size.
     virtual Step<double> update(Regressor<double> psi, double y) = 0;
-    /// One row, with K_i (1 + relative_i) in place of K_i. Throws std::invalid_argument unless Entry::gain_perturbable.
+    /// One row, with K_i (1 + relative_i) in place of K_i, `relative` of d numbers. Throws std::invalid_argument also unless
+    /// Entry::gain_perturbable.
     virtual Step<double> update(Regressor<double> psi, double y, Vector<double> const& relative) = 0;
-    /// Rows first ... last-1 as the variant likes them best: blocks where it TakesBlocks, else one by one. The step is
-    /// the last row's, or for a block its health alone.
+    /// Rows first ... last-1 of the records, in blocks if the variant TakesBlocks, otherwise one by one. Returns the step of the last row;
+    /// after blocks its numbers are NaN and its health is that of the last block.
     virtual Step<double> update_block(Records const& records, Index first, Index last) = 0;
     virtual Vector<Reference> theta() const = 0;
     virtual Vector<Reference> gain() const = 0;
     virtual Stored<Reference> stored() const = 0;
-    /// stored() rounded to binary64, where only what is zero becomes zero: for a first look that settles most questions of
-    /// definiteness.
+    /// stored() rounded to binary64, except that a nonzero number never becomes zero. `surely_positive` decides most questions of
+    /// definiteness from it.
     virtual Stored<double> stored_in_double() const = 0;
     virtual std::unique_ptr<AnyFilter> clone() const = 0;
     /// The state bit for bit, with the stream of stochastic rounding; and back into a filter of the same size. Throws InputError for other
@@ -35,28 +36,41 @@ public:
     virtual void load(std::span<std::byte const>) = 0;
 };
 
-/// What the lab knows of an arithmetic, as data.
+/// ArithmeticTraits as data.
 struct Arithmetic {
     std::string_view name;
     int digits, min_exp, max_exp;
     bool stochastic;
-    double (*round)(double);  ///< a datum as this arithmetic stores it; nearest also where the operations are stochastic
+    double (*round)(double);  ///< a number as this arithmetic stores it; to nearest, also if the operations round stochastically
     double unit_roundoff() const { return std::ldexp(1.0, -digits); }
     double decimal_digits() const { return digits * 0.30102999566398120; }  ///< log10 2
 };
 
-/// One (variant, arithmetic) pair.
+/// The problem and the data as an arithmetic stores them, each number rounded by `round`. The reference for that arithmetic must be
+/// computed from the same numbers.
+inline Problem<double> as_stored(Problem<double> const& problem, double (*round)(double)) { return problem.mapped<double>(round); }
+inline Problem<double> as_stored(Problem<double> const& problem, Arithmetic const& arithmetic) {
+    return as_stored(problem, arithmetic.round);
+}
+inline Records as_stored(Records records, double (*round)(double)) {
+    records.psi = records.psi.unaryExpr(round).eval();
+    records.y = records.y.unaryExpr(round).eval();
+    return records;
+}
+inline Records as_stored(Records records, Arithmetic const& arithmetic) { return as_stored(std::move(records), arithmetic.round); }
+
+/// One pair of variant and arithmetic.
 struct Entry {
     std::string_view variant;
     Arithmetic const* arithmetic;
     bool starts_without_prior;
-    Index block;                  ///< rows absorbed at once; 1 for most
+    Index block;                  ///< rows processed at once; 1 for most
     std::string_view propagates;  ///< "covariance" or "information"
     bool gain_perturbable;        ///< an error in K changes P
-    /// The filter for a problem given in binary64; the seed is that of stochastic rounding, unused elsewhere.
-    /// Throws std::invalid_argument on misuse.
+    /// Makes the filter for a problem given in binary64. The seed is for stochastic rounding; other arithmetics ignore it.
+    /// Throws std::invalid_argument for a problem that is not well posed.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);
-    /// Nanoseconds per row with theta() after it, the least over stretches of the records; the types are not erased inside.
+    /// Nanoseconds for one row and theta() after it: the least mean over stretches of the records. Types are not erased inside.
     double (*time)(Problem<double> const&, Records const&, Seed);
 };
 

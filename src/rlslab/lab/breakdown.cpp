@@ -1,4 +1,4 @@
-// Cheap proof first; what it leaves open is decided exactly.
+// The cheap proof comes first; if it fails, definiteness is decided exactly.
 #include <rlslab/lab/breakdown.hpp>
 
 #include <rlslab/reference/definiteness.hpp>

@@ -1,14 +1,14 @@
-// Questions to ask of any filter on its way.
+// Tests of any filter's state while it runs.
 #pragma once
 
 #include <rlslab/lab/any_filter.hpp>
 
 namespace rlslab {
 
-/// What a filter's stored state shows: "" while P is positive definite, decided exactly for the bits stored, else
-/// "indefinite" or "nonfinite".
+/// "" if the stored P is positive definite, decided exactly for the stored bits; otherwise "indefinite" or "nonfinite".
 std::string breakdown(AnyFilter const& filter, Arithmetic const& arithmetic);
 
+/// Whether every number of x is finite.
 bool is_finite(Vector<Reference> const& x);
 
 }  // namespace rlslab

@@ -1,13 +1,12 @@
-// Data are binary64: how an arithmetic takes them, and from where a stochastic one draws.
+// How binary64 data are rounded to an arithmetic, and the random stream of a stochastic one.
 #pragma once
 
 #include <rlslab/arithmetic/chopped.hpp>
-#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/problem.hpp>
 
 namespace rlslab {
 
-/// While one is alive the thread's stochastic roundings draw from the seed; nothing in other arithmetics.
+/// While this object exists, stochastic rounding in this thread draws from the seed. In other arithmetics it has no effect.
 template <class Scalar>
 struct RoundingSeedScope {
     explicit RoundingSeedScope(Seed&) {}
@@ -17,25 +16,27 @@ struct RoundingSeedScope<Chopped<F, Rounding::stochastic>> : StochasticStream {
     using StochasticStream::StochasticStream;
 };
 
-/// A datum as T stores it. Data are rounded to nearest whatever the rounding of the operations: the same bits are then
-/// given to the reference.
+/// How T stores a binary64 number: through T's constructor and back where T has at most 53 bits, as it is otherwise.
 template <class Scalar>
 struct DataRounding {
     static constexpr bool stochastic = false;
-    static double round(double x) { return std::same_as<Scalar, float> ? double(float(x)) : x; }
+    static double round(double x) {
+        if constexpr (requires {
+                          static_cast<double>(Scalar(x));
+                          requires ArithmeticTraits<Scalar>::digits <= 53;
+                      })
+            return static_cast<double>(Scalar(x));
+        else return x;
+    }
 };
+/// Data are rounded to nearest, whatever the rounding of the operations, and the reference is given the same bits.
 template <Format F, Rounding R>
 struct DataRounding<Chopped<F, R>> {
     static constexpr bool stochastic = R == Rounding::stochastic;
     static double round(double x) { return static_cast<double>(Chopped<F>(x)); }
 };
 
-template <>
-struct DataRounding<VariablePrecision> {
-    static constexpr bool stochastic = false;
-    static double round(double x) { return static_cast<double>(VariablePrecision(x)); }
-};
-
+/// x as T stores it.
 template <class T>
 T round_to(double x) {
     return T(DataRounding<T>::round(x));
@@ -44,14 +45,7 @@ T round_to(double x) {
 /// The problem with every number as T stores it.
 template <class T>
 Problem<T> problem_as(Problem<double> const& problem) {
-    Problem<T> out{.size = problem.size, .forgetting = round_to<T>(problem.forgetting), .prior = std::nullopt};
-    if (problem.prior) {
-        out.prior = Prior<T>{.variance = round_to<T>(problem.prior->variance)};
-        if (problem.prior->theta) out.prior->theta = problem.prior->theta->unaryExpr(&round_to<T>);
-        if (problem.prior->covariance) out.prior->covariance = problem.prior->covariance->unaryExpr(&round_to<T>);
-        if (problem.prior->stored) out.prior->stored = problem.prior->stored->template mapped<T>(&round_to<T>);
-    }
-    return out;
+    return problem.mapped<T>(&round_to<T>);
 }
 
 }  // namespace rlslab

@@ -1,4 +1,4 @@
-// The clock and the loop that every quoted time comes from: the benchmarks' rows and the ns column of `rlslab compare`.
+// The clock and the loop behind every quoted time: the rows of the benchmarks and the ns column of `rlslab compare`.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
@@ -7,13 +7,13 @@
 
 namespace rlslab {
 
-/// Makes the compiler believe that what x points to or holds is read: work nobody looks at is otherwise left out.
+/// Makes the compiler assume that x, and everything it points to, is read here. Otherwise it leaves out work whose result is not used.
 template <class T>
-void wanted(T const& x) {
+void do_not_optimize(T const& x) {
     asm volatile("" : : "r"(&x) : "memory");
 }
 
-/// Nanoseconds that work() took.
+/// The duration of work() in nanoseconds.
 template <class Work>
 double nanoseconds_of(Work&& work) {
     using Clock = std::chrono::steady_clock;
@@ -22,12 +22,12 @@ double nanoseconds_of(Work&& work) {
     return std::chrono::duration<double, std::nano>(Clock::now() - start).count();
 }
 
-/// Whether theta() is asked for after each row: variants that solve for it on request pay there.
+/// Whether theta() is called after each row: variants that solve for it on request do so there.
 enum class Theta { unasked, asked };
 
-/// Nanoseconds for rows first ... last-1, one by one; where theta is not asked for, without a report if that is dear (f.take,
-/// see Accumulates). Anything with update(psi, y) and theta() will do. The caller restarts
-/// the filter between stretches: some variants stop being finite after a few thousand rows, and NaN is fast.
+/// Nanoseconds for rows first ... last-1 (psi is d x N, y has N numbers), one by one; with Theta::unasked by accumulate(psi, y) if the
+/// filter has it. F is any type with update(psi, y) and theta(). The caller restarts the filter between stretches: some variants are not
+/// finite after a few thousand rows, and arithmetic with NaN takes another time.
 template <Theta theta, class F, class T = typename F::scalar>
 double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first, Index last) {
     return nanoseconds_of([&] {
@@ -37,10 +37,10 @@ double stretch(F& filter, Matrix<T> const& psi, Vector<T> const& y, Index first,
             else filter.update(row, y[k]);
             if constexpr (theta == Theta::asked) {
                 auto const& answer = filter.theta();
-                wanted(answer);
+                do_not_optimize(answer);
             }
         }
-        wanted(filter);
+        do_not_optimize(filter);
     });
 }
 

@@ -1,4 +1,4 @@
-// CHOLMOD's sparse L D L' as a value: copied, scaled, updated by one row, solved with. GPL-2+ (its Modify module).
+// CHOLMOD's sparse L D L' as a value that can be copied, scaled, updated by one row, and solved with. GPL-2+ (CHOLMOD's Modify module).
 #pragma once
 
 #include <rlslab/linalg/sparse.hpp>
@@ -11,7 +11,7 @@
 
 namespace rlslab {
 
-/// X = L D L' of a sparse symmetric positive definite X of order d, columns in their given order.
+/// X = L D L' of a sparse symmetric positive definite X of order d, columns in their given order. L is unit lower triangular.
 class SparseLdl {
     /// CHOLMOD keeps its workspace and settings in one structure; each factor owns its own.
     struct Workspace {
@@ -32,7 +32,7 @@ class SparseLdl {
     std::unique_ptr<Workspace> work_;
     cholmod_factor* factor_ = nullptr;
 
-    /// Columns of Eigen's as CHOLMOD reads them, without a copy; stype -1: of a symmetric matrix the lower triangle.
+    /// CHOLMOD's view of columns that Eigen stores, without a copy. stype 0: any matrix; -1: the lower triangle of a symmetric one.
     static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values, int stype) {
         cholmod_sparse A{};
         A.nrow = rows;
@@ -60,7 +60,7 @@ class SparseLdl {
         auto const* const value = static_cast<double const*>(factor_->x) + start;
         return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1, static_cast<int const*>(factor_->nz)[j] - 1};
     }
-    void solve_lower(Vector<double>& x) const {  // along psi's path where x = psi is sparse: what is zero is passed over
+    void solve_lower(Vector<double>& x) const {  // zeros are skipped: for a sparse x = psi only its path is visited
         for (Index j = 0; j < size(); ++j) {
             if (x[j] == 0) continue;
             ColumnOfL const L = column(j);
@@ -85,7 +85,7 @@ class SparseLdl {
     }
 
 public:
-    /// Factors X, given by its lower triangle.
+    /// Factors X, given by its lower triangle. X must be positive definite; that is not checked.
     explicit SparseLdl(SparseRows const& lower) : work_(std::make_unique<Workspace>()) {
         cholmod_sparse X =
             view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), -1);
@@ -108,14 +108,15 @@ public:
 
     Index size() const { return Index(factor_->n); }
 
-    /// X = lambda X: the diagonal D, which CHOLMOD stores first in each column.
+    /// X = lambda X, lambda > 0: multiplies D, which CHOLMOD stores first in each column.
     void scale(double lambda) {
         auto* const value = static_cast<double*>(factor_->x);
         auto const* const start = static_cast<int const*>(factor_->p);
         for (size_t j = 0; j < factor_->n; ++j) value[start[j]] *= lambda;
     }
 
-    /// X = X + psi psi', touching only the columns on psi's path in the elimination tree. False on breakdown.
+    /// X = X + psi psi', psi of d numbers. Changes only the columns on psi's path in the elimination tree. False on breakdown: CHOLMOD
+    /// failed or met a pivot that it could not use.
     bool update(SparseRow const& psi) {
         if (psi.nonZeros() == 0) return true;
         int const starts[] = {0, int(psi.nonZeros())};
@@ -123,7 +124,7 @@ public:
         return cholmod_updown(1, &row, factor_, &work_->c) && factor_->minor == factor_->n;
     }
 
-    /// psi' X^-1 psi = f' D^-1 f, f = L^-1 psi, summed from the first column to the last; f is workspace of size d.
+    /// psi' X^-1 psi = f' D^-1 f, f = L^-1 psi, summed from the first column to the last. f (d) is overwritten.
     double inverse_form(SparseRow const& psi, Vector<double>& f) const {
         f.setZero();
         for (SparseRow::InnerIterator it(psi); it; ++it) f[it.index()] = it.value();
@@ -134,8 +135,8 @@ public:
         return sum;
     }
 
-    /// a = X^-1 a and b = X^-1 b: column by column of L, then of L' from the last, each sum from its diagonal downwards. False where a
-    /// pivot is not finite.
+    /// a = X^-1 a and b = X^-1 b, d numbers each, by the columns of L from the first and those of L' from the last, each sum from its
+    /// diagonal downwards. False if a pivot is not finite.
     bool solve(Vector<double>& a, Vector<double>& b) const {
         solve_lower(a);
         solve_lower(b);

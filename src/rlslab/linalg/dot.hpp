@@ -9,7 +9,8 @@
 namespace rlslab {
 
 namespace detail {
-/// The part of the tree over lanes first, first + stride, ... of eight: the running sum of a lane where stride = 8.
+/// The part of the tree that ends in the sum of the lanes first, first + stride, ... below eight. With stride = 8 it is one lane: the
+/// running sum of the products first, first + 8, ...
 template <int first, int stride, class T>
 [[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
     if constexpr (stride == 8) {
@@ -24,12 +25,12 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y over n numbers; 0 over none.
+/// x'y of n numbers each, in the order above; 0 for n <= 0. x and y may be the same.
 template <Field T>
 T dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
         return T(0);
-    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: one lane after another leaves them in registers
+    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: the running sum of one lane after another fits into registers
         return detail::lanes_summed<0, 1>(x, y, n);
     T lane[8];
     Index const lanes = std::min<Index>(n, 8);

@@ -1,5 +1,5 @@
-// Whether what a filter answers is finite: looked at where it is stored; where it is solved for on request, proven without
-// solving, or else solved for.
+// Tests whether theta and the gain of a filter are finite. Where the filter stores them, their numbers are tested. Where it solves for them
+// on request, they are proven finite without solving if possible, and solved for otherwise.
 #pragma once
 
 #include <rlslab/linalg/triangles.hpp>
@@ -8,6 +8,7 @@
 
 namespace rlslab {
 
+/// Whether every number of x is finite; true for no numbers.
 template <Field T, int N>
 Truth<T> all_finite(StateVector<T, N> const& x) {
     Truth<T> out = true;
@@ -22,7 +23,8 @@ Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
     return out;
 }
 
-/// The report of a form that keeps theta. K is finite where theta + K e is.
+/// The step of a form that stores theta; gamma = lambda / s. Only theta is tested: where theta + K e is finite, so is K, because even
+/// 0 times an infinity is NaN.
 template <Field T, int N>
 Step<T> report(T const& innovation, T const& lambda, T const& s, StateVector<T, N> const& theta) {
     return if_finite(all_finite(theta), report(innovation, lambda, s));
@@ -36,20 +38,21 @@ template <Field T>
 inline constexpr bool fits_double<T> = true;
 }  // namespace detail
 
-/// What bounds are computed in: double where it holds every number of T, however T rounds; otherwise T.
+/// The scalar in which bounds are computed: double if it holds every number of T, otherwise T.
 template <Field T>
 using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
 
-/// R upper triangular with columns of lengths n_j and pivots r_j. Whether R x = b, |b|^2 <= right, and R'R K = psi, psi'K <= 1, are
-/// solved by substitution without an overflow of T; false where that is not proven. n2(j) = n_j^2, r2(j) = r_j^2, each asked for once.
+/// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and R'R K = psi with
+/// psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) = n_j^2 and r2(j) = r_j^2 are called once
+/// for each j.
 ///
-///   (1) C = R diag(1/n) has columns of length 1: the squares of its singular values sum to d, so that all but the least multiply to
+///   (1) C = R diag(1/n) has columns of length 1, so the squares of its singular values sum to d. All of them except the least multiply to
 ///       at most (d/(d-1))^(d-1) < e, and all of them to q = prod r_j^2 / n_j^2. Hence the least is larger than q / e
-///   (2) x_j^2 < e right / (q n_j^2),  K_j^2 < e / (q n_j^2),  what is summed on the way below these times max n_j^2, and where R is
-///       kept as D and a unit triangle, divided by min r_j^2
+///   (2) x_j^2 < e right / (q n_j^2) and K_j^2 < e / (q n_j^2). The partial sums are below these times max n_j^2; if R is stored as D and a
+///       unit triangle, also divided by min r_j^2
 ///
-/// Where the bound is computed in T, its squares are T's numbers: they leave half of the exponents, which is more than 1 / min r_j
-/// and max n_j. A factor of 2^10 is left for e, for sums of d terms, and for rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
+/// If the bound is computed in T, the squares n_j^2 and r_j^2 are numbers of T, so 1 / min r_j and max n_j need at most half of T's
+/// exponents. A factor of 2^10 covers e, sums of d terms, and rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
 template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
     if constexpr (!Real<T>) {  // the rationals are finite
@@ -72,7 +75,7 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
     }
 }
 
-/// Whether theta, which is kept, is finite, and K, solved for from X = L diag(D) L', and the pivots. x is workspace.
+/// Whether the stored theta, the pivots D, and K of X K = psi are finite, for X = L diag(D) L' (all d x d). x (d) is overwritten.
 template <Field T, int N>
 Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta,
                         StateVector<T, N> const& psi, StateVector<T, N>& x) {
@@ -88,8 +91,8 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
     return kept && all_finite(x);
 }
 
-/// The n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, z = R theta: for the forms that keep R and z alone.
-/// L = R', or R = diag(sqrt(D)) L' with L unit lower triangular.
+/// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, updated
+/// with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d), or O(d^2) where the proof fails.
 template <Field T, int N = Dynamic>
 class Lengths {
     using Bound = BoundOf<T>;
@@ -99,13 +102,13 @@ class Lengths {
 
     static Bound square(T const& x) { return Bound(x) * Bound(x); }
 
-    /// lambda n_j^2 + psi_j^2, kept as they are asked for.
+    /// Updates right_ at once, and returns a function that updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it.
     auto with(T const& lambda, StateVector<T, N> const& psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
         return [squares = squares_.data(), psi = psi.data(), weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
     }
-    /// Solves in place, leaving no trace, and looks.
+    /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (Aside).
     template <class Solve>
     static Truth<T> solved_finitely(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
         Aside<T> const aside;
@@ -130,6 +133,7 @@ class Lengths {
 public:
     explicit Lengths(Index size) : squares_(size) {}
 
+    /// The sums at the start, from a filter's first L (and D) and z.
     void start(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
         for (Index i = 0; i < z.size(); ++i) {
             for (Index j = i; j < z.size(); ++j) squares_[j] += square(L(j, i));
@@ -144,7 +148,8 @@ public:
         }
     }
 
-    /// The row [psi' y] came under sqrt(lambda) [R z]: whether theta and K, solved for, are finite and so are the pivots. x is workspace.
+    /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
+    /// (d) is overwritten.
     Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
                   StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
@@ -158,7 +163,7 @@ public:
             x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
     }
-    /// The rows [x' y] of A are to come under weight [R z], and have come: the same.
+    /// The same for a block: take_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
     template <class Block>
     void take_rows(T const& weight, Block const& A) {
         Index const d = squares_.size();
@@ -174,7 +179,7 @@ public:
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    /// Whether R has no zero on its diagonal. Of R = L' alone.
+    /// Whether R has no zero on its diagonal; only for R = L'.
     Truth<T> const& determined() const { return determined_; }
     static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.determined_); }
 };

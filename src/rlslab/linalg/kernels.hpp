@@ -3,7 +3,10 @@
 //   dot products       eight running lanes, then the tree ((0+4)+(2+6)) + ((1+5)+(3+7)), absent lanes left out;
 //   prefix sums        within blocks of eight, then each plus the sum of the blocks before;
 //   everything else    column sweeps, elementwise: there is no order to choose.
-// No operation is fused unless written so (the build says -ffp-contract=off).
+// No operation is fused (the build says -ffp-contract=off).
+//
+// In all functions StateVectors have d numbers, StateMatrices are d x d, and x, where it is a pointer, has d numbers. Sizes are not checked
+// unless the docstring says what throws. An output may be one of the inputs only where the docstring says so.
 #pragma once
 
 #include <rlslab/linalg/dispatch.hpp>
@@ -12,6 +15,7 @@
 
 namespace rlslab {
 
+/// x'y, in the order above.
 template <Field T, int N>
 T dot(Regressor<T> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), y.size());
@@ -21,7 +25,7 @@ T dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), x.size());
 }
 
-/// y += a x over n numbers.
+/// y += a x, n numbers or d. The rounded product is added. y may be x.
 template <Field T>
 void add_scaled(T* y, T const& a, T const* x, Index n) {
     for (Index i = 0; i < n; ++i) y[i] += a * x[i];
@@ -31,19 +35,19 @@ void add_scaled(StateVector<T, N>& y, T const& a, StateVector<T, N> const& x) {
     run_kernel<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, a, x.data()});
 }
 
-/// out = A x, as a sum of columns.
+/// out = A x, as a sum of columns from the first to the last.
 template <Field T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::Multiply<T>{A.size(), A.stride(), A.column(0), out.data(), x});
 }
 
-/// out = A'x, a dot product for each column.
+/// out = A'x, one dot product for each column.
 template <Field T, int N>
 void multiply_transposed(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
 }
 
-/// out = A B and out = A B', as sums of columns.
+/// out = A B and out = A B'. Each column of out is a sum of columns of A from the first to the last. A and B may be the same.
 template <Field T, int N>
 void multiply(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
@@ -53,7 +57,8 @@ void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const&
     run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
 }
 
-/// Elementwise: out = x / s,  x / y,  a x,  x y,  sqrt(x),  x + y,  x + y z; out may be any of them.
+/// Elementwise, in the order of the functions below: out = x / s,  x / y,  x y,  a x,  x + y,  x + y z,  sqrt(x). out may be any of the
+/// inputs.
 template <Field T, int N>
 void divide(StateVector<T, N> const& x, T const& s, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
@@ -83,22 +88,22 @@ void take_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
-/// before_j = s_{j-1}, after_j = s_j of s_j = s_{j-1} + x_j; returns the last s.
+/// before_j = s_{j-1}, after_j = s_j for s_j = s_{j-1} + x_j, s_0 = s; returns s_d. `after` may be x; `before` and `after` must differ.
 template <Field T, int N>
 T prefix_sums(T s, StateVector<T, N> const& x, StateVector<T, N>& before, StateVector<T, N>& after) {
     run_kernel<T, N>(kernels::PrefixSums<T>{{x.size(), x.data(), after.data()}, before.data(), &s});
     return s;
 }
-/// The same of s_j = s_{j-1} + x_j y_j.
+/// The same for s_j = s_{j-1} + x_j y_j. x and y may be the same; `before` and `after` differ from them.
 template <Field T, int N>
 T prefix_sums(T const& s, StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& before, StateVector<T, N>& after) {
     scale(x, y, after);
     return prefix_sums(s, after, before, after);
 }
 
-/// x / r for 1/2 <= r <= 1, written x + x (1 - r)/r: no division in the loop. 1 - r is exact there, so the rounding of
-/// the small correction weighs (1 - r)/r ulp: unlike x times the rounded 1/r, whose one error repeats at every step and
-/// sums to u/(1 - r), this has no bias. r = 1 leaves x as it is. For smaller r it is still x / r to a few u.
+/// x / r for 1/2 <= r <= 1, computed as x + x c with c = (1 - r) / r: no division in the loop. 1 - r is exact there, so that the error of c
+/// adds at most about (1 - r) / r units in the last place. The product of x with the rounded 1 / r would repeat one and the same error at
+/// every step, which sums to u / (1 - r) in a stationary filter. r = 1 leaves x as it is. For r < 1/2 the result is x / r to a few u.
 template <Field T>
 class DivisorNearOne {
     T correction_;
@@ -110,13 +115,13 @@ public:
     static auto state(auto& divisor) { return std::tie(divisor.correction_); }
 };
 
-/// out = x / r.
+/// out = x / r. out may be x.
 template <Field T, int N>
 void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::AddScaled<T>{{out.size(), x.data(), out.data()}, by_r.correction(), x.data()});
 }
 
-/// A = (A - x f') / r  and  A = (A - (x g' + g x')) / r.
+/// A = (A - x f') / r. x and f may be the same.
 template <Field T, int N>
 void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
@@ -127,12 +132,13 @@ void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x
                                 DivisorNearOne<T> const& by_r) {
     run_kernel<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
+/// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays symmetric.
 template <Field T, int N>
 void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g, DivisorNearOne<T> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
 }
 
-/// A = weight A + x x' and b = weight b + x y: a row of normal equations.
+/// A = weight A + x x' and b = weight b + x y: one row added to normal equations.
 template <Field T, int N>
 void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, StateVector<T, N> const& x, T const& y) {
     for (Index j = 0; j < x.size(); ++j) {
@@ -145,14 +151,15 @@ void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, Sta
     }
 }
 
-/// e = y - psi' theta: the door of every update.
+/// e = y - psi'theta. Throws std::invalid_argument unless psi has d numbers; an update calls this before it changes any state.
 template <Field T, int N>
 T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta) {
     expects(psi.size() == theta.size(), "a regressor of the problem's size");
     return y - dot(psi, theta);
 }
 
-/// Copies psi, as often as asked for: the door of the updates that rotate it away.
+/// Copies psi into `copy` and each of `more`, for updates that overwrite it. Throws std::invalid_argument unless psi has d numbers; an
+/// update calls this before it changes any state.
 template <Field T, int N, class... More>
 void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... more) {
     expects(psi.size() == copy.size(), "a regressor of the problem's size");

@@ -1,4 +1,4 @@
-// Householder reflections that fold a block of rows into a triangle.
+// Householder reflections that fold a block of rows into a triangle. Sizes are not checked.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
@@ -10,7 +10,7 @@ namespace rlslab {
 template <class T>
 using Rows = Matrix<T>;
 
-/// x^n by repeated squaring, n >= 0: the weight of what is n steps old.
+/// x^n by repeated squaring, n >= 0: for x = lambda the weight of a row that is n steps old.
 template <Field T>
 T power(T x, Index n) {
     T out = T(1);
@@ -19,7 +19,8 @@ T power(T x, Index n) {
     return out;
 }
 
-/// A = the rows [psi' y], the oldest first, row k times root^(B-1-k). Returns root^B.
+/// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B numbers, and root is
+/// sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A has another shape.
 template <Field T>
 T weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
     Index const d = psi.rows();
@@ -38,7 +39,8 @@ T weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const
 ///   (1) r = +-|(R_ii, A_i)|, away from R_ii's sign;   v = (1, A_i / (R_ii - r)),   tau = (r - R_ii) / r
 ///   (2) each later column (R_ij, A_j):  t = tau (R_ij + v'A_j),   R_ij -= t,  A_j -= t v
 ///
-/// A's last column becomes eta. Returns the product of |R_ii / r|. A zero column asks for no reflection.
+/// A is overwritten: its first d columns by the v, its last by eta. Returns the product of |R_ii / r|, which is sqrt(gamma) for B = 1. A
+/// column of zeros is skipped.
 /// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
 T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
@@ -63,7 +65,8 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
     return ratio;
 }
 
-/// The same of one row [x' eta], along the rows of R: x becomes v, eta the last number. Returns sqrt(gamma).
+/// The same for the one row [x' eta], going along the rows of R. x becomes the v_i, tau the tau_i, eta the reflected output. Returns
+/// sqrt(gamma). x, z and tau have d numbers and differ.
 template <Real T, int N>
 T reflect_row_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, StateVector<T, N>& x, T& eta, StateVector<T, N>& tau) {
     T ratio = T(1);

@@ -1,12 +1,12 @@
-// One Householder reflection: its coefficients, and the norm they come from.
+// The coefficients of one Householder reflection, and the norm from which they are computed.
 #pragma once
 
 #include <rlslab/linalg/rotations.hpp>
 
 namespace rlslab {
 
-/// |(a, x)| where the plain sum of squares leaves the range in which its terms are normal numbers: the largest is divided
-/// out first. Lanes that are `in_range` keep the root of the `plain` sum.
+/// |(a, x)|, x of n numbers, for the case that the plain sum of squares overflows or loses terms to underflow: all numbers are divided by
+/// the largest first. 0 for x = 0. If a number is not finite, neither is the result. Lanes that are `in_range` get sqrt(plain) instead.
 template <Real T>
 [[gnu::noinline]] T norm_scaled(T const& a, T const* x, Index n, Truth<T> const& in_range, T const& plain) {
     T largest = T(0);
@@ -30,7 +30,7 @@ template <Real T>
     else return select(in_range, square_root(plain), select(as_it_is, largest, size));
 }
 
-/// |(a, x)|, given the squares of x already summed; 0 where x = 0, which asks for no reflection.
+/// |(a, x)|, x of n numbers, `squares` = x'x. For x = 0 the result is 0, not |a|: Reflector takes that as "no reflection".
 template <Real T>
 [[gnu::always_inline]] inline T norm(T const& a, T const& squares, T const* x, Index n) {
     T const sum = a * a + squares;
@@ -39,7 +39,9 @@ template <Real T>
     return norm_scaled(a, x, n, in_range, sum);
 }
 
-/// I - tau (1, x / pivot)(1, x / pivot)' carries (a, x) into (r, 0), r away from a's sign. A size of 0 asks for none: tau = 0.
+/// The reflection I - tau v v', v = (1, x / pivot), that takes (a, x) to (r, 0):
+///   r = -+ size, of the sign opposite to a's      tau = (r - a) / r      pivot = a - r
+/// size: |(a, x)| from `norm`. For size = 0 there is no reflection: r = a, tau = 0, pivot = 1.
 template <Real T>
 struct Reflector {
     T r, tau, pivot;
@@ -50,7 +52,7 @@ struct Reflector {
         tau = select(nothing, T(0), T((r - a) / r));
         pivot = select(nothing, T(1), T(a - r));
     }
-    /// |a / r|, the cosine.
+    /// |a / r|, the cosine of the angle by which (a, x) is turned; 1 without a reflection.
     [[gnu::always_inline]] T cosine(T const& a) const { return select(tau == T(0), T(1), absolute(T(a / r))); }
 };
 

@@ -1,4 +1,4 @@
-// Sparse rows and the state the sparse variants start with, all in memory of the order of what is not zero.
+// Sparse rows, and the state with which the sparse variants start. Memory is of the order of the number of nonzeros.
 #pragma once
 
 #include <rlslab/core/encoding.hpp>
@@ -8,17 +8,18 @@
 
 namespace rlslab {
 
-/// A regressor of which only a few numbers are not zero, and columns of such; indices ascend.
+/// A regressor of d numbers, most of them zero, and a d x B matrix whose columns are such regressors. Indices ascend.
 using SparseRow = Eigen::SparseVector<double>;
 using SparseRows = Eigen::SparseMatrix<double>;
 
-/// What is not zero in a dense regressor; a NaN is not.
+/// The numbers of a dense regressor that are not zero. A NaN is not zero.
 inline SparseRow sparse(Regressor<double> const& psi) {
     SparseRow out(psi.size());
     for (Index i = 0; i < psi.size(); ++i)
         if (psi[i] != 0) out.insertBack(i) = psi[i];
     return out;
 }
+/// Column k of psi.
 inline SparseRow column(SparseRows const& psi, Index k) {
     SparseRow out(psi.rows());
     for (SparseRows::InnerIterator it(psi, k); it; ++it) out.insertBack(it.index()) = it.value();
@@ -60,14 +61,15 @@ struct IrregularState<SparseRow> {
     }
 };
 
-/// psi'x, over what psi holds from the first to the last.
+/// psi'x: the products of psi's stored numbers, summed from the first to the last.
 inline double dot(SparseRow const& psi, Vector<double> const& x) {
     double sum = 0;
     for (SparseRow::InnerIterator it(psi); it; ++it) sum += it.value() * x[it.index()];
     return sum;
 }
 
-/// P0^-1 = L diag(D) L' with L unit lower triangular: of c^2 I nothing but the diagonal is ever made.
+/// Returns L (unit lower triangular, sparse) and sets D of P0^-1 = L diag(D) L'. P0 = c^2 I needs O(d) memory, a full P0 O(d^2). Throws
+/// std::invalid_argument without a prior, or when a full P0 is not positive definite.
 inline SparseRows start_information(Problem<double> const& problem, Vector<double>& D) {
     expects(problem.prior.has_value(), "a prior: the sparse factor is kept nonsingular");
     SparseRows L(problem.size, problem.size);

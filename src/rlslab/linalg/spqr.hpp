@@ -9,7 +9,7 @@
 
 namespace rlslab {
 
-/// An upper triangular R, d x d, as SuiteSparseQR takes and gives it.
+/// An upper triangular R, d x d, in SuiteSparseQR's type.
 using SparseTriangle = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
 
 template <>
@@ -29,7 +29,8 @@ struct IrregularState<SparseTriangle> {
     }
 };
 
-/// Whether R has its d pivots: one that underflowed to zero SuiteSparseQR leaves out, and Eigen then divides by another entry.
+/// Whether R has its d pivots. SuiteSparseQR leaves out a pivot that underflowed to zero; Eigen's solver would then divide by another
+/// entry.
 inline bool has_pivots(SparseTriangle const& R) {
     for (Index j = 0; j < R.cols(); ++j) {
         SparseTriangle::ReverseInnerIterator const last(R, j);
@@ -38,8 +39,8 @@ inline bool has_pivots(SparseTriangle const& R) {
     return true;
 }
 
-/// Folds the rows psi' with right-hand sides y into [R z]: R and the rows are stacked and factored, columns in their order,
-/// none dropped. Memory and time follow the fill of R and of the reflections.
+/// Folds B rows psi' (psi is d x B) with right-hand sides y (B) into [R z] (z has d numbers): R is stacked on the rows and factored.
+/// Columns keep their order and none is dropped. Memory and time follow the fill of R and of the reflections. All numbers must be finite.
 inline void append_rows(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {
     Index const d = R.cols();
     std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;

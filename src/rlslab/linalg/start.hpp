@@ -1,4 +1,5 @@
-// From a prior to the state each family of variants starts with.
+// From a prior to the state that each family of variants starts with. All functions expect a checked problem and outputs that are zero, as
+// StateVector and StateMatrix are when they are made.
 #pragma once
 
 #include <rlslab/linalg/finite.hpp>
@@ -6,7 +7,7 @@
 
 namespace rlslab {
 
-/// theta0, or zero.
+/// theta0 (d); zero without a prior or without a theta in it.
 template <Field T, int N>
 StateVector<T, N> start_theta(Problem<T> const& problem) {
     StateVector<T, N> theta(problem.size);
@@ -15,7 +16,7 @@ StateVector<T, N> start_theta(Problem<T> const& problem) {
     return theta;
 }
 
-/// P0. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
+/// P0 (d x d), a full one bit for bit as given. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
 template <Field T, int N>
 StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
@@ -41,7 +42,7 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     return P;
 }
 
-/// P0 = U diag(D) U'. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
+/// Sets U (unit upper triangular) and D > 0 of P0 = U diag(D) U'. Throws as start_covariance.
 template <Field T, int N>
 void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
@@ -61,7 +62,7 @@ void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>
     }
 }
 
-/// P0 = S S', S upper triangular.
+/// S of P0 = S S', upper triangular. Throws as start_covariance.
 template <Real T, int N>
 StateMatrix<T, N> start_root(Problem<T> const& problem) {
     using std::sqrt;
@@ -76,7 +77,8 @@ StateMatrix<T, N> start_root(Problem<T> const& problem) {
     return S;
 }
 
-/// P0^-1 = L diag(D) L', L unit lower triangular (L = U^-T of P0 = U D^-1 U'). Without a prior: L = I, D = 0.
+/// Sets L (unit lower triangular) and D of P0^-1 = L diag(D) L': with P0 = U diag(C) U', L = U^-T and D = 1 / C. Without a prior L = I and
+/// D = 0. Throws std::invalid_argument when a full P0 is not positive definite.
 template <Field T, int N>
 void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& D) {
     Index const d = problem.size;
@@ -93,14 +95,14 @@ void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVec
     StateMatrix<T, N> U(d);
     start_ud(problem, U, D);
     for (Index j = 0; j < d; ++j) D[j] = T(1) / D[j];
-    // Row j of U^-1, which is column j of L, by U^-1 U = I.
+    // U^-1 U = I gives row j of U^-1, which is column j of L.
     for (Index j = 0; j < d; ++j) {
         L(j, j) = T(1);
         for (Index i = j + 1; i < d; ++i) L(i, j) = -dot(L.column(j) + j, U.column(i) + j, i - j);
     }
 }
 
-/// P0^-1 = L L', L lower triangular, and z = L'theta0. Without a prior: L = 0, z = 0.
+/// Sets L (lower triangular) of P0^-1 = L L', and z = L'theta0. Without a prior L = 0 and z = 0. Throws as start_information.
 template <Real T, int N>
 void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& z) {
     using std::sqrt;

@@ -1,4 +1,4 @@
-// Where a variant keeps its numbers: a column of d, a square of d x d stored by columns; inline when d is fixed.
+// The storage of a variant's state: a vector of d numbers, and a d x d matrix stored by columns. A fixed d needs no heap.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
@@ -15,7 +15,8 @@ namespace rlslab {
 template <class T>
 concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
 
-/// Where kernels work on whole blocks of rows, columns are padded to them; nothing reads the padding.
+/// The length of a column of `size` numbers in memory. For float and double it is a multiple of the block of rows on which kernels work
+/// (8; 4 for fixed sizes up to 4). What the padding holds never enters a result.
 template <class T, int N>
 constexpr Index padded(Index size) {
     if (!Hardware<T>) return size;
@@ -23,7 +24,7 @@ constexpr Index padded(Index size) {
 }
 
 namespace detail {
-/// Columns begin on the machine's cache lines.
+/// An allocator of memory that begins on a cache line.
 template <class T>
 struct Aligned {
     using value_type = T;
@@ -36,7 +37,7 @@ struct Aligned {
     friend bool operator==(Aligned, Aligned) { return true; }
 };
 
-/// size numbers: an array when the capacity is fixed, else a vector that is never resized after construction.
+/// `size` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction.
 template <class T, int Capacity>
 struct Buffer {
     static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
@@ -51,7 +52,7 @@ struct Buffer<T, Dynamic> {
 }  // namespace detail
 
 namespace detail {
-/// A size that goes away with what it is the size of: a filter that was moved from has none, and refuses every row.
+/// A size that becomes 0 when it is moved from: a filter that was moved from has size 0 and refuses every row.
 struct MovedSize {
     Index value;
     explicit MovedSize(Index size) : value(size) {}
@@ -65,7 +66,8 @@ struct MovedSize {
 };
 }  // namespace detail
 
-/// d numbers, zero at first.
+/// d numbers, zero at first. N: d if it is fixed, or Dynamic. The constructor may throw std::bad_alloc if N is Dynamic. view() is Eigen's
+/// map of the d numbers; it is valid while this object exists and is not moved.
 template <class T, int N = Dynamic>
 class StateVector {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));
@@ -82,7 +84,7 @@ public:
     auto view() const { return Eigen::Map<Vector<T, N> const>(data(), size()); }
 };
 
-/// d x d numbers by columns, zero at first.
+/// d x d numbers by columns, zero at first; N and view() as above. A column has stride() >= d numbers in memory.
 template <class T, int N = Dynamic>
 class StateMatrix {
     static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
@@ -92,7 +94,7 @@ class StateMatrix {
 public:
     explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size)), size_(size) {}
     Index size() const { return N == Dynamic ? size_.value : N; }
-    Index stride() const { return padded<T, N>(size()); }  ///< from one column to the next
+    Index stride() const { return padded<T, N>(size()); }  ///< numbers from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }
     T& operator()(Index i, Index j) { return column(j)[i]; }

@@ -1,4 +1,7 @@
-// One pass over a triangle: the heart of the triangular forms, with every coefficient known before it starts.
+// One pass over a triangle. All coefficients are known before it starts. The triangular forms spend most of their time here.
+//
+// Sizes are d and d x d throughout and are not checked; nothing throws. An output must differ from every other argument unless its
+// docstring allows more.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
@@ -7,19 +10,19 @@ namespace rlslab {
 
 // --- upper triangles of a covariance --------------------------------------------------------------------------------------
 
-/// out = S'x and out = S x, S upper triangular.
+/// out = S'x, S upper triangular; x has d numbers.
 template <Field T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
 }
 
-/// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j, t the old U_ij, v = 0 at first.
+/// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
 template <Field T, int N>
 void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v) {
     run_kernel<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()});
 }
 
-/// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j, t the old S_ij, v = 0 at first.
+/// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
 template <Field T, int N>
 void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<T, N> const& keep, StateVector<T, N> const& mix,
                    DivisorNearOne<T> const& by_r, StateVector<T, N>& v) {
@@ -27,15 +30,15 @@ void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector
         kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()});
 }
 
-/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j, t the old S_ij / r, g = 0 at first.
+/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
 template <Real T, int N>
 void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r,
                      StateVector<T, N>& g) {
     run_kernel<T, N>(kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()});
 }
 
-/// before_j = b_{j-1}, after_j = b_j of b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns the last b. By the plain sum of squares,
-/// where a square that vanishes is nothing beside 1, or by one hypotenuse after another where a square overflows.
+/// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a
+/// square that underflows is negligible beside b_0 = 1. If a sum overflows, each b_j is computed from b_{j-1} by a scaled hypotenuse.
 template <Real T, int N>
 T prefix_norms(StateVector<T, N> const& a, StateVector<T, N>& before, StateVector<T, N>& after) {
     T const sum = prefix_sums(T(1), a, a, before, after);
@@ -56,14 +59,14 @@ T prefix_norms(StateVector<T, N> const& a, StateVector<T, N>& before, StateVecto
 
 // --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
 
-/// x_j -= x_i L_ji for i = 1 ... d and j > i: solves L x = x, L unit lower triangular.
+/// x_j -= x_i L_ji for i = 1 ... d and j > i: x becomes L^-1 x, L unit lower triangular.
 template <Field T, int N>
 void eliminate(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
 }
 
-/// s_i = w_i x_i of 1/w_{i+1} = 1/w_i + x_i^2 / D_i, w_1 = 1; returns the last w. Where 1/w is not finite (a zero D_i, an
-/// overflow) w_{i+1} = w_i D_i / (D_i + w_i x_i^2) instead, and a row that changes nothing keeps its weight.
+/// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + x_i^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` (d) is overwritten. If 1/w_{d+1} is not finite (a
+/// zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i x_i^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum is 0.
 template <Field T, int N>
 T gentleman_weights(StateVector<T, N> const& x, StateVector<T, N> const& D, StateVector<T, N>& s, StateVector<T, N>& scratch) {
     scale(x, x, s);
@@ -82,14 +85,15 @@ T gentleman_weights(StateVector<T, N> const& x, StateVector<T, N> const& D, Stat
     return select(in_range, T(T(1) / inverse), w);
 }
 
-/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i, t the old L_ji.
+/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i. t is the old L_ji. The diagonal of L is neither read nor changed.
 template <Field T, int N>
 void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
                      StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
 
-/// The rotations (c_i, s_i), i = 1 ... d, that carry x into r R, R = L', and (z, eta) with it.
+/// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r R_ii and acts on the
+/// rest of both rows. L, z, eta, c and s are outputs; x is overwritten.
 template <Real T, int N>
 void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, T const& r, StateVector<T, N>& z, T& eta, StateVector<T, N>& c,
                StateVector<T, N>& s) {

@@ -1,14 +1,15 @@
 // Triangular factors: the factorisations a filter starts from, and the solves of the information forms.
 //
-// An upper triangular R is kept as L = R', so that row i of R is column i of L and contiguous.
+// An upper triangular R is stored as L = R', so that row i of R is column i of L and contiguous. Sizes are d and d x d throughout and are
+// not checked; nothing throws. A zero pivot gives infinities or NaN by IEEE division.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
 
 namespace rlslab {
 
-/// X = U diag(D) U' with U unit upper triangular, columns from the last to the first; X's upper triangle is read.
-/// Returns false when a pivot is not positive (the factors are then meaningless).
+/// Sets U (unit upper triangular) and D of X = U diag(D) U', columns from the last to the first. Reads X's upper triangle; leaves what is
+/// below U's diagonal. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
 template <Field T, int N>
 Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     Truth<T> positive = true;
@@ -23,8 +24,8 @@ Truth<T> factor_udu(Matrix<T> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     return positive;
 }
 
-/// X = L diag(D) L' with L unit lower triangular (root-free Cholesky); X's lower triangle is read.
-/// Returns false when a pivot is not positive.
+/// Sets L (unit lower triangular) and D of X = L diag(D) L' (Cholesky without roots). Reads X's lower triangle; leaves what is above L's
+/// diagonal. L may be X. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
 template <Field T, int N>
 Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<T, N>& D) {
     Index const d = D.size();
@@ -44,7 +45,7 @@ Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVecto
     return positive;
 }
 
-/// No zero on the diagonal.
+/// Whether the triangular L has no zero on its diagonal; a NaN there counts as nonzero.
 template <Field T, int N>
 Truth<T> nonsingular(StateMatrix<T, N> const& L) {
     Truth<T> out = true;
@@ -52,7 +53,7 @@ Truth<T> nonsingular(StateMatrix<T, N> const& L) {
     return out;
 }
 
-/// Solves L x = x in place, L lower triangular.
+/// x = L^-1 x in place, L lower triangular, d^2/2 multiplications.
 template <Field T, int N, class X>
 void solve_lower(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
@@ -62,7 +63,7 @@ void solve_lower(StateMatrix<T, N> const& L, X& x) {
     }
 }
 
-/// Solves L'x = x in place, L lower triangular.
+/// x = L^-T x in place, L lower triangular, d^2/2 multiplications.
 template <Field T, int N, class X>
 void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
@@ -72,7 +73,7 @@ void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
     }
 }
 
-/// Solves L diag(D) L'x = x in place; what is not positive has no solution: NaN.
+/// x = (L diag(D) L')^-1 x in place. In the lanes where `positive` is false the result is NaN.
 template <Field T, int N>
 void solve_ldl(StateMatrix<T, N> const& L, StateVector<T, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
     solve_lower(L, x);
@@ -80,13 +81,14 @@ void solve_ldl(StateMatrix<T, N> const& L, StateVector<T, N> const& D, Truth<T> 
     solve_lower_transposed(L, x);
 }
 
-/// out = L'x, L lower triangular.
+/// out = L'x, L lower triangular. out must not be x.
 template <Field T, int N>
 void multiply_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& x, StateVector<T, N>& out) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) out[i] = dot(L.column(i) + i, x.data() + i, d - i);
 }
 
+/// L^-T b, L lower triangular.
 template <Field T, int N>
 Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
@@ -94,7 +96,7 @@ Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, 
     return x;
 }
 
-/// Solves L L'x = x and L diag(D) L'x = x in place.
+/// x = (L L')^-1 x, and x = (L diag(D) L')^-1 x, in place; d^2 multiplications.
 template <Field T, int N, class X>
 void solve_outer(StateMatrix<T, N> const& L, X& x) {
     solve_lower(L, x);
@@ -106,6 +108,7 @@ void solve_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& D, X& x) {
     for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
     solve_lower_transposed(L, x);
 }
+/// (L L')^-1 b.
 template <Field T, int N>
 Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
@@ -113,7 +116,7 @@ Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b
     return x;
 }
 
-/// A A' and A diag(D) A'.
+/// A A' and A diag(D) A', for any square A; d^3 multiplications. They allocate if N is Dynamic.
 template <Field T, int N>
 Matrix<T, N> outer(StateMatrix<T, N> const& A) {
     StateMatrix<T, N> out(A.size());

@@ -1,4 +1,4 @@
-// Where data come from: bytes in order, once, from a file, standard input, memory, or through what unpacks them.
+// Sources of data: bytes, read once and in order, from a file, standard input, memory, or a decompressor.
 #pragma once
 
 #include <rlslab/core/input_error.hpp>
@@ -8,17 +8,18 @@
 
 namespace rlslab {
 
-/// Writes the next bytes to the start of `to` and says how many; 0: there are no more. Throws InputError that names the file.
-/// Copies take from the same bytes.
+/// Writes the next bytes to the start of `to` and returns their number; 0: there are no more. Throws InputError that names the file. Copies
+/// of a ByteSource read from the same stream.
 using ByteSource = std::function<std::size_t(std::span<char> to)>;
 
-/// What messages call a path: printable; "-" is standard input.
+/// The name of a path in messages: printable; "standard input" for "-".
 std::string name_of_file(std::string const& path);
 
-/// The bytes of a file ("-": standard input; a FIFO is fine). Throws InputError when it cannot be opened or, later, read.
+/// The bytes of a file ("-": standard input; it may be a FIFO). Throws InputError when it cannot be opened; the source does when it cannot
+/// be read.
 ByteSource bytes_of_file(std::string const& path);
 
-/// The first `count` bytes of the source, or all if it has fewer; the source gives them again.
+/// The first `count` bytes of the source, or all if it has fewer. The source returns them again when it is read.
 std::string peek(ByteSource& source, std::size_t count);
 
 }  // namespace rlslab

@@ -1,5 +1,5 @@
-// CSV in layers: lines out of bytes and cells out of lines (csv_text), numbers out of cells (csv_number), the format out of the
-// first rows, and here the columns.
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number), and here from the first rows to the format,
+// and from rows to columns.
 #include <rlslab/model/csv.hpp>
 
 #include <rlslab/core/suggestion.hpp>
@@ -22,18 +22,18 @@ constexpr std::string_view separators = ",;\t| ";
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
-    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + quoted(names[i], 24);
+    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + in_quotes(names[i], 24);
     return names.size() > shown ? fmt::format("{}, ... ({} in all)", list, names.size()) : list;
 }
 
-/// The separator that a line "sep=;" names, as spreadsheet programs write and obey it; 0: it is no such line.
+/// The separator that a line "sep=;" names, as spreadsheet programs write and read it; 0: the line is something else.
 char named_separator(std::string_view line) {
     if (line.size() >= 2 && line.front() == '"' && line.back() == '"') line = line.substr(1, line.size() - 2);
     bool const is_one = line.size() == 5 && (line.starts_with("sep=") || line.starts_with("SEP=") || line.starts_with("Sep="));
     return is_one ? line[4] : '\0';
 }
 
-/// A row as one separator would have it.
+/// The row as one possible separator divides it.
 struct Split {
     std::size_t cells = 0;               ///< 0: its quotes do not fit
     bool values = false, words = false;  ///< all cells are values; some are text
@@ -54,8 +54,8 @@ struct Split {
 
 struct CsvFile::State {
     Lines lines;
-    CsvFormat format;  // what is known of it
-    long most;         // numbers to be kept
+    CsvFormat format;  // as far as it is known
+    long most;         // numbers that may be stored
     Row row = {};
     bool header = false, finished = false;
     std::vector<std::string> names = {};
@@ -96,7 +96,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
         if (!text) return std::nullopt;
         if (char const named = searching && lines.number() == 1 ? named_separator(*text) : '\0') {
             if (separators.find(named) == separators.npos)
-                fail(1, "expected sep= with a comma, semicolon, tab, bar or blank, found " + quoted(*text));
+                fail(1, "expected sep= with a comma, semicolon, tab, bar or blank, found " + in_quotes(*text));
             if (format.separator == 0) format.separator = named;
             continue;
         }
@@ -119,7 +119,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
     return whole += *text;
 }
 
-/// Out of the first row and, where it has only blanks between words, the row below.
+/// The separator, from the first row and, if that has only blanks between words, from the row below.
 char CsvFile::State::separator_of(std::string const& text) {
     Quotes quotes(0);
     quotes.take(text);
@@ -185,7 +185,7 @@ void CsvFile::State::settle_decimal(char mark, std::size_t column) {
     }
     std::string const as = decimal_line > 0 ? fmt::format(" as in line {}", decimal_line) : "";
     fail(line, column,
-         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, quoted(row[column])));
+         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, in_quotes(row[column])));
 }
 
 double CsvFile::State::number_in(std::size_t column) {
@@ -229,7 +229,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
     Columns data{.file = s.lines.name(), .header = s.header, .names = asked};
     data.values.resize(asked.size());
-    long const most_rows = s.most / long(asked.size() + 1);  // and where each begins
+    long const most_rows = s.most / long(asked.size() + 1);  // one more for the line on which each row begins
     for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();
@@ -246,7 +246,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
         s.fail(
             s.doubt->line, s.doubt->column,
             fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
-                        quoted(s.doubt->cell)));
+                        in_quotes(s.doubt->cell)));
     return data;
 }
 
@@ -259,12 +259,12 @@ std::size_t column_called(std::string const& asked, std::vector<std::string> con
     if (asked.empty()) throw InputError(file + ": expected the name of a column, found \"\"");
     auto const found = std::ranges::find(names, asked);
     if (found == names.end())
-        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, quoted(asked),
+        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, in_quotes(asked),
                                      header ? did_you_mean(asked, {names.begin(), names.end()}) : "",
                                      header ? "the columns are" : "without a header they are", listed(names)));
     auto const again = std::find(found + 1, names.end(), asked);
     if (again != names.end())
-        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, quoted(asked),
+        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, in_quotes(asked),
                                      found - names.begin() + 1, again - names.begin() + 1));
     return std::size_t(found - names.begin());
 }

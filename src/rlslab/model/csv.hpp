@@ -1,4 +1,4 @@
-// Numbers out of CSV files as people have them, in bounded memory, with errors that say where.
+// Reads numbers from CSV files of many dialects, in bounded memory. Errors name line and column.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
@@ -12,9 +12,9 @@ namespace rlslab {
 
 /// Columns of numbers as read; a missing value is NaN.
 struct Columns {
-    std::string file;                              ///< for people: what messages call it
+    std::string file;                              ///< its name in messages
     bool header = true;                            ///< false: the names are the columns' numbers
-    std::vector<std::string> names = {};           ///< as asked for
+    std::vector<std::string> names = {};           ///< in the order of the request
     std::vector<std::vector<double>> values = {};  ///< one per name, of rows() numbers each
     std::vector<long> lines = {};                  ///< rows(): the line of the file on which each row begins, from 1
     Index rows() const { return Index(lines.size()); }
@@ -22,47 +22,45 @@ struct Columns {
     std::vector<double> const& operator[](std::string const& name) const;
 };
 
-/// Values beyond are refused: a square is at most 2^1000, and sums of 2^23 of them stay below binary64's 2^1024.
+/// Larger magnitudes are refused: a square is then at most 2^1000, and sums of 2^23 squares stay below binary64's 2^1024.
 inline constexpr double largest_value = 0x1p500;
-/// A file may be a few bytes that unpack to no end: so many numbers are kept, 2 GiB of them, and no more.
+/// More numbers are refused (2 GiB): a few compressed bytes may unpack to any amount.
 inline constexpr long most_numbers = 1L << 28;
 
-/// How a text is to be read; 0: to be found out.
+/// How a text is to be read. 0: found out from the text.
 struct CsvFormat {
     char separator = 0;  ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
     char decimal = 0;    ///< '.' or ','
 };
 
-/// A CSV file, opened and its first row read. The format is found out where it is not given:
-///   separator   what a first line "sep=;" says; else tab if the first row has one outside quotes, else semicolon, else comma,
-///               else blanks if the row below has as many cells as it
+/// A CSV file; the constructor opens it and reads its first row. What the format does not give is found out:
+///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else comma, else
+///               blanks if the next row has as many cells as the first
 ///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers)
 ///   rows        LF or CRLF; blank lines are skipped, and '#' lines above the first row; all have equally many cells
-///   cells       may be quoted, quotes in them doubled, and then hold separators and line ends; outer spaces go
+///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
-///   decimals    a point, or a comma, in the whole file the same; "1,234" must be told by another number from 1234
+///   decimals    a point or a comma, the same in the whole file; for "1,234" another number must show which of the two it is
 ///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
-/// A column is called by its name in the header, and only so; without a header by its number: "1", "2", ...
+/// The name of a column is that in the header; without a header it is the column's number: "1", "2", ...
 class CsvFile {
 public:
-    /// Opens path ("-": standard input; a FIFO is fine: everything is read once, in order).
-    /// Throws InputError when it cannot be opened or read, is empty, or is not text; std::invalid_argument for a format of
-    /// other characters.
+    /// Opens path ("-": standard input; it may be a FIFO, because all is read once and in order). Throws InputError when it cannot be
+    /// opened or read, is empty, or is not text; std::invalid_argument for a format of other characters.
     explicit CsvFile(std::string const& path, CsvFormat format = {});
-    /// The same from other bytes, which messages call `file`; of these, `most` numbers are kept.
+    /// The same for any bytes; `file` is their name in messages, and more than `most` numbers are refused.
     CsvFile(ByteSource bytes, std::string file, CsvFormat format = {}, long most = most_numbers);
     CsvFile(CsvFile&&) noexcept;
     CsvFile& operator=(CsvFile&&) noexcept;
     ~CsvFile();
 
-    std::string const& file() const;  ///< what messages call it
+    std::string const& file() const;  ///< its name in messages
     bool has_header() const;
     std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
-    /// Reads the columns asked for, to the end of the data; other columns may hold anything. Once only.
-    /// Throws InputError for a name that is not there or not unique, a cell that is no number, a row of another length,
-    /// a line over 1 MiB, no rows, too many numbers; std::invalid_argument when nothing is asked for or the file was
-    /// read before.
+    /// Reads the columns named in `asked` to the end of the data; other columns may contain anything. May be called once.
+    /// Throws InputError for a name that does not exist or is not unique, a cell that is not a number, a row of another length,
+    /// a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `asked` is empty or the file was read before.
     Columns read(std::vector<std::string> const& asked);
 
 private:
@@ -73,7 +71,8 @@ private:
 /// CsvFile(path, format).read(asked).
 Columns read_columns(std::string const& path, std::vector<std::string> const& asked, CsvFormat format = {});
 
-/// Which of a file's columns is called that; `at` is where its names stand, for messages. Throws InputError when none is, or several.
+/// The place among `names` of the column `asked`. file, at: the file and the place of its names, for messages. Throws InputError when no
+/// column, or more than one, has that name.
 std::size_t column_called(std::string const& asked, std::vector<std::string> const& names, bool header, std::string const& file,
                           std::string const& at);
 

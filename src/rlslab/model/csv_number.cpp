@@ -1,4 +1,4 @@
-// The standard library reads numbers; what it would make of letters and hexadecimal digits is kept from it.
+// The standard library reads the numbers; cells with letters or hexadecimal digits, which it might accept, are not passed to it.
 #include <rlslab/model/csv_number.hpp>
 
 #include <rlslab/model/csv.hpp>
@@ -19,7 +19,7 @@ bool same_word(std::string_view a, std::string_view b) {
 bool is_digit(char c) { return '0' <= c && c <= '9'; }
 bool all_digits(std::string_view text) { return !text.empty() && std::ranges::all_of(text, is_digit); }
 
-/// digits.digits e digits, a dot first or last allowed: read whole, or not at all.
+/// The number "digits.digits e digits", with the dot first or last allowed; nothing unless all of the text is read.
 Reading decimal(std::string_view cell, bool plus) {
     double value = 0;
     char const* const end = cell.data() + cell.size();
@@ -39,7 +39,7 @@ bool in_groups(std::string_view digits, char between) {
     return all_digits(digits.substr(0, first));
 }
 
-/// Which holds a comma.
+/// The kind of a cell that contains a comma.
 Reading with_comma(std::string_view cell, bool plus, std::string_view magnitude) {
     auto const commas = std::ranges::count(magnitude, ','), points = std::ranges::count(magnitude, '.');
     if (commas == 1 && points == 0) {
@@ -69,7 +69,7 @@ Reading reading_of(std::string_view cell) {
     std::string_view const magnitude = cell.substr(plus || cell[0] == '-' ? 1 : 0);
     if (same_word(magnitude, "nan")) return {Kind::missing};
     if (same_word(magnitude, "inf") || same_word(magnitude, "infinity")) return {Kind::infinite};
-    // from_chars takes a minus but no plus; what it makes of letters ("nan(1)") is no number here.
+    // from_chars accepts a minus but no plus; the letters that it accepts ("nan(1)") are no number here.
     if (magnitude.empty() || (magnitude[0] != '.' && magnitude[0] != ',' && !is_digit(magnitude[0]))) return {Kind::text};
     if (magnitude.find(',') != magnitude.npos) return with_comma(cell, plus, magnitude);
     if (in_groups(magnitude, '.') && std::ranges::count(magnitude, '.') > 1) return {Kind::grouped};
@@ -80,10 +80,10 @@ bool is_value(Kind kind) { return kind <= Kind::comma_or_group || kind == Kind::
 
 std::string complaint(Kind kind, std::string_view cell) {
     switch (kind) {
-        case Kind::infinite: return "expected a finite number, found " + quoted(cell);
-        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + quoted(cell);
-        case Kind::grouped: return "expected a number without marks between thousands, found " + quoted(cell);
-        default: return "expected a number, found " + quoted(cell);
+        case Kind::infinite: return "expected a finite number, found " + in_quotes(cell);
+        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + in_quotes(cell);
+        case Kind::grouped: return "expected a number without marks between thousands, found " + in_quotes(cell);
+        default: return "expected a number, found " + in_quotes(cell);
     }
 }
 

@@ -1,4 +1,4 @@
-// Numbers out of cells, with a point or a comma. Internal to the reader of CSV files.
+// From a cell to a number, with a decimal point or comma. Internal to the reader of CSV files.
 #pragma once
 
 #include <limits>
@@ -7,8 +7,8 @@
 
 namespace rlslab::csv {
 
-/// What a cell holds. A comma is decimal, or (`grouped`) certainly between thousands as in "1,234,567" and "1,234.5", or
-/// (`comma_or_group`) either, as in "1,234".
+/// What a cell contains. A comma is decimal (`comma`), or certainly between thousands (`grouped`: "1,234,567", "1,234.5"), or may be either
+/// (`comma_or_group`: "1,234").
 enum class Kind { whole, point, comma, comma_or_group, grouped, missing, infinite, out_of_range, text };
 
 struct Reading {
@@ -17,9 +17,9 @@ struct Reading {
 };
 Reading reading_of(std::string_view cell);
 
-/// Has a value, or stands for none.
+/// Whether the cell has a value or is missing.
 bool is_value(Kind kind);
-/// "expected a number, found ..." for what has none.
+/// "expected a number, found ...", for a cell that has no value.
 std::string complaint(Kind kind, std::string_view cell);
 
 }  // namespace rlslab::csv

@@ -1,11 +1,13 @@
-// One pass over each line; nothing is copied but lines that cross chunks, and cells.
+// One pass over each line. Only cells, and lines that cross chunks, are copied.
 #include <rlslab/model/csv_text.hpp>
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace rlslab::csv {
 
-std::string quoted(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
+std::string in_quotes(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
 
 std::string_view trimmed(std::string_view text) {
     auto const first = text.find_first_not_of(' ');
@@ -70,18 +72,22 @@ std::string_view separators_of(char separator) {
 
 Quotes::Quotes(char separator) : separators_(separators_of(separator)) {}
 
+At after(At at, char c, bool separates) {
+    if (at == At::quoted) return c == '"' ? At::quote : At::quoted;
+    if (separates) return At::start;
+    switch (at) {
+        case At::start: return c == '"' ? At::quoted : c == ' ' ? At::start : At::bare;
+        case At::quote: return c == '"' ? At::quoted : c == ' ' ? At::closed : At::broken;
+        case At::closed: return c == ' ' ? At::closed : At::broken;
+        default: return at;
+    }
+}
+
 void Quotes::take(std::string_view line) {
     for (char const c : line) {
-        bool const quote = c == '"', was_open = open_;
-        if (quote) open_ = !was_open && (start_ || closed_);
-        closed_ = quote && was_open;
-        if (open_ || quote) {
-            start_ = false;
-            continue;
-        }
-        bool const separates = separators_.find(c) != separators_.npos;
+        bool const separates = !open() && separators_.find(c) != separators_.npos;
         if (separates && !saw(c)) seen_ += c;
-        start_ = separates || (start_ && c == ' ');
+        at_ = after(at_, c, separates);
     }
 }
 
@@ -91,25 +97,15 @@ Row::Taken Row::take(std::string_view row, char separator) {
     at_ = At::start;
     bool const blanks = separator == ' ';
     for (char const c : row) {
-        bool const inside = at_ == At::quoted;
-        if (!inside && (c == separator || (blanks && c == '\t'))) {
+        bool const separates = at_ != At::quoted && (c == separator || (blanks && c == '\t'));
+        if (separates) {
             if (!blanks || at_ != At::start) end_cell();
-        } else if (inside) {
-            if (c == '"') at_ = At::quote;
-            else text_ += c;
-        } else if (at_ == At::quote && c == '"') {
-            text_ += '"';
-            at_ = At::quoted;
-        } else if (at_ == At::quote || at_ == At::closed) {
-            if (c != ' ') return Taken::broken;
-            at_ = At::closed;
-        } else if (at_ == At::start && c == '"') {
-            text_.resize(begin(ends_.size()));  // spaces before the quote
-            at_ = At::quoted;
-        } else {
-            text_ += c;
-            if (c != ' ') at_ = At::bare;
+            continue;
         }
+        At const before = std::exchange(at_, after(at_, c, false));
+        if (at_ == At::broken) return Taken::broken;
+        if (before == At::start && at_ == At::quoted) text_.resize(begin(ends_.size()));  // spaces before the quote
+        else if (at_ != At::quote && at_ != At::closed) text_ += c;
     }
     if (at_ == At::quoted) return Taken::open;
     if (!blanks || at_ != At::start || ends_.empty()) end_cell();

@@ -1,4 +1,4 @@
-// Lines out of bytes, and cells out of lines. Internal to the reader of CSV files.
+// From bytes to lines, and from lines to cells. Internal to the reader of CSV files.
 #pragma once
 
 #include <rlslab/model/bytes.hpp>
@@ -8,14 +8,14 @@
 
 namespace rlslab::csv {
 
-constexpr std::size_t longest_line = 1 << 20;  // no row of numbers comes near; what does is not a CSV file
+constexpr std::size_t longest_line = 1 << 20;  // a longer one is no row of numbers
 
 /// "text", shortened and printable.
-std::string quoted(std::string_view text, std::size_t limit = 40);
+std::string in_quotes(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 
-/// The lines of a text. Throws InputError for what is no text and for a line that is too long.
+/// The lines of a text. next() throws InputError for bytes that are not text and for a line that is too long.
 class Lines {
     std::string name_;
     ByteSource source_;
@@ -38,24 +38,29 @@ public:
     std::optional<std::string_view> next();
 };
 
-/// Follows quotes over the lines of one row, as Row does: one opens at the start of a cell, one within stands doubled.
+/// The state of a row after a character. start: at the start of a cell; bare: in a cell without quotes; quoted: inside quotes; quote: after
+/// a quote mark that closes them or is the first of two; closed: after the closing quote and blanks; broken: text behind the closing quote.
+enum class At { start, bare, quoted, quote, closed, broken };
+/// The state after the next character c; separates: c is a separator. A quote mark opens at the start of a cell; one within is doubled.
+At after(At at, char c, bool separates);
+
+/// Follows the quotes over the lines of one row.
 class Quotes {
-    std::string_view separators_;  // all that come into question
-    bool open_ = false, start_ = true, closed_ = false;
+    std::string_view separators_;  // all that are possible
+    At at_ = At::start;
     std::string seen_;  // separators outside quotes, each once
 
 public:
     /// separator 0: not known yet.
     explicit Quotes(char separator);
     void take(std::string_view line);
-    bool open() const { return open_; }
+    bool open() const { return at_ == At::quoted; }
     bool saw(char separator) const { return seen_.find(separator) != seen_.npos; }
 };
 
 /// A row split into its cells, quotes resolved; its storage is reused from row to row. The separator ' ' stands for runs of
 /// blanks and tabs, which may also begin and end the row.
 class Row {
-    enum class At { start, bare, quoted, quote, closed };
     std::string text_;  // of all cells, without separators
     std::vector<std::size_t> ends_;
     At at_ = At::start;

@@ -1,4 +1,4 @@
-// The least c by a lower bound that is raised until it holds; sizes by exponents alone.
+// The least c: a lower bound is raised until (3) holds. Sizes are computed from exponents only.
 #include <rlslab/model/default_prior.hpp>
 
 #include <rlslab/reference/certified.hpp>
@@ -20,7 +20,7 @@ int scale_exponent(Eigen::Ref<Eigen::RowVectorXd const> const& row) {
     if (largest == 0) return 0;
     int of_largest = 0, of_mean = 0;
     std::frexp(largest, &of_largest);
-    double sum = 0;  // squares of numbers below 1: no overflow, and what underflows does not count
+    double sum = 0;  // squares of numbers below 1: no overflow, and terms that underflow are negligible
     for (Index k = 0; k < row.size(); ++k) {
         double const x = std::ldexp(row[k], -of_largest);
         sum += x * x;
@@ -81,7 +81,7 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
             bool const power = std::frexp(std::sqrt(bias / most_bias), &doublings) == 0.5;  // t in [2^(e-1), 2^e)
             out.c *= std::ldexp(1.0, std::clamp(doublings - power, 1, room()));
         }
-    // No such law holds for a component: c is doubled until it does.
+    // There is no such law for a component: c is doubled until (4) holds.
     for (Free const& without : free)
         while (moved_by(without).component > most_component && room() > 0) out.c *= 2;
     for (Free const& without : free) {

@@ -1,23 +1,49 @@
-// Recursions as written.
+// The recursions of the difference equation, in the order in which they are written.
 #include <rlslab/model/difference.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace rlslab {
 
-DifferenceEquation DifferenceEquation::of(Arx const& model, Vector<double> const& theta) {
-    expects(theta.size() == model.size(), "a parameter for each regressor");
+DifferenceEquation DifferenceEquation::of(std::span<EquationTerm const> terms, Vector<double> const& theta, std::size_t inputs) {
+    expects(Index(terms.size()) == theta.size(), "a parameter for each regressor");
     DifferenceEquation out;
-    out.delay = model.delay;
-    out.a.assign(theta.data(), theta.data() + model.na);
-    out.b.emplace_back(theta.data() + model.na, theta.data() + model.na + model.nb + 1);
-    if (model.intercept) out.c = theta[theta.size() - 1];
+    out.b.resize(inputs);
+    out.delay = std::numeric_limits<int>::max();
+    for (EquationTerm const& t : terms) {
+        expects(t.signal >= EquationTerm::constant && t.signal < int(inputs) && t.lag >= (t.signal == EquationTerm::output),
+                "terms of the inputs, of past outputs and the constant");
+        if (t.signal >= 0) out.delay = std::min(out.delay, t.lag);
+    }
+    if (out.delay == std::numeric_limits<int>::max()) out.delay = 0;  // no input
+    for (size_t i = 0; i < terms.size(); ++i) {
+        auto const [signal, lag] = terms[i];
+        double const value = theta[Index(i)];
+        if (signal == EquationTerm::constant) {
+            out.c = value;
+            continue;
+        }
+        std::vector<double>& into = signal == EquationTerm::output ? out.a : out.b[size_t(signal)];
+        size_t const at = size_t(signal == EquationTerm::output ? lag - 1 : lag - out.delay);
+        if (into.size() <= at) into.resize(at + 1, 0.0);
+        into[at] = value;
+    }
     return out;
+}
+
+DifferenceEquation DifferenceEquation::of(Arx const& model, Vector<double> const& theta) {
+    std::vector<EquationTerm> terms;
+    for (int i = 1; i <= model.na; ++i) terms.push_back({EquationTerm::output, i});
+    for (int j = 0; j < model.inputs; ++j)
+        for (int i = 0; i <= model.nb; ++i) terms.push_back({j, model.delay + i});
+    if (model.intercept) terms.push_back({EquationTerm::constant});
+    return of(terms, theta, std::size_t(model.inputs));
 }
 
 namespace {
 
-/// The right-hand side but for xi, on whatever y holds so far.
+/// The right-hand side without xi, from the numbers that y holds so far.
 double predicted(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index k) {
     double sum = model.c;
     for (size_t j = 0; j < model.b.size(); ++j)

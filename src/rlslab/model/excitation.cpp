@@ -1,4 +1,4 @@
-// Definiteness is the certified reference's rank; the rest is sums in order.
+// Definiteness is decided by the proven rank; everything else is sums in order.
 #include <rlslab/model/excitation.hpp>
 
 #include <rlslab/model/fit.hpp>
@@ -10,7 +10,7 @@
 namespace rlslab {
 namespace {
 
-/// v_k = [x_k ... x_{k-n+1}] as the regressors of a problem that asks for nothing.
+/// v_k = [x_k ... x_{k-n+1}] as the regressors of records with y = 0.
 Records windows(Signal const& x, Index n) {
     Index const rows = Index(x.size()) - n + 1;
     Records out{.psi = Matrix<double>(n, rows), .y = Vector<double>::Zero(rows), .names = {}};
@@ -19,10 +19,10 @@ Records windows(Signal const& x, Index n) {
     return out;
 }
 
-/// What a file with so many decimals, or a converter with so many bits, can tell apart: the largest power of ten, up to 1, of which all the
-/// numbers are multiples, or else the smallest distance between two of them where nearly all are multiples of that. A signal
-/// of a few levels (PRBS, steps) was made with these levels, not rounded to them. At least 2^-42 of the largest: what a
-/// program computes in binary64 carries a thousand of its roundings, and nothing measured comes near that.
+/// The resolution of a file with a fixed number of decimals, or of a converter: the largest power of ten, up to 1, of which all numbers are
+/// multiples; otherwise the smallest distance between two numbers, if nearly all are multiples of that. A signal of a few levels (PRBS,
+/// steps) was made with these levels, not rounded to them. The result is at least 2^-42 of the largest number: computed data carry about a
+/// thousand rounding errors of binary64, and measured data are coarser.
 double resolution_of(Signal const& x) {
     Signal sorted = x;
     std::ranges::sort(sorted);
@@ -38,7 +38,7 @@ double resolution_of(Signal const& x) {
     double unit = INFINITY;
     for (size_t k = 1; k < sorted.size(); ++k) {
         double const gap = sorted[k] - sorted[k - 1];
-        // Decimals are stored with an error of their own: gaps of that size are none.
+        // Decimals are stored with a rounding error: a gap of that size is no gap.
         if (gap > 1e-12 * std::max(std::abs(sorted[k]), std::abs(sorted[k - 1]))) unit = std::min(unit, gap);
     }
     if (!std::isfinite(unit)) return rounding;

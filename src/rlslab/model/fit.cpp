@@ -1,4 +1,4 @@
-// Everything goes through the triangle R of Phi: its solves, or its singular values.
+// All three methods use the triangle R of Phi: its solutions, or its singular values.
 #include <rlslab/model/fit.hpp>
 
 #include <rlslab/linalg/reflections.hpp>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Powers of two that bring every column of Phi, and Y, to entries below 1. Scaling by them is exact, and but for overflow and
-/// underflow commutes with all that follows: a fit does not depend on the units of the data.
+/// Powers of two that scale every column of Phi, and Y, to entries below 1. This scaling is exact. Except for overflow and underflow it
+/// commutes with all later operations, so that a fit does not depend on the units of the data.
 struct Units {
     std::vector<int> psi;  // e_j
     int largest = 0, y;
@@ -82,12 +82,12 @@ Matrix<double> inverse_gram(StateMatrix<double> const& L) {
 
 /// W = V S by plane rotations of the columns of W = R' Q': one-sided Jacobi. Then R' = W U', singular values |w_j|.
 ///
-/// W's rows are scaled so that the largest is about 1. What is below 2^-480 of that is dropped, and pairs with a column shorter
-/// than 2^-450 are left alone: all squares then are normal numbers, and c is right wherever it is compared. (One such column was
-/// enough to have the rotations go on for ever.) Some ten sweeps are usual; after fifteen, a pair is orthogonal that rounding may
-/// keep from being more so: without that, one problem in some thousands of lower rank went on for ever at any scale.
+/// W's rows are scaled so that the largest is about 1. Numbers below 2^-480 are set to zero, and pairs with a column shorter than 2^-450
+/// are not rotated: all squares are then normal numbers, and c is accurate where it is compared. (With one such column the rotations did
+/// not end.) About ten sweeps are usual. After fifteen, a pair counts as orthogonal if rounding alone may cause its product: otherwise one
+/// in some thousands of problems of lower rank did not end, at any scale.
 struct Singular {
-    static constexpr double least = 0x1p-440;  // of the largest singular value: below, nothing is known of a direction
+    static constexpr double least = 0x1p-440;  // of the largest singular value: smaller ones are not known to any digit
     static constexpr int most_sweeps = 60;
     Matrix<double> W, U;  // R' = W U', columns of W orthogonal
     Vector<double> sigma;
@@ -232,14 +232,14 @@ Fit fit(Records const& given, FitBy by, double confidence, double tolerance) {
     out.sigma2 = freedom > 0 ? out.J / double(freedom) : nan;
     out.percent = fit_percent(records.y, predicted);
     double const t = freedom > 0 ? correctly::student_quantile(double(freedom), 0.5 + confidence / 2) : nan;
-    out.sd.resize(d), out.low.resize(d), out.high.resize(d);
+    out.sd.resize(d), out.lower.resize(d), out.upper.resize(d);
     for (Index j = 0; j < d; ++j)
         for (Index i = 0; i < d; ++i) out.covariance(i, j) *= out.sigma2;
     for (Index i = 0; i < d; ++i) {
         int const unit = units.y - f[size_t(i)];
         out.sd[i] = std::sqrt(out.covariance(i, i));
-        out.low[i] = std::scalbn(out.theta[i] - t * out.sd[i], unit);
-        out.high[i] = std::scalbn(out.theta[i] + t * out.sd[i], unit);
+        out.lower[i] = std::scalbn(out.theta[i] - t * out.sd[i], unit);
+        out.upper[i] = std::scalbn(out.theta[i] + t * out.sd[i], unit);
         out.sd[i] = std::scalbn(out.sd[i], unit);
         out.theta[i] = std::scalbn(out.theta[i], unit);
     }

@@ -5,23 +5,23 @@
 
 namespace rlslab {
 
-/// What appending one column came to. The pivot is the squared residual of x on the columns before it: its size against x'x
-/// says how much new the column brings.
+/// The result of appending one column x. The pivot is the squared residual of x on the columns before it; relative to x'x it shows how much
+/// of x these columns do not contain.
 template <Field T>
 struct AppendedColumn {
     T pivot, relative;  ///< 1/beta and (1/beta) / x'x
-    Health health;      ///< indefinite: pivot <= 0, which no data give but by rounding; nonfinite
+    Health health;      ///< sound; indefinite: pivot <= 0, which only rounding can cause if x is no combination of the others; nonfinite
 };
 
-/// Of Y = Phi theta + xi, columns X_1 ... X_d of Phi appended one after another, propagates P_d = (Phi'Phi)^-1, theta_d and J_d.
-/// An ARX order takes two: the y-column gives P~_n, the u-column P_{n+1}. A column x borders P:
+/// For Y = Phi theta + xi, with columns X_1 ... X_d of Phi appended one after another, propagates P_d = (Phi'Phi)^-1, theta_d and J_d. An
+/// ARX order takes two columns: the y-column gives P~_n, the u-column P_{n+1}. A column x borders P:
 ///
 ///   (1) c = Phi'x,  g = P c                     (2) 1/beta = x'x - c'g
 ///   (3) P = [ P + beta g g'   -beta g ]         (4) t = beta x'(Y - Phi theta),  theta = [theta - t g; t]
 ///           [    -beta g'       beta  ]         (5) J = J - t^2 / beta
 ///
-/// (4) uses the residual of the order before, which is (5)'s x'Y - g'Phi'Y without its cancellation. After a border that is not sound
-/// theta and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications a column, against N d^2 for fitting anew.
+/// (4) uses the residual of the order before: x'Y - g'Phi'Y is the same number, with cancellation. After a border that is not sound theta
+/// and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications for a column, N d^2 for a new fit.
 /// Loses digits as the fourth power of the condition number (study order_recursion); OrderRecursiveQr as the first.
 /// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4; docs/theory.md 10.
 template <Field T>
@@ -37,11 +37,11 @@ public:
     using scalar = T;
     static constexpr std::string_view name = "order_recursive";
 
-    /// For at most this many columns of Y's length.
+    /// For at most `most` columns of Y's length N.
     OrderRecursive(Vector<T> Y, Index most)
         : Y_(std::move(Y)), residual_(Y_), theta_(most), Phi_(Y_.size(), most), P_(most, most), J_(inner(Y_, Y_)) {}
 
-    /// Throws std::invalid_argument for a column of another length or one too many.
+    /// Appends column x (N numbers). Throws std::invalid_argument for a column of another length, or one too many.
     AppendedColumn<T> append(Vector<T> const& x) {
         Index const d = size_;
         expects(x.size() == Y_.size() && d < theta_.size(), "a column of Y's length, no more than were announced");

@@ -1,4 +1,4 @@
-// Regressors are written in place, a column each; a missing value shows as a NaN and the column is used again.
+// Each regressor is written to its column. If a value is missing, it contains a NaN and the next row overwrites it.
 #include <rlslab/model/regression.hpp>
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ void expect_rows(std::string const& file, Index size, Index rows) {
              fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), rows));
 }
 
-/// Rows first ... of y = psi' theta; write(k, psi) fills in the regressor of row k, NaN where a value is missing.
+/// The rows from `first` on of y = psi'theta. write(k, psi) writes the regressor of row k, with NaN for a missing value.
 template <class Write>
 Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first, Write const& write) {
     Index const size = Index(names.size()), rows = Index(y.size());

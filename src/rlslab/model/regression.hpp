@@ -1,4 +1,4 @@
-// Regression problems out of columns of data: y on given columns, or ARX models.
+// From columns of data to regression problems: y on given columns, or ARX models.
 #pragma once
 
 #include <rlslab/core/records.hpp>
@@ -12,9 +12,9 @@
 
 namespace rlslab {
 
-/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only if asked for.
+/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only with `intercept`.
 ///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
-/// With several inputs a polynomial b for each, one after another.
+/// Several inputs have a polynomial b each, one after another.
 struct Arx {
     int na, nb;     ///< >= 0; na = 0: a finite impulse response
     int delay = 0;  ///< >= 0
@@ -27,26 +27,26 @@ struct Arx {
 /// The model of that order: na = nb = order, no delay, no intercept. Throws InputError unless order >= 1.
 Arx arx_of_order(int order);
 
-/// Every row y = regressors' theta of the data whose values are all there; an intercept is a 1 put first.
+/// y = psi'theta, one row for each row of the data without a missing value. With an intercept psi begins with a 1.
 /// psi is d x N, d = regressors.size() + intercept. Throws InputError for no regressor, one named twice or as output,
 /// fewer than d usable rows; std::invalid_argument for a column that was not read.
 Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept = false);
 
-/// The same on present and past values: y[k] = sum of (u[k-lag], or -y[k-lag] for the output as in Arx) times theta, on every row from
-/// the longest lag on. Names: "-y[k-1]", "u[k-3]"; of a plain regressor its column's. Throws InputError for fewer than d usable rows;
-/// std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
+/// The same with present and past values: a regressor is u[k-lag], or -y[k-lag] for the output as in Arx. The first row is that at which
+/// the longest lag has a value. Names are "-y[k-1]", "u[k-3]"; a plain regressor has its column's name. Throws InputError for fewer than d
+/// usable rows; std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
 Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept = false);
 
-/// Every row of the model's equation on u and y (equally long; NaN: missing) whose values are all there.
-/// psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and fewer than d usable rows;
-/// messages about rows begin with `file`.
+/// One row of the model's equation for each k at which u and y (equally long; NaN: missing) have all values that it needs. psi is d x N,
+/// d = model.size(). Throws InputError for negative na, nb or delay and for fewer than d usable rows; messages about rows begin with
+/// `file`.
 Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file = "");
 
-/// The same for several inputs; the parameters of input "u2" are called b0[u2] ...
+/// The same for several inputs, each with a name; the parameters of input "u2" are then named "b0[u2]" ...
 Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,
                     std::span<double const> y, Arx const& model, std::string const& file = "");
 
-/// The same on two columns. Throws InputError if input and output are one column, too.
+/// The same for two columns of a file. Throws InputError also if input and output are the same column.
 Records arx_records(Columns const& data, std::string const& input, std::string const& output, Arx const& model);
 
 }  // namespace rlslab

@@ -1,4 +1,4 @@
-// A file of rows, by POSIX: pread needs no place in the file that threads would have to share.
+// A file of rows, by POSIX: pread does not use the file's position, which threads would have to share.
 #include <rlslab/model/row_file.hpp>
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// Rows of binary64 numbers in a file of any size, read from any place with memory for what is asked alone.
+// Rows of binary64 numbers in a file of any size. Any part can be read, with memory for that part only.
 #pragma once
 
 #include <rlslab/core/input_error.hpp>
@@ -8,8 +8,8 @@
 
 namespace rlslab {
 
-/// A file of rows [psi_1 ... psi_d y], nothing between them or before: binary64 in the machine's byte order, as
-/// `numpy.ndarray.tofile` writes them. A source for fold_all: any number of threads may read at once.
+/// A file of rows [psi_1 ... psi_d y] of binary64 numbers in the machine's byte order, without header or separators, as
+/// `numpy.ndarray.tofile` writes them. A RowSource for fold_all: any number of threads may read at the same time.
 class RowFile {
 public:
     /// Throws InputError naming the file when it cannot be opened, is a directory or a pipe, holds no row, or does not hold
@@ -19,11 +19,11 @@ public:
     RowFile& operator=(RowFile const&) = delete;
     ~RowFile();
 
-    std::string const& file() const { return file_; }  ///< what messages call it
+    std::string const& file() const { return file_; }  ///< its name in messages
     Index size() const { return size_; }               ///< d
     Index rows() const { return rows_; }               ///< N
 
-    /// Rows first, first + 1, ... as the columns [psi; y] of the (d + 1) x B block, which must be contiguous.
+    /// Writes rows first, first + 1, ... to the columns [psi; y] of the (d + 1) x B block, which must be contiguous.
     /// Throws InputError when the disk fails or the file has become shorter; std::invalid_argument beyond the last row.
     void read(Index first, Eigen::Ref<Matrix<double>> block) const;
 

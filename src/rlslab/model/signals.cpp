@@ -1,4 +1,4 @@
-// One loop each, in order: what a seed gives does not depend on the machine.
+// Each signal is one loop in order, so that the result of a seed does not depend on the machine.
 #include <rlslab/model/signals.hpp>
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -28,7 +28,7 @@ Signal coloured_noise(Index n, std::vector<double> const& a, Seed seed, Index bu
 Signal prbs(int m, Index n, Index hold) {
     expects(2 <= m && m <= 20, "a register of 2 to 20 cells");
     expects(n >= 0 && hold >= 1, "a number of samples, and at least one to hold a level");
-    // Which cells are added to what is shifted in; a primitive polynomial for each m (tests count the periods).
+    // The cells whose sum is shifted in: a primitive polynomial for each m (tests count the periods).
     constexpr std::array<std::array<int, 4>, 21> taps{
         {{},      {},      {2, 1},        {3, 2},        {4, 3},        {5, 3},   {6, 5},          {7, 6},   {8, 6, 5, 4}, {9, 5},
          {10, 7}, {11, 9}, {12, 6, 4, 1}, {13, 4, 3, 1}, {14, 5, 3, 1}, {15, 14}, {16, 15, 13, 4}, {17, 14}, {18, 11},     {19, 6, 2, 1},

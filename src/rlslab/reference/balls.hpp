@@ -1,4 +1,4 @@
-// FLINT's and Arb's numbers with C++ lifetimes, and the exact roads into and out of them. Internal: includes arb.h.
+// FLINT's and Arb's numbers with C++ lifetimes, and exact conversions to and from them. Internal: includes arb.h.
 //
 // A ball is a midpoint and a radius; every operation returns a ball that contains every possible result.
 #pragma once
@@ -38,7 +38,7 @@ public:
     operator arb_srcptr() const { return x_; }
 };
 
-/// A matrix of balls, zero at first; a row's entries are neighbours, as Arb's dot products want them.
+/// A matrix of balls, zero at first, stored by rows: Arb's dot products need that.
 class BallMatrix {
     arb_mat_t A_;
 
@@ -57,6 +57,7 @@ public:
     arb_srcptr operator()(Index i, Index j) const { return arb_mat_entry(A_, i, j); }
 };
 
+/// An upper or lower bound of a magnitude: a nonnegative number of 30 bits.
 class Magnitude {
     mag_t x_;
 
@@ -84,6 +85,7 @@ public:
     operator arf_srcptr() const { return x_; }
 };
 
+/// An integer of any length.
 class Integer {
     fmpz_t x_;
 
@@ -114,13 +116,14 @@ public:
     fmpz const* operator()(Index i, Index j) const { return fmpz_mat_entry(A_, i, j); }
 };
 
-/// The least t for which 2^-t <= 10^-digits is certain: log2(10) = 3.32192809488... is below the quotient.
+/// A number of bits t with 2^-t <= 10^-digits: digits times 3.321928095 > log2(10) = 3.32192809488..., rounded up.
 inline long bits_for(long digits) { return (digits * 3321928095 + 999999999) / 1000000000; }
 
 /// The ball of radius 0 around x.
 inline void set(arb_ptr ball, double x) { arb_set_d(ball, x); }
 inline void set(arb_ptr ball, Reference const& x) { arb_set_arf(ball, Float(x)); }
 
+/// A as balls of radius 0.
 template <class Derived>
 BallMatrix exact(Eigen::MatrixBase<Derived> const& A) {
     BallMatrix balls(A.rows(), A.cols());
@@ -136,7 +139,7 @@ inline Reference midpoint(arb_srcptr ball) {
     return x;
 }
 
-/// The largest lower bound of |entry|, and the largest radius.
+/// The largest of the lower bounds of |A_ij|, and the largest radius.
 inline std::pair<Magnitude, Magnitude> size_and_radius(BallMatrix const& A) {
     Magnitude size, radius, lower;
     for (Index i = 0; i < A.rows(); ++i)
@@ -148,7 +151,7 @@ inline std::pair<Magnitude, Magnitude> size_and_radius(BallMatrix const& A) {
     return {size, radius};
 }
 
-/// (sum of the entries' squares)^(1/2).
+/// The Frobenius norm, computed with `bits` bits.
 inline Ball norm(BallMatrix const& A, long bits) {
     Ball sum;
     for (Index i = 0; i < A.rows(); ++i)
@@ -157,7 +160,7 @@ inline Ball norm(BallMatrix const& A, long bits) {
     return sum;
 }
 
-/// -log10 of the upper end of a ball >= 0: +infinity for exact 0. Any exponent is welcome.
+/// -log10 of the upper end of a ball >= 0, for any exponent: +infinity for exact 0, -infinity if the ball is unbounded.
 inline double proven_digits(Ball const& error) {
     constexpr long bits = 64;
     Float upper;

@@ -21,7 +21,7 @@ BallMatrix prior_part(Problem<double> const& problem, long bits) {
     auto const& prior = *problem.prior;
     BallMatrix inverse(d, d), theta(d, 1), rhs(d, 1);
     if (prior.covariance) {
-        // Should precision not suffice yet, the balls are all of the real line, which certifies nothing.
+        // If the precision is not sufficient, the balls are the whole real line, which certifies nothing.
         if (!arb_mat_spd_inv(inverse, exact(*prior.covariance), bits)) arb_mat_indeterminate(inverse);
     } else {
         for (Index i = 0; i < d; ++i) {
@@ -57,7 +57,7 @@ bool solve(CertifiedSolution::Enclosure& to, BallMatrix const& normal) {
     return true;
 }
 
-/// A zero of radius 0 has no relative radius that precision could make small: it is decided exactly.
+/// More precision cannot make the relative radius of zero small: whether theta is zero is decided exactly.
 bool theta_is_zero(CertifiedSolution::Enclosure const& x, Problem<double> const& problem, Records const& data, Index k) {
     for (Index i = 0; i < x.theta.rows(); ++i)
         if (!arb_contains_zero(x.theta(i, 0))) return false;
@@ -92,7 +92,7 @@ void check(Problem<double> const& problem, Records const& data, std::vector<Inde
             "a symmetric prior covariance");
 }
 
-/// The upper triangle of [M b], prior included, at any working precision; the prior's part is worked out once for each.
+/// The upper triangle of [M b], prior included, at any working precision; the prior's part is computed once for each precision.
 class Normal {
     Problem<double> const& problem_;
     Records const& data_;
@@ -119,7 +119,7 @@ public:
 
 }  // namespace
 
-// 2^-t <= 10^-digits and 2^-133 <= 10^-40; every step rounds against us.
+// 2^-t <= 10^-digits and 2^-133 <= 10^-40; every step rounds in the direction that makes the test stricter.
 bool theta_is_accurate(CertifiedSolution::Enclosure const& x) {
     long const t = bits_for(x.digits);
     Magnitude const largest = size_and_radius(x.theta).first;
@@ -161,7 +161,7 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
                                                 : Status::undefined);
     }
 
-    // 64 bits beyond the digits asked for see a condition number of the normal equations of some 10^15 through.
+    // 64 bits more than the digits need are enough for a condition number of the normal equations up to about 10^15.
     long const least = (bits_for(digits) + 64 + 63) / 64 * 64;
     long const most = std::max(1L << 16, 4 * least);
     // Doubled, and the last one is `most` itself; then 0.

@@ -79,7 +79,7 @@ double condition(Records const& data, double forgetting) {
     if (data.rows() == 0) return infinity;
     constexpr int digits = 20;  // more than doubles, in which the norms are then found, can hold
     Problem<double> const problem{.size = data.parameters(), .forgetting = forgetting, .prior = std::nullopt};
-    // y has no part in it: zeros also keep an infinity or a NaN there from being anyone's business.
+    // y is replaced by zeros: the condition number does not depend on it, and it may contain an infinity or a NaN.
     Records const regressors{.psi = data.psi, .y = Vector<double>::Zero(data.rows()), .names = {}};
     CertifiedSolution const exact = certified(problem, regressors, {data.rows()}, digits).front();
     switch (exact.status()) {
@@ -99,7 +99,7 @@ double relative_change(CertifiedSolution const& theta, CertifiedSolution const& 
 
 namespace {
 
-/// The change, and what it is a change of, in units of s.
+/// The change, and the vector that changes, in units of s.
 struct Scaled {
     long bits;
     BallMatrix change, size;

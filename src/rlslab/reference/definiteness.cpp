@@ -49,7 +49,7 @@ Index positive_pivots(Matrix<Reference> const& F, long bits, Ball& stop) {
 }
 
 Definiteness definiteness_of_plain(Matrix<Reference> const& F) {
-    constexpr long patience = 512;  // beyond, the determinant is asked first: an exact zero would never be settled
+    constexpr long patience = 512;  // bits; beyond, the determinant decides first: no precision would end an exact zero
     Index proven = 0;               // leading minors up to this size are known to be positive
     Ball stop;
     for (long bits = 128;; bits *= 2) {

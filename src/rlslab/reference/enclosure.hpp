@@ -10,12 +10,12 @@ struct CertifiedSolution::Enclosure {
     balls::BallMatrix theta;       ///< d x 1
     balls::BallMatrix covariance;  ///< d x d
     long bits;                     ///< working precision
-    int digits;                    ///< asked for
+    int digits;                    ///< that `certified` was called with
 };
 
 /// What `certified` promises of theta, and of P, read off the balls:
 ///   rad theta_i <= 10^-digits max(|theta_i|, 10^-40 max|theta|)      rad P_ij <= 10^-digits max|P|
-/// False also for some that are less than twice as accurate as promised.
+/// May be false for an enclosure that is accurate enough, but less than twice as accurate.
 bool theta_is_accurate(CertifiedSolution::Enclosure const& enclosure);
 bool covariance_is_accurate(CertifiedSolution::Enclosure const& enclosure);
 

@@ -1,4 +1,4 @@
-// What is asked of a certified solution: its numbers, and how many digits of an estimate are right.
+// The members of CertifiedSolution: its numbers, and the digits of an estimate.
 #include <rlslab/reference/enclosure.hpp>
 #include <rlslab/reference/gram.hpp>
 
@@ -30,7 +30,7 @@ double relative_radius(BallMatrix const& A) {
     return mag_get_d(quotient);
 }
 
-/// ||A - B|| / ||B||, and what an error against an exactly vanishing B is worth.
+/// ||A - B|| / ||B||, and the result if B is exactly zero.
 double digits_between(BallMatrix const& A, BallMatrix const& B, long bits) {
     BallMatrix difference(A.rows(), A.cols());
     arb_mat_sub(difference, A, B, bits);
@@ -69,7 +69,7 @@ bool invert(BallMatrix& inverse, Matrix<Reference> const& A, long bits) {
     return true;
 }
 
-/// P from what is stored:  F,  F D F',  F^-1,  F^-T D^-1 F^-1. False: not shown to be invertible at this precision.
+/// P from the stored numbers:  F,  F D F',  F^-1,  F^-T D^-1 F^-1. False: not shown to be invertible at this precision.
 bool rebuild(BallMatrix& P, Stored<Reference> const& stored, long bits) {
     using Quantity = Stored<Reference>::Quantity;
     using Form = Stored<Reference>::Form;
@@ -115,7 +115,7 @@ std::string decimal(mpfr_srcptr x, int n) {
     mpfr_free_str(digits);
     if (mpfr_zero_p(x)) return "0";
     size_t const sign = text[0] == '-';
-    if (n > 1) text.insert(sign + 1, ".");
+    if (n > 1) text.insert(sign + 1, 1, '.');
     return text + "e" + std::to_string(exponent - 1);
 }
 
@@ -203,14 +203,14 @@ double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) c
     auto const& [of, kind, F, D] = estimate;
     expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_), "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
-    // As precise as the solution itself: relative to its largest entry, three digits more than were asked for.
-    long const wanted = bits_for(enclosure_->digits + 3);
+    // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called with.
+    long const needed = bits_for(enclosure_->digits + 3);
     bool known_regular = of == Stored<Reference>::Quantity::covariance;
     BallMatrix P;
-    for (long bits = wanted + 128; bits <= 1L << 20; bits *= 2) {
+    for (long bits = needed + 128; bits <= 1L << 20; bits *= 2) {
         if (rebuild(P, estimate, bits)) {
             auto [size, radius] = size_and_radius(P);
-            mag_mul_2exp_si(size, size, -wanted);
+            mag_mul_2exp_si(size, size, -needed);
             if (mag_cmp(radius, size) <= 0) return digits_between(P, enclosure_->covariance, bits + enclosure_->bits);
         }
         if (!known_regular && singular(estimate)) return nan;

@@ -39,7 +39,7 @@ IntegerGram::IntegerGram(Records const& data, Index last)
 }
 
 void IntegerGram::advance(Index k) {
-    // FLINT's products have a fixed cost per call and hold the block: some hundreds of rows are enough.
+    // FLINT's products have a fixed cost per call and copy the block: some hundreds of rows are enough.
     constexpr Index block = 256;
     for (; rows_ < k; rows_ = std::min(k, rows_ + block)) add(rows_, std::min(block, k - rows_));
 }

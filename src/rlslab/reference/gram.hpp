@@ -9,8 +9,8 @@
 
 namespace rlslab::balls {
 
-/// G = sum_i a_i a_i', a_i = (psi_i, y_i), in integers: every column j has its own unit 2^e_j, the largest power of two
-/// that divides all its entries, so that columns of very different scale do not lengthen one another.
+/// G = sum_i a_i a_i', a_i = (psi_i, y_i), (d + 1) x (d + 1), in integers. Every column j has its own unit 2^e_j, the largest power of two
+/// that divides all its entries, so that columns of very different scale do not make each other's integers longer.
 ///
 ///   G_ij = 2^(e_i + e_j) sum_k m_ki m_kj
 ///
@@ -25,10 +25,10 @@ class IntegerGram {
 
 public:
     IntegerGram(Records const& data, Index last);
-    /// Takes in the rows up to k <= last.
+    /// Adds the rows that follow, up to row k <= last; k must not fall.
     void advance(Index k);
     IntegerMatrix const& mantissas() const { return sum_; }
-    /// G_ij rounded to so many bits, the rounding in the radius.
+    /// G_ij rounded to `bits` bits, with the rounding error in the radius.
     void entry(arb_ptr ball, Index i, Index j, long bits) const;
 };
 
@@ -36,9 +36,8 @@ public:
 ///
 ///   (1)  M <- lambda^B M + A' W A,    W = diag(lambda^(B-1), ..., lambda, 1)
 ///
-/// With a power p it is lambda^p that forgets, itself a ball.
-///
-/// A's entries are exact and short, which makes Arb's dot products cheap. Memory O(d^2 + B d).
+/// With power = p, lambda^p (a ball) takes the place of lambda. The entries of A are exact and short, which makes Arb's dot products cheap.
+/// Memory O(d^2 + B d).
 class ForgettingGram {
     Records const& data_;
     long bits_;
@@ -57,22 +56,22 @@ public:
     BallMatrix const& matrix() const { return sum_; }
 };
 
-/// True proves theta_k = 0: M_k theta_k = b_k is zero where P0 b_k is, a sum of products of what is given. False says nothing:
-/// it is not zero, or would take numbers of more than 2^20 bits. Called where the balls around theta all contain zero.
+/// True proves theta_k = 0: theta_k of M_k theta_k = b_k is zero where P0 b_k is, which is a sum of products of given numbers. False: it is
+/// not zero, or the proof needs numbers of more than 2^20 bits. Called when the balls of all components of theta contain zero.
 bool surely_vanishes(Problem<double> const& problem, Records const& data, Index k);
 
-/// The rank of the first k regressors, proven, for ascending k. Elimination modulo the prime 2^61 - 1 bounds it from
-/// below; k, d and, only where these leave a gap, exact integer elimination bound it from above.
+/// The proven rank of the first k regressors, for each k of `steps` (ascending). Elimination modulo the prime 2^61 - 1 bounds it from
+/// below, k and d from above. Where these differ, exact integer elimination decides.
 std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps);
 
 /// Whether a finite square matrix is nonsingular, decided exactly: modulo a prime first, then in integers.
 /// Throws std::range_error when the exponents within a column differ by more than 2^20.
 bool nonsingular(Matrix<Reference> const& A);
 
-/// True proves that a finite square matrix is nonsingular, modulo the same prime; false says nothing. Fast.
+/// True proves that a finite square matrix is nonsingular (modulo the same prime); false proves nothing. Fast.
 bool surely_nonsingular(Matrix<double> const& A);
 
-/// sign of det of the leading n x n block of F + F', exactly. Throws as above.
+/// The sign of the determinant of the leading n x n block of F + F', exactly. Throws std::range_error as `nonsingular`.
 int sign_of_leading_minor(Matrix<Reference> const& F, Index n);
 
 }  // namespace rlslab::balls

@@ -1,4 +1,4 @@
-// Whether the exact solution is zero in every component, in numbers that are as long as they must be.
+// Whether the exact solution is zero in every component, decided with numbers that are as long as necessary.
 #include <rlslab/reference/gram.hpp>
 
 #include <vector>
@@ -20,7 +20,7 @@ bool surely_vanishes(Problem<double> const& problem, Records const& data, Index 
     Float const lambda(problem.forgetting);
     Integer exponent, mantissa;
     arf_get_fmpz_2exp(mantissa, exponent, lambda);
-    if (-fmpz_get_si(exponent) * k > longest) return false;  // so many bits has lambda^k below the point
+    if (-fmpz_get_si(exponent) * k > longest) return false;  // the number of bits of lambda^k behind the point
 
     std::vector<Float> sum(static_cast<size_t>(d));
     Float power(1.0);

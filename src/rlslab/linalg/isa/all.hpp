@@ -10,7 +10,7 @@
 
 #include <rlslab/linalg/isa/reflect.hpp>
 
-/// What a kernel's text is written in: for any arithmetic, and for registers of so many bytes.
+/// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes` bytes.
 template <class K, class T>
 using Any = std::conditional_t<OnColumns<K>, Lane<T>, ScalarRow<T>>;
 template <class K, class T, int bytes>

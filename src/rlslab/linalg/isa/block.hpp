@@ -1,20 +1,19 @@
-// What the kernels' texts are written in: a row (ScalarRow), or a block of eight (four for the smallest fixed sizes).
-// Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+// The two types in which the texts of the kernels are written: one row (ScalarRow), or a block of eight (SimdBlock; four for the smallest
+// fixed sizes). Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 //
-// ScalarRow works in every arithmetic. SimdBlock holds whole registers: rows that are not there are padding, which may hold anything
-// and is read by nobody; where it would be (sums) it is masked out.
+// ScalarRow works in every arithmetic. SimdBlock holds whole registers. Rows that do not exist are padding, which may hold any number; sums
+// mask it out. Both types have the same members, so that one text serves both.
 
 template <class T>
 struct ScalarRow {
     using scalar = T;
-    static constexpr int rows = 1, registers = 2;  // what a Pack takes
+    static constexpr int rows = 1, registers = 2;  // as many as fit if T is a Pack
     static constexpr bool padded = false;
     T x;
 
-    [[gnu::always_inline]] void zero(RowRange) { x = T(0); }
-    [[gnu::always_inline]] void load(T const* from, RowRange) { x = *from; }
+    [[gnu::always_inline]] void zero() { x = T(0); }
+    [[gnu::always_inline]] void load(T const* from) { x = *from; }
     [[gnu::always_inline]] void store(T* to) const { *to = x; }
-    [[gnu::always_inline]] void store_present(T* to, RowRange) const { *to = x; }
     [[gnu::always_inline]] void scale(T const& a) { x *= a; }
     [[gnu::always_inline]] void divide(T const& a) { x /= a; }
     [[gnu::always_inline]] void scale(ScalarRow const& a) { x *= a.x; }
@@ -40,10 +39,10 @@ struct SimdBlock {
     static constexpr bool padded = true;
     V v[registers];
 
-    [[gnu::always_inline]] void zero(RowRange) {
+    [[gnu::always_inline]] void zero() {
         for (V& r : v) r = V{};
     }
-    [[gnu::always_inline]] void load(T const* from, RowRange) {
+    [[gnu::always_inline]] void load(T const* from) {
         for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
     }
     [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
@@ -53,7 +52,7 @@ struct SimdBlock {
             v[m] = V{};
             if (left >= W) {
                 v[m] = *reinterpret_cast<Anywhere const*>(at);
-#ifdef __x86_64__  // a copy would be waited for: narrow stores do not forward to a wide load
+#ifdef __x86_64__  // not through an array: narrow stores do not forward to a wide load, which would wait
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
                 v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
@@ -69,7 +68,7 @@ struct SimdBlock {
     [[gnu::always_inline]] void store(T* to) const {
         for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
     }
-    /// The present rows alone; the others keep what they hold.
+    /// Writes the rows in p; the others keep their values in memory.
     [[gnu::always_inline]] void store_present(T* to, RowRange p) const {
         for (int m = 0; m < registers; ++m) {
             auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
@@ -96,8 +95,8 @@ struct SimdBlock {
     [[gnu::always_inline]] void add(SimdBlock const& a) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
     }
-    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}. Put together in registers, because narrow stores do not
-    /// forward to the wide loads that follow.
+    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}, s = the last after. The vectors are built in registers, because narrow
+    /// stores do not forward to the wide loads that follow.
     [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
         T here[Rows + 1];
         here[0] = T(0);
@@ -123,14 +122,14 @@ struct SimdBlock {
     [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) {
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
     }
-    /// Rows before `first` less a b, those from there on less c d.
+    /// Subtracts a b from the rows before `first`, and c d from the other rows.
     template <int first>
     [[gnu::always_inline]] void subtract_either(SimdBlock const& a, T b, SimdBlock const& c, T d) {
         [&]<int... m>(std::integer_sequence<int, m...>) {
             (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
         }(std::make_integer_sequence<int, registers>());
     }
-    /// x - x: zero for a number, NaN for an infinity or a NaN.
+    /// Adds x - x in the rows of p: zero for a number, NaN for an infinity or a NaN.
     [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
         for (int m = 0; m < registers; ++m) {
             V difference = x.v[m] - x.v[m];
@@ -152,7 +151,8 @@ struct SimdBlock {
         for (int i = 0; i < W; ++i) out = out && zero[i] != 0;
         return out;
     }
-    /// The running lanes of dot products. A row that is not present adds -0, which changes no number, not even a zero.
+    /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The functions "_all" are for
+    /// blocks without padding.
     [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
     }
@@ -170,8 +170,8 @@ struct SimdBlock {
             v[m] = v[m] + product;
         }
     }
-    /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks; out is padded: four are always written.
-    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out, Index) {
+    /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks. Always writes four numbers; out is padded.
+    [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out) {
         if constexpr (W == 2) {
             V pair[4];
             for (int c = 0; c < 4; ++c) {
@@ -221,7 +221,7 @@ private:
             }(std::make_integer_sequence<int, W>());
         }
     }
-    /// Ones in the lanes of register m that hold rows < count.
+    /// All bits set in the lanes of register m that hold rows < count, none in the others.
     [[gnu::always_inline]] static Mask mask(Index count, int m) {
         alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
         return *reinterpret_cast<MaskAnywhere const*>(table + 8 - count + m * W);

@@ -1,16 +1,16 @@
 // Kernels on whole columns and full squares. Included by dispatch.hpp once for each instruction set: no #pragma once.
 
-/// Which rows of the block at i0 come before `end`.
+/// The rows of the block at i0 that come before `end`.
 template <class B>
 inline RowRange rows_of(Index i0, Index end) {
     return {0, end - i0 < B::rows ? end - i0 : B::rows};
 }
 
-/// The block at i0 of a column of d numbers.
+/// The block at i0 of a column. Columns are padded: the block is read whole.
 template <class B, class T>
-[[gnu::always_inline]] inline B block_of(T const* column, Index i0, Index d) {
+[[gnu::always_inline]] inline B block_of(T const* column, Index i0) {
     B out;
-    out.load(column + i0, rows_of<B>(i0, d));
+    out.load(column + i0);
     return out;
 }
 
@@ -21,22 +21,22 @@ template <class B, class T>
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(DivideByOne<T> const& k, Index, B& x) { x.divide(k.s); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) { x.divide(block_of<B>(k.y, i0, k.d)); }
+[[gnu::always_inline]] inline void apply(Divide<T> const& k, Index i0, B& x) { x.divide(block_of<B>(k.y, i0)); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) { x.scale(block_of<B>(k.y, i0, k.d)); }
+[[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) { x.scale(block_of<B>(k.y, i0)); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) { x.add_product(block_of<B>(k.y, i0, k.d), k.a); }
+[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) { x.add_product(block_of<B>(k.y, i0), k.a); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) { x.add(block_of<B>(k.y, i0, k.d)); }
+[[gnu::always_inline]] inline void apply(Add<T> const& k, Index i0, B& x) { x.add(block_of<B>(k.y, i0)); }
 // clang-format on
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(AddProduct<T> const& k, Index i0, B& x) {
-    B y = block_of<B>(k.y, i0, k.d);
-    y.scale(block_of<B>(k.z, i0, k.d));
+    B y = block_of<B>(k.y, i0);
+    y.scale(block_of<B>(k.z, i0));
     x.add(y);
 }
 template <class B, class T>
@@ -49,14 +49,14 @@ template <class B, class T>
 template <class B, Elementwise K>
 [[gnu::always_inline]] inline void evaluate(K const& k) {
     for (Index i0 = 0; i0 < k.d; i0 += B::rows) {
-        B x = block_of<B>(k.x, i0, k.d);
+        B x = block_of<B>(k.x, i0);
         apply(k, i0, x);
         x.store(k.out + i0);
     }
 }
 
-/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} in blocks of eight: from block to block the sum waits for one
-/// addition only. The same in single rows.
+/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} within blocks of eight: from one block to the next only one addition waits for
+/// another. This is the text for single rows; it adds in the order of SimdBlock::accumulate.
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(PrefixSums<T> const& k) {
@@ -85,14 +85,14 @@ template <class B, class T>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(AllFinite<T> const& k) {
     B differences;
-    differences.zero({});
-    for (Index i0 = 0; i0 < k.d; i0 += B::rows) differences.add_difference(block_of<B>(k.x, i0, k.d), rows_of<B>(i0, k.d));
+    differences.zero();
+    for (Index i0 = 0; i0 < k.d; i0 += B::rows) differences.add_difference(block_of<B>(k.x, i0), rows_of<B>(i0, k.d));
     *k.finite = differences.all_zero();
 }
 
 // --- dot products, four columns at once -------------------------------------------------------------------------------
 
-/// out_j = A_j'x; of an upper triangle the rows down to the diagonal.
+/// out_j = A_j'x; for an upper triangle only the rows down to the diagonal.
 template <class B, class T, Shape shape>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
@@ -105,9 +105,9 @@ template <class B, class T, Shape shape>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
     constexpr bool upper = shape == Shape::upper;
-    Index const tail = k.d / B::rows * B::rows;  // x is the caller's: nothing is read beyond its end
+    Index const tail = k.d / B::rows * B::rows;  // x belongs to the caller: nothing behind its end is read
     B x_tail;
-    x_tail.zero({});  // or g++ 12 warns in whoever includes this
+    x_tail.zero();  // otherwise g++ 12 warns in every file that includes this
     if (tail < k.d) x_tail.load_unpadded(k.x + tail, rows_of<B>(tail, k.d));
     for (Index j0 = 0; j0 < k.d; j0 += 4) {
         Index const count = k.d - j0 < 4 ? k.d - j0 : 4;
@@ -116,28 +116,28 @@ template <class B, class T, Shape shape>
         for (int c = 0; c < 4; ++c) column[c] = k.A + (c < count ? j0 + c : j0) * k.ld;
         B sum[4], x, a;
         if (last > 0) {
-            x.load(k.x, {0, B::rows});
+            x.load(k.x);
             for (int c = 0; c < 4; ++c) {
-                a.load(column[c], {0, B::rows});
+                a.load(column[c]);
                 sum[c].start_sum_all(a, x);
             }
             for (Index i0 = B::rows; i0 < last; i0 += B::rows) {
-                x.load(k.x + i0, {0, B::rows});
+                x.load(k.x + i0);
                 for (int c = 0; c < 4; ++c) {
-                    a.load(column[c] + i0, {0, B::rows});
+                    a.load(column[c] + i0);
                     sum[c].sum_all(a, x);
                 }
             }
         }
         x = x_tail;
-        if (last < tail) x.load(k.x + last, {0, B::rows});
+        if (last < tail) x.load(k.x + last);
         for (int c = 0; c < 4; ++c) {
             RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
-            a.load(column[c] + last, present);
+            a.load(column[c] + last);
             if (last > 0) sum[c].sum(a, x, present);
             else sum[c].start_sum(a, x, present);
         }
-        B::sums(sum, k.out + j0, count);
+        B::sums(sum, k.out + j0);
     }
 }
 
@@ -152,7 +152,7 @@ template <class B, int K, class T>
             T const b = k.B[n * k.row + j * k.column];
             for (int m = 0; m < K; ++m) {
                 Index const i = i0 + m * B::rows;
-                a.load(k.A + n * k.ld + i, rows_of<B>(i, k.d));
+                a.load(k.A + n * k.ld + i);
                 if (n == 0) sum[m] = a, sum[m].scale(b);
                 else sum[m].add_product(a, b);
             }

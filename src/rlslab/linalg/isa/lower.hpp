@@ -1,16 +1,16 @@
-// Kernels on a lower triangle L = R', a row of R in each column: eight rows of R are settled one after another, then
-// applied to what follows them. Included by dispatch.hpp once for each instruction set: no #pragma once.
+// Kernels on a lower triangle L = R', a row of R in each column. Eight rows of R are finished one after another within their corner on the
+// diagonal, then applied to the columns behind it. Included by dispatch.hpp once for each instruction set: no #pragma once.
 
-/// Columns i0 ... of L against the rows below them: t is a block of column i, x the block of the row that is folded in.
+/// Applies the columns of L from i0 on to the rows of block j0 below them: t is a block of column i, x the block of the row that is folded
+/// in.
 template <class B, class S>
 [[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
-    RowRange const here = rows_of<B>(j0, s.d);
     B x;
-    x.load(s.x + j0, here);
+    x.load(s.x + j0);
     for (Index i = i0; i < i0 + B::rows; ++i) {
         auto* const column = s.L + i * s.ld + j0;
         B t;
-        t.load(column, here);
+        t.load(column);
         step(s, i, t, x);
         if constexpr (S::writes) t.store(column);
     }
@@ -43,8 +43,8 @@ template <class B, class T>
     x.subtract_product(old, s.s[i]);
 }
 
-// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i x_j), or 0 where tau_i asks for no reflection:
-// 0 times what is not finite would be NaN
+// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i x_j). Without a reflection (tau_i = 0) a is set to 0: the
+// product of 0 and an infinity would be NaN.
 template <class B, class T>
 [[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
     t.scale(s.weight);
@@ -59,13 +59,13 @@ template <class B, class T>
     x.subtract_product(along, s.x[i]);
 }
 
-/// Row i of the m x m corner L on the diagonal against what follows it there, in scalars.
+/// Row i of the m x m corner of L on the diagonal, applied to the rows behind it within the corner, in scalars.
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
-/// (a, b) times the rotation.
+/// (a, b) = (c a + s b, c b - s a).
 template <class T>
 [[gnu::always_inline]] inline void rotate(Rotation<T> const& turn, T& a, T& b) {
     T const up = turn.s * b, turned = turn.c * a + up, down = turn.s * a;
@@ -88,7 +88,7 @@ template <class T>
     rotate(turn, t, *s.eta);
     s.z[i0 + i] = t;
 }
-/// The step above in one number; where there is no reflection, in lanes alone.
+/// The step of ReflectIn for one pair: above = weight L_ji or z_i, below = x_j or eta.
 template <class T>
 [[gnu::always_inline]] inline void reflect(T const& tau, T const& v, T const& weight, T& above, T& below) {
     above *= weight;
@@ -114,7 +114,7 @@ template <class T>
     for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
     reflect(turn.tau, v, s.weight, s.z[i0 + i], *s.eta);
 }
-/// The rows of a whole corner, unrolled so that a copy of x stays in registers.
+/// All rows of a full corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>
 [[gnu::always_inline]] inline void finish_corner_rows(S const& s, Index i0, T* x) {
     finish_corner_row(s, i0, i, m, x);
@@ -139,18 +139,18 @@ template <class B, ByPanels S>
     }
 }
 
-/// Gentleman's rows with all coefficients known: the corner needs no order of its own, only its upper part left alone.
+/// Gentleman's rows: all coefficients are known, so the corner needs no separate pass. Its part above the diagonal stays unchanged.
 template <class B, class T>
 [[gnu::always_inline]] inline void evaluate(SweepGentleman<T> const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
         if constexpr (B::rows > 1) {
             B x;
             Index const m = rows_of<B>(i0, s.d).last;
-            x.load(s.x + i0, {0, m});
+            x.load(s.x + i0);
             for (Index i = 0; i < m; ++i) {
                 T* const column = s.L + (i0 + i) * s.ld + i0;
                 B t;
-                t.load(column, {i + 1, m});
+                t.load(column);
                 step(s, i0 + i, t, x);
                 t.store_present(column, {i + 1, m});
             }

@@ -1,17 +1,17 @@
-// The loops of a Householder reflection on columns of any length, with one order of evaluation whatever the registers.
+// The loops of a Householder reflection on columns of any length, with one order of evaluation for registers of any width.
 // Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 
-/// Eight running lanes, one number each: every arithmetic.
+/// A register that is one number, for every arithmetic: eight of them are the running lanes.
 template <class T>
 struct Lane {
     using scalar = T;
     using Register = T;
-    static constexpr int width = 1, columns = 1;  // one column after another, as the formula reads
+    static constexpr int width = 1, columns = 1;  // one column after another, as in the formula
     static T const& load(T const* x) { return *x; }
     static void store(T* to, T const& x) { *to = x; }
 };
 
-/// Eight running lanes in registers of so many bytes. As many columns at once as keep eight of them busy.
+/// Registers of `bytes` bytes, which together hold the eight running lanes. `columns` columns at once keep eight registers busy.
 template <class T, int bytes>
 struct Packed {
     using scalar = T;
@@ -22,10 +22,10 @@ struct Packed {
     [[gnu::always_inline]] static void store(T* to, Register const& x) { *reinterpret_cast<Anywhere*>(to) = x; }
 };
 
-/// v'a for fewer than eight numbers: the lanes that are there, and of the tree what they leave.
+/// v'a for n < 8 numbers: the tree without the lanes that do not exist.
 template <class T>
 T short_dot(T const* v, T const* a, Index n) {
-    T lane[8]{};  // or g++ 12 warns in whoever includes this
+    T lane[8]{};  // otherwise g++ 12 warns in every file that includes this
     for (Index i = 0; i < n; ++i) lane[i] = v[i] * a[i];
     for (Index half = 4; half >= 1; half /= 2)
         for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];

@@ -1,8 +1,9 @@
-// Sweeps over the columns of a square: a few blocks of rows outside, columns inside, so that what runs along the rows (a
-// product so far, a gain) stays in registers. Included by dispatch.hpp once for each instruction set: no #pragma once.
+// Sweeps over the columns of a square matrix. The outer loop goes over a few blocks of rows, the inner one over columns, so that the vector
+// w, which runs along the rows (a partial product, a gain), stays in registers. Included by dispatch.hpp once for each instruction set: no
+// #pragma once.
 //
-// Each sweep is the line or two of its formula on t, a block of column j of A, and w, the running block; what step j needs
-// of scalars is read once by its at(j).
+// Each sweep is one or two lines of formula for t, a block of column j of A, and w, the running block. at(j) reads the scalars of step j
+// once.
 
 // w = A x
 template <class B, class T>
@@ -55,13 +56,13 @@ template <int P, class B, int K, class S>
         auto const at = s.at(j);
         for (int m = 0; m < P; ++m) {
             B t;
-            t.load(column + m * B::rows, rows_of<B>(i0 + m * B::rows, S::upper ? j + 1 : s.d));
+            t.load(column + m * B::rows);
             step(s, at, t, w[m]);
             if constexpr (S::writes) t.store(column + m * B::rows);
         }
     }
 }
-/// Of an upper triangle: the columns that end in the P-th block, and so on to the K-th.
+/// For an upper triangle: the columns that end in the P-th block, then those of the next block, up to the K-th.
 template <int P, class B, int K, class S>
 [[gnu::always_inline]] inline void staircase(S const& s, B (&w)[K], Index i0) {
     Index const j0 = i0 + (P - 1) * B::rows, j1 = j0 + B::rows;
@@ -76,13 +77,12 @@ template <class B, int K, Sweep S>
     Index j0 = 0;
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
-        RowRange const here = rows_of<B>(i, s.d);
         if constexpr (S::starts == Start::column) {
-            w[m].load(s.w + i, here);
+            w[m].load(s.w + i);
         } else if constexpr (S::starts == Start::zero) {
-            w[m].zero(here);
+            w[m].zero();
         } else {
-            w[m].load(s.A + i, here);
+            w[m].load(s.A + i);
             w[m].scale(s.at(0));
             j0 = 1;
         }
@@ -93,16 +93,18 @@ template <class B, int K, Sweep S>
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
 
-// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j: what runs along the rows of a block is f up to the diagonal and w from
-// there on, and in column c of the block p that the diagonal is in, both.
+// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j.
+// `running` holds f for blocks whose diagonal is still to come and w for the others. A block multiplies its running vector by f_j if it
+// is above the diagonal of column j, by w_j if it is below. Block p holds the diagonal, in its column c: its rows up to c use the
+// product of w with f_j, the rows below use that of f with w_j.
 template <int m, int p, int c, class B, int K, class T>
 [[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
     Index const i = i0 + m * B::rows;
     B t;
-    t.load(here + m * B::rows, rows_of<B>(i, s.d));
+    t.load(here + m * B::rows);
     if constexpr (m < p) t.subtract_product(running[m], f);
     else if constexpr (m > p) t.subtract_product(running[m], w);
-    else t.template subtract_either<c + 1>(block_of<B>(s.w, i, s.d), f, running[m], w);
+    else t.template subtract_either<c + 1>(block_of<B>(s.w, i), f, running[m], w);
     t.add_product(t, s.correction);
     t.store(here + m * B::rows);
     if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
@@ -114,13 +116,13 @@ template <int p, int c, class B, int K, class T>
     if constexpr (c + 1 < B::rows)
         if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
 }
-/// The columns whose diagonal is in block p, and so on to those beyond the last block.
+/// The columns whose diagonal is in block p, then those of the next block, and last the columns behind all blocks.
 template <int p, class B, int K, class T>
 [[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
         on_diagonal<p, 0>(s, running, i0, s.A + j0 * s.ld + i0);
-        running[p] = block_of<B>(s.w, j0, s.d);
+        running[p] = block_of<B>(s.w, j0);
         from_diagonal<p + 1>(s, running, i0);
     } else {
         for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
@@ -129,26 +131,26 @@ template <int p, class B, int K, class T>
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
     B running[K];
-    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows, s.d);
+    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
     for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
     from_diagonal<0>(s, running, i0);
 }
 
-// P = (P - (K g' + g K')) / lambda: two running columns.
+// P = (P - (K g' + g K')) / lambda, with two running vectors.
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractRankTwo<T> const& s, Index i0) {
     B x[K], g[K];
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
-        x[m].load(s.x + i, rows_of<B>(i, s.d));
-        g[m].load(s.g + i, rows_of<B>(i, s.d));
+        x[m].load(s.x + i);
+        g[m].load(s.g + i);
     }
     for (Index j = 0; j < s.d; ++j) {
         T const xj = s.x[j], gj = s.g[j];
         for (int m = 0; m < K; ++m) {
             T* const here = s.A + j * s.ld + i0 + m * B::rows;
             B t, both = x[m];
-            t.load(here, rows_of<B>(i0 + m * B::rows, s.d));
+            t.load(here);
             both.scale(gj);
             both.add_product(g[m], xj);
             t.subtract(both);
@@ -158,13 +160,13 @@ template <class B, int K, class T>
     }
 }
 
-/// K blocks of rows at a time, then K/2 ... 1.
+/// K blocks of rows together while there are so many, then K/2, ..., then 1.
 template <class B, int K, class S>
 [[gnu::always_inline]] inline void groups(S const& s, Index i0) {
     for (; s.d - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
     if constexpr (K > 1) groups<B, K / 2>(s, i0);
 }
-/// The triangle once and copied: a stochastic arithmetic would round its mirror image otherwise.
+/// Computes one triangle and copies it: stochastic rounding would give the mirror image other bits.
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(SubtractMirrored<T> const& s) {

@@ -1,17 +1,17 @@
-// Gzip's compressed data, unpacked as they are read.
+// Gzip's compressed data, decompressed while they are read.
 #pragma once
 
 #include <rlslab/model/bytes.hpp>
 
 namespace rlslab {
 
-/// What begins compressed data.
+/// The first bytes of gzip data.
 inline constexpr std::string_view gzip_begins = "\x1f\x8b";
 
-/// The bytes that `packed` holds, part behind part where files were joined. Memory does not depend on how much they unpack to.
-/// Throws InputError beginning with `name` when they end too early, are damaged, or are followed by something else.
+/// The decompressed bytes of `packed`, of all its parts if gzip files were joined. Memory does not depend on their number. The source
+/// throws InputError, with a message that begins with `name`, when the data end too early, are damaged, or are followed by anything else.
 ByteSource unpacked(ByteSource packed, std::string name);
-/// The same of one part in zlib's form (RFC 1950), as other files hold it.
+/// The same for one part in zlib's format (RFC 1950), which other file formats contain.
 ByteSource inflated(ByteSource packed, std::string name);
 
 }  // namespace rlslab

@@ -1,4 +1,4 @@
-// Version 5, read here: matio 1.5.23 answers with numbers of its own making where a file was cut short.
+// Version 5, read without matio: for a file that was cut short, matio 1.5.23 returns numbers that are not in it.
 //
 // The format (MAT-File Format, MathWorks): 128 bytes of header; then elements, each a tag (type, bytes) and so many bytes, one
 // for each variable. A compressed element holds another in zlib's form. A matrix holds elements padded to 8 bytes: flags,
@@ -47,7 +47,7 @@ std::size_t size_of(Type type) {
     }
 }
 
-/// Bytes of which so many are left; taken in order.
+/// A reader of a stream of bytes whose remaining number is known.
 class Reader {
     ByteSource bytes_;
     std::string const& file_;
@@ -139,17 +139,17 @@ double widened(Reader const& r, Type type, std::span<char const> at) {
     }
 }
 
-/// The numbers of the columns asked for.
+/// The numbers of the columns that are needed.
 void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& asked) {
-    std::vector<std::size_t> const wanted = columns_asked(v, asked);
-    if (wanted.empty()) return;
+    std::vector<std::size_t> const asked_for = columns_asked(v, asked);
+    if (asked_for.empty()) return;
     Tag const tag = tag_within(r, "numbers");
     std::size_t const size = size_of(tag.type);
     if (size == 0 || tag.bytes != size * v.rows * v.cols)
         r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
     std::array<char, 4096> chunk;
     for (std::size_t j = 0; j < v.cols; ++j) {
-        bool const skipped = std::ranges::count(wanted, j) == 0;
+        bool const skipped = std::ranges::count(asked_for, j) == 0;
         for (std::size_t i = 0, count = 0; i < v.rows; i += count) {
             count = std::min(v.rows - i, chunk.size() / size);
             std::span<char> const raw = std::span(chunk).first(count * size);

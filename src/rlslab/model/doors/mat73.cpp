@@ -1,4 +1,4 @@
-// Version 7.3, by matio: what a variable is comes before its numbers; those are read for the columns asked for alone.
+// Version 7.3, by matio. The kind of a variable is read first; its numbers are read only for the columns that are needed.
 #include <rlslab/model/doors/mat.hpp>
 #include <rlslab/model/doors/mat_variables.hpp>
 
@@ -52,13 +52,13 @@ Columns read_mat73(std::string const& path, std::vector<std::string> const& aske
         variables.emplace_back(v->name ? v->name : "", MatClass(v->class_type), v->isComplex != 0, sizes);
     }
     for (MatVariable& variable : variables) {
-        auto const wanted = columns_asked(variable, asked);
-        if (wanted.empty()) continue;
+        auto const asked_for = columns_asked(variable, asked);
+        if (asked_for.empty()) continue;
         Variable const v{Mat_VarRead(mat.get(), variable.name.c_str())};
         auto const read = v ? reading(v->data_type) : nullptr;
         if (!read || !v->data || v->data_size < 1 || v->nbytes / std::size_t(v->data_size) < variable.rows * variable.cols)
             fail(printable(variable.name) + ": its numbers cannot be read: the file is damaged");
-        for (std::size_t const j : wanted)
+        for (std::size_t const j : asked_for)
             for (std::size_t i = 0; i < variable.rows; ++i) variable.values[j].push_back(read(v->data, j * variable.rows + i));
     }
     return columns_of(variables, file, asked);

@@ -1,4 +1,4 @@
-// What a person is told of variables that are no columns.
+// From variables to columns, and the messages for variables that are no columns.
 #include <rlslab/model/doors/mat_variables.hpp>
 
 #include <algorithm>

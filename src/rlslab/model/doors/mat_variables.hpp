@@ -1,4 +1,4 @@
-// From a .mat file's variables, of either version, to columns.
+// From the variables of a .mat file, of either version, to columns.
 #pragma once
 
 #include <rlslab/model/csv.hpp>
@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Classes of variables as the file's format numbers them.
+/// Classes of variables, with the numbers that the file format gives them.
 enum class MatClass {
     cell = 1,
     structure,
@@ -28,20 +28,20 @@ enum class MatClass {
     opaque
 };
 
-/// A variable: some columns of numbers, or why it has none.
+/// A variable: some columns of numbers, or the reason (`why`) for having none.
 struct MatVariable {
     std::string name, why = {};
     std::size_t rows = 0, cols = 0;
-    std::map<std::size_t, std::vector<double>> values = {};  ///< those of its columns that were asked for
+    std::map<std::size_t, std::vector<double>> values = {};  ///< those of its columns that are needed
 
     MatVariable(std::string called, MatClass is, bool complex, std::vector<std::size_t> const& sizes);
     std::string column_name(std::size_t j) const;
 };
 
-/// Those of the columns that are called as asked.
+/// The numbers of those columns of the variable whose names are in `asked`.
 std::vector<std::size_t> columns_asked(MatVariable const& variable, std::vector<std::string> const& asked);
 
-/// The columns asked for, once the variables are known and have the values asked of them.
+/// The columns named in `asked`, from variables that hold their values. Throws InputError as read_mat5.
 Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& asked);
 
 }  // namespace rlslab

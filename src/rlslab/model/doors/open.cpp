@@ -1,4 +1,4 @@
-// The first bytes tell which door.
+// The first bytes of a file decide which reader is used.
 #include <rlslab/model/doors/open.hpp>
 
 #include <rlslab/model/doors/gzip.hpp>

@@ -1,4 +1,4 @@
-// A file of columns in any form that the commands read: CSV, the same compressed, or MATLAB's.
+// Reads a file of columns in any format that the commands accept: CSV, compressed CSV, or MATLAB's.
 #pragma once
 
 #include <rlslab/model/csv.hpp>
@@ -7,11 +7,11 @@ namespace rlslab {
 
 struct DataFile {
     std::string path;  ///< "-": standard input
-    CsvFormat format;  ///< as far as it is given
+    CsvFormat format;  ///< for CSV; 0: found out
     DataFile(std::string at = "", CsvFormat as = {}) : path(std::move(at)), format(as) {}
 };
 
-/// The columns asked for; what the file is, its first bytes say, not its name. Throws InputError.
+/// The columns named in `asked`. The first bytes of the file decide its format, not its name. Throws InputError.
 Columns read_data(DataFile const& file, std::vector<std::string> const& asked);
 
 }  // namespace rlslab
