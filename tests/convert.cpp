@@ -284,8 +284,11 @@ TEST(MergingWithPrior, WithoutOneNothingIsTakenOut) {
         auto const sum = merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 60, problem), problem);
         ASSERT_TRUE(sum) << F::name;
         EXPECT_LE(merging_error(sum->filter, exact), budget<F>()) << F::name;
-        EXPECT_EQ(merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 32, problem), problem).health, Health::undetermined)
-            << F::name;
+        auto const few = merged(part<F>(records, 0, 30, problem), part<F>(records, 30, 32, problem), problem);
+        EXPECT_FALSE(few) << F::name;  // of information, rounding may make the zero pivot negative
+        if (F::name != "information") {
+            EXPECT_EQ(few.health, Health::undetermined) << F::name;
+        }
     };
     check.operator()<Qr<double>>();
     check.operator()<Gentleman<double>>();
