@@ -76,8 +76,11 @@ TEST(Conversion, KeepsThetaAndP) {
         ASSERT_TRUE(to) << From::name << " to " << To::name;
         EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
         bool const stored = !StartsWithoutPrior<From> && !StartsWithoutPrior<To>;
-        if (stored) EXPECT_EQ(Vector<double>(to->theta()), Vector<double>(from.theta())) << From::name << " to " << To::name;
-        else EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+        if (stored) {
+            EXPECT_EQ(Vector<double>(to->theta()), Vector<double>(from.theta())) << From::name << " to " << To::name;
+        } else {
+            EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+        }
     });
 }
 /// And it goes on as the other variant would have: the next rows' certified solution.
