@@ -1,6 +1,7 @@
 // Puts a filter of any type behind the type-erased interface, and makes its entry for the catalogue.
 #pragma once
 
+#include <rlslab/adapt/state_file.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/lab/any_filter.hpp>
 #include <rlslab/lab/round_to.hpp>
@@ -41,7 +42,7 @@ struct RelativeErrors {
         Index const column = stays ? Index(v.size()) - 1 : 0;
         for (size_t i = 0; i < v.size(); ++i) {
             bool const fresh = stays || i + 1 == v.size();  // else what is new in v_i alone: the rest has its error
-            T const changed = fresh ? v[i] : v[i] - kept * left[i];
+            T const changed = fresh ? v[i] : T(v[i] - kept * left[i]);
             left[i] = v[i] += changed * T(relative(Index(i), column));
         }
     }
@@ -58,6 +59,14 @@ class Erased final : public AnyFilter {
     }
 
 public:
+    using scalar = T;
+    static constexpr std::string_view name = F::name;
+    /// The filter, and where rounding is at random its stream.
+    static auto state(auto& e) {
+        if constexpr (DataRounding<T>::stochastic) return std::tie(e.filter_, e.seed_);
+        else return F::state(e.filter_);
+    }
+
     /// The seed is in use already here: the start from a prior rounds too.
     static std::unique_ptr<AnyFilter> make(Problem<double> const& problem, Seed seed) {
         RoundingSeedScope<T> const draws(seed);
@@ -101,6 +110,23 @@ public:
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
+    std::vector<std::byte> saved() const override {
+        if constexpr (NamesItsState<F>) {
+            std::vector<std::byte> out(state_size(*this));
+            save(*this, std::span(out));
+            return out;
+        } else {
+            throw std::invalid_argument("expected a variant that names its state, not " + std::string(F::name));
+        }
+    }
+    void load(std::span<std::byte const> from) override {
+        if constexpr (NamesItsState<F>) {
+            if (StateFault const fault = rlslab::load(*this, from); fault != StateFault::none)
+                throw InputError(refusal(fault, state_header(*this), from));
+        } else {
+            throw std::invalid_argument("expected a variant that names its state, not " + std::string(F::name));
+        }
+    }
 };
 
 /// The least time per row over stretches of the records, each measured as in the benchmarks.

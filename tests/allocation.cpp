@@ -1,6 +1,7 @@
 // Fixed-size filters never touch the heap; dynamic ones only when they are made.
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/state.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -85,6 +86,19 @@ TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
     EXPECT_GT(window.first, 0);
     EXPECT_EQ(window.second, 0);
     EXPECT_EQ((allocations_of<RowsOf<20, Qr<double, 4>>>().second), 0);
+}
+
+TEST(Allocation, NoneForTheStateOfADenseFilter) {
+    Ud<float, 5> f({.size = 5}), g({.size = 5, .forgetting = 0.5f});
+    Qr<double> p({.size = 5}), q({.size = 5, .forgetting = 0.5});
+    std::array<std::byte, 2000> room;
+    long const before = allocations;
+    StateFault const fixed = load(g, state_of(f));
+    std::size_t const size = save(p, room);
+    StateFault const dynamic = load(q, std::span(room).first(size));
+    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(fixed, StateFault::none);
+    EXPECT_EQ(dynamic, StateFault::none);
 }
 
 }  // namespace

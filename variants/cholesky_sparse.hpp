@@ -64,6 +64,7 @@ public:
         factor_.factors(X.F, X.D);
         return X;
     }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.theta_, f.b_, f.K_, f.factor_); }
 };
 static_assert(ReportsInformation<CholeskySparse>);
 

@@ -47,6 +47,7 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
     auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<ConventionalTwoSided<double>>);
 

@@ -57,6 +57,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(V_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, V_.view()}; }
+    static auto state(auto& f) { return std::tie(f.root_lambda_, f.by_root_lambda_, f.theta_, f.z_, f.K_, f.L_, f.V_); }
 };
 static_assert(GainPerturbable<ExtendedQr<double>>);
 

@@ -78,6 +78,8 @@ public:
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
     auto form() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
+    static auto state(auto& f) {
+        return std::tie(f.lambda_, f.theta_, f.b_, f.psi_, f.D_, f.X_, f.L_, f.positive_, f.started_, f.rows_, f.solved_); }
 };
 static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && Accumulates<Information<double>>);
 

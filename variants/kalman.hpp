@@ -62,6 +62,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
+    static auto state(auto& f) { return std::tie(f.by_lambda_, f.theta_, f.K_, f.P_, f.Q_, f.walks_); }
 };
 static_assert(GainPerturbable<Kalman<double>>);
 

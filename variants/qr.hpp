@@ -51,6 +51,7 @@ public:
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
     auto form() { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);
 

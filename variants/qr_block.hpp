@@ -24,9 +24,8 @@ class QrBlock {
     StateVector<T, N> z_, psi_, x_, tau_;
     StateMatrix<T, N> L_;                                  // R'
     Lengths<T, N> lengths_;
-    Index rows_ = 0;                                  // taken so far
-    bool prior_;                                      // started with one
-    Rows<T> A_;                                       // a block, with y as its last column
+    bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
+    Rows<T> A_;                                            // a block, with y as its last column
 
     /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a zero.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
@@ -84,6 +83,7 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_); }
 };
 static_assert(ReportsInformation<QrBlock<double>> && Merges<QrBlock<double>> && TakesBlocks<QrBlock<double>>);
 

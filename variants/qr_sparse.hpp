@@ -100,6 +100,7 @@ public:
     Stored<double> stored() const {
         return {Stored<double>::Quantity::information, Stored<double>::Form::factor, Matrix<double>(R_.transpose())};
     }
+    static auto state(auto& f) { return std::tie(f.lambda_, f.z_, f.theta_, f.psi_, f.R_); }
 };
 static_assert(ReportsInformation<QrSparse> && TakesBlocks<QrSparse>);
 

@@ -4,6 +4,7 @@
 #include "catalogue/erase.hpp"
 
 #include <rlslab/arithmetic/fixed.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab {

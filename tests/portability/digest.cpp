@@ -1,5 +1,6 @@
 // One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every processor, with
 // every compiler: tests/portability.cpp compiles this for others and compares.
+#include <rlslab/adapt/state.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
@@ -16,6 +17,7 @@ namespace {
 /// FNV-1a over the bits of doubles, by value: the order of bytes in memory has no part in it; one NaN for all.
 struct Digest {
     std::uint64_t hash = 0xcbf29ce484222325;
+    void add(std::byte x) { hash = (hash ^ std::uint64_t(x)) * 0x100000001b3; }
     void add(double x) {
         std::uint64_t const bits = detail::bits_of(x == x ? x : std::numeric_limits<double>::quiet_NaN());
         for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
@@ -44,6 +46,7 @@ void digest(Index d) {
     out.add(Vector<T>(filter.gain()));
     out.add(stored.F);
     out.add(stored.D);
+    for (std::byte const byte : state_of(filter)) out.add(byte);
     std::printf("%s %s %d %016" PRIx64 "\n", F::name.data(), ArithmeticTraits<T>::name.data(), int(d), out.hash);
 }
 template <class T>

@@ -4,6 +4,7 @@
 #include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
+#include <rlslab/core/encoding.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <cmath>
@@ -144,6 +145,15 @@ struct ArithmeticTraits<Chopped<F, R>> {
     static constexpr std::string_view name = name_of(F, R);
     static constexpr int digits = F.digits, min_exp = F.min_exp, max_exp = F.max_exp;
 };
+
+namespace detail {
+template <Format F>
+struct IsOfFormat {
+    bool operator()(double x) const { return x != x || round_to_nearest<F>(x) == x; }
+};
+}  // namespace detail
+template <Format F, Rounding R>
+struct Encoding<Chopped<F, R>> : EncodingInDouble<Chopped<F, R>, detail::IsOfFormat<F>> {};
 
 }  // namespace rlslab
 

@@ -23,6 +23,14 @@ struct ArithmeticTraits<Reference> {
     static constexpr int digits = 257, min_exp = -1073741824, max_exp = 1073741822;
 };
 
+template <>
+struct Encoding<Reference> {
+    using Bytes = detail::MpfrEncoding<257>;
+    static constexpr std::size_t size = Bytes::size;
+    static void write(Reference const& x, std::byte* to) { Bytes::write(x.backend().data(), to); }
+    static bool read(std::byte const* from, Reference& x) { return Bytes::read(from, x.backend().data()); }
+};
+
 inline bool is_finite(Rational const&) { return true; }
 
 /// The same number in the Reference arithmetic, exactly: every arithmetic of the lab has at most 257 bits.

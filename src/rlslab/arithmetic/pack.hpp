@@ -3,6 +3,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/storage_traits.hpp>
+#include <rlslab/core/encoding.hpp>
 
 #include <array>
 #include <utility>
@@ -215,6 +216,38 @@ struct PerLaneOf<Pack<T, L>, X> {
 
 template <class T, int L>
 struct ArithmeticTraits<Pack<T, L>> : ArithmeticTraits<T> {};
+
+/// Lane after lane.
+template <class T, int L>
+struct Encoding<Pack<T, L>> {
+    static constexpr std::size_t size = L * Encoding<T>::size;
+    static void write(Pack<T, L> const& x, std::byte* to) {
+        for (int i = 0; i < L; ++i) Encoding<T>::write(x[i], to + std::size_t(i) * Encoding<T>::size);
+    }
+    static bool read(std::byte const* from, Pack<T, L>& x) {
+        T lane;
+        for (int i = 0; i < L; ++i, from += Encoding<T>::size) {
+            if (!Encoding<T>::read(from, lane)) return false;
+            x.set(i, lane);
+        }
+        return true;
+    }
+};
+template <class T, int L>
+struct Encoding<PackMask<T, L>> {
+    static constexpr std::size_t size = L;
+    static void write(PackMask<T, L> const& x, std::byte* to) {
+        for (int i = 0; i < L; ++i) Encoding<bool>::write(x[i], to + i);
+    }
+    static bool read(std::byte const* from, PackMask<T, L>& x) {
+        for (int i = 0; i < L; ++i) {
+            bool lane;
+            if (!Encoding<bool>::read(from + i, lane)) return false;
+            x.m[i / detail::PackShape<T, L>::width][i % detail::PackShape<T, L>::width] = lane ? -1 : 0;
+        }
+        return true;
+    }
+};
 
 }  // namespace rlslab
 

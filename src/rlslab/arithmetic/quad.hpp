@@ -1,6 +1,7 @@
 // Quad: IEEE binary128, computed by MPFR.
 #pragma once
 
+#include <rlslab/arithmetic/mpfr_encoding.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 
 #include <mpfr.h>
@@ -147,6 +148,25 @@ template <>
 struct ArithmeticTraits<Quad> {
     static constexpr std::string_view name = "quad";
     static constexpr int digits = 113, min_exp = -16382, max_exp = 16383;
+};
+
+template <>
+struct Encoding<Quad> {
+    using Bytes = detail::MpfrEncoding<113>;
+    static constexpr std::size_t size = Bytes::size;
+    static void write(Quad const& x, std::byte* to) {
+        Quad::View const exact = x.mpfr();
+        Bytes::write(exact, to);
+    }
+    static bool read(std::byte const* from, Quad& x) {
+        mpfr_t exact;
+        mpfr_init2(exact, 113);
+        bool const read = Bytes::read(from, exact);
+        x = Quad(mpfr_srcptr(exact));
+        mpfr_clear(exact);
+        Quad::View const kept = x.mpfr();  // other bits where it is beyond the range
+        return read && Bytes::written_as(kept, from);
+    }
 };
 
 }  // namespace rlslab

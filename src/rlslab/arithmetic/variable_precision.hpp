@@ -4,6 +4,7 @@
 #include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
+#include <rlslab/core/encoding.hpp>
 
 #include <cmath>
 #include <compare>
@@ -99,6 +100,15 @@ template <>
 inline int significand_bits<VariablePrecision>() {
     return PrecisionScope::bits();
 }
+
+namespace detail {
+struct AnyDouble {
+    bool operator()(double) const { return true; }
+};
+}  // namespace detail
+/// A number may be longer than the bits of now: it was made before.
+template <>
+struct Encoding<VariablePrecision> : EncodingInDouble<VariablePrecision, detail::AnyDouble> {};
 
 }  // namespace rlslab
 

@@ -80,6 +80,15 @@ concept TakesBlocks = RecursiveLeastSquares<F> && requires(F f, Matrix<typename 
     { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
 };
 
+/// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on, and to nothing
+/// that the next row overwrites. One of them may name a state itself: so a type around a filter lists the filter first and its own
+/// members after it. <rlslab/adapt/state.hpp> saves and loads what is named.
+template <class F>
+concept NamesItsState = requires(F& f, F const& c) {
+    F::state(f);
+    F::state(c);
+};
+
 /// f.merge(newer) appends the rows of `newer` to those of f. `newer` is a filter of the same problem that started without prior. Except
 /// for rounding, f is then what it would be after processing newer's rows itself. Associative; a `newer` without rows changes no bit.
 template <class F>

@@ -48,7 +48,7 @@ public:
     Unfinished& operator=(Unfinished const&) = delete;
 
     /// false: errno says why.
-    bool write(std::string_view text) {
+    bool write(std::string_view text, bool on_disk) {
         if (file_ < 0) return false;
         while (!text.empty()) {
             ssize_t const written = ::write(file_, text.data(), text.size());
@@ -56,6 +56,7 @@ public:
             if (written < 0) return false;
             text.remove_prefix(size_t(written));
         }
+        if (on_disk && ::fsync(file_) != 0) return false;
         return ::close(std::exchange(file_, -1)) == 0;  // a quota or a network may report an error only here
     }
     bool rename_to(std::filesystem::path const& path) {
@@ -73,11 +74,17 @@ void create_folder(std::filesystem::path const& folder) {
     if (error) refuse(folder, "create", error.value());
 }
 
-void replace_file(std::filesystem::path const& path, std::string_view text) {
+void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk) {
     static std::mutex one_at_a_time;
     std::lock_guard const lock(one_at_a_time);
     Unfinished beside(fmt::format("{}.{}.new", path.string(), ::getpid()));  // two runs in one folder do not write into each other's
-    if (!beside.write(text) || !beside.rename_to(path)) refuse(path, "write", errno);
+    if (!beside.write(text, on_disk) || !beside.rename_to(path)) refuse(path, "write", errno);
+    if (!on_disk) return;
+    std::filesystem::path const folder = path.has_parent_path() ? path.parent_path() : ".";
+    int const names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (names < 0) return;  // the new name is there, and will be on the disk soon
+    ::fsync(names);
+    ::close(names);
 }
 
 void remove_leftovers(std::filesystem::path const& folder) {

@@ -27,12 +27,17 @@ using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
 template <class T, int Rows = Dynamic, int Columns = Rows>
 using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
 
-/// What is known before the first row: theta0, and P0 = variance x I or a full P0. P0 is in units of the noise variance sigma^2.
+template <class T>
+struct Stored;
+
+/// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
+/// the noise variance sigma^2.
 template <Field T>
 struct Prior {
     T variance = T(16384);                     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
     std::optional<Vector<T>> theta = {};       ///< theta0, size d; absent: 0
     std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric positive definite; absent: variance x I
+    std::optional<Stored<T>> stored = {};      ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
 };
 
 /// Minimise over theta, after k rows,
@@ -52,6 +57,7 @@ struct Problem {
         out.prior = Prior<To>{.variance = convert(prior->variance)};
         if (prior->theta) out.prior->theta = prior->theta->unaryExpr(convert);
         if (prior->covariance) out.prior->covariance = prior->covariance->unaryExpr(convert);
+        if (prior->stored) out.prior->stored = prior->stored->template mapped<To>(convert);
         return out;
     }
 };
@@ -194,6 +200,9 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         expects(!prior.theta || prior.theta->size() == size, "prior theta of the problem's size");
         expects(!prior.covariance || (prior.covariance->rows() == size && prior.covariance->cols() == size),
                 "prior covariance of the problem's size");
+        expects(!prior.stored || (prior.stored->F.rows() == problem.size && prior.stored->F.cols() == problem.size &&
+                                  (prior.stored->D.size() == 0 || prior.stored->D.size() == problem.size)),
+                "a stored prior of the problem's size");
         if (prior.covariance)
             for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
@@ -236,3 +245,5 @@ public:
 };
 
 }  // namespace rlslab
+
+#include <rlslab/core/stored.hpp>  // completes Prior

@@ -7,6 +7,7 @@
 #include <rlslab/core/stored.hpp>
 
 #include <memory>
+#include <vector>
 
 namespace rlslab {
 
@@ -31,6 +32,10 @@ public:
     /// definiteness from it.
     virtual Stored<double> stored_in_double() const = 0;
     virtual std::unique_ptr<AnyFilter> clone() const = 0;
+    /// The state bit for bit, with the stream of stochastic rounding; and back into a filter of the same size. Throws InputError for other
+    /// bytes, in one line, and the filter is then as it was. See <rlslab/adapt/state.hpp>.
+    virtual std::vector<std::byte> saved() const = 0;
+    virtual void load(std::span<std::byte const>) = 0;
 };
 
 /// ArithmeticTraits as data.

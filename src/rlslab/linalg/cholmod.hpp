@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace rlslab {
 
@@ -64,6 +65,22 @@ class SparseLdl {
             if (x[j] == 0) continue;
             ColumnOfL const L = column(j);
             for (int k = 0; k < L.count; ++k) x[L.row[k]] -= L.value[k] * x[j];
+        }
+    }
+
+    friend struct IrregularState<SparseLdl>;
+    /// Puts D_j and what is below the diagonal into column j, rows ascending.
+    void put_column(Index j, double pivot, std::vector<std::pair<Index, double>> const& below) {
+        cholmod_reallocate_column(size_t(j), below.size() + 1, factor_, &work_->c);
+        int const start = static_cast<int const*>(factor_->p)[j];
+        auto* const row = static_cast<int*>(factor_->i) + start;
+        auto* const value = static_cast<double*>(factor_->x) + start;
+        static_cast<int*>(factor_->nz)[j] = int(below.size()) + 1;
+        row[0] = int(j);
+        value[0] = pivot;
+        for (size_t k = 0; k < below.size(); ++k) {
+            row[k + 1] = int(below[k].first);
+            value[k + 1] = below[k].second;
         }
     }
 
@@ -147,6 +164,42 @@ public:
             D[j] = from.pivot;
             for (int k = 0; k < from.count; ++k) L(from.row[k], j) = from.value[k];
         }
+    }
+};
+
+/// Column by column: D_j, then what is below the diagonal. Where CHOLMOD keeps a column decides no bit.
+template <>
+struct IrregularState<SparseLdl> {
+    struct Below {
+        SparseLdl::ColumnOfL const& column;
+        int k = 0;
+        explicit operator bool() const { return k < column.count; }
+        Below& operator++() {
+            ++k;
+            return *this;
+        }
+        int index() const { return column.row[k]; }
+        double value() const { return column.value[k]; }
+    };
+    static void put(SparseLdl const& x, auto number) {
+        for (Index j = 0; j < x.size(); ++j) {
+            SparseLdl::ColumnOfL const column = x.column(j);
+            number(column.pivot);
+            detail::put_column(Below{column}, number);
+        }
+    }
+    static bool get(SparseLdl& x, auto number, bool keep) {
+        SparseLdl read = x;
+        std::vector<std::pair<Index, double>> below;
+        for (Index j = 0; j < x.size(); ++j) {
+            double pivot = 0;
+            below.clear();
+            auto const insert = [&](Index i, double value) { below.emplace_back(i, value); };
+            if (!number(pivot) || !detail::get_column(j + 1, x.size(), number, insert)) return false;
+            read.put_column(j, pivot, below);
+        }
+        if (keep) x = std::move(read);
+        return true;
     }
 };
 

@@ -192,6 +192,7 @@ public:
     }
     /// Whether R has no zero on its diagonal; only for R = L'.
     Truth<T> const& determined() const { return determined_; }
+    static auto state(auto& lengths) { return std::tie(lengths.squares_, lengths.right_, lengths.determined_); }
 };
 
 }  // namespace rlslab

@@ -11,6 +11,8 @@
 
 #include <rlslab/linalg/dispatch.hpp>
 
+#include <tuple>
+
 namespace rlslab {
 
 /// x'y, in the order above.
@@ -110,6 +112,7 @@ public:
     explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
     T operator()(T const& x) const { return x + x * correction_; }
     T const& correction() const { return correction_; }
+    static auto state(auto& divisor) { return std::tie(divisor.correction_); }
 };
 
 /// out = x / r. out may be x.

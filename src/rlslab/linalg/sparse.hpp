@@ -1,6 +1,7 @@
 // Sparse rows, and the state with which the sparse variants start. Memory is of the order of the number of nonzeros.
 #pragma once
 
+#include <rlslab/core/encoding.hpp>
 #include <rlslab/linalg/start.hpp>
 
 #include <Eigen/SparseCore>
@@ -25,6 +26,41 @@ inline SparseRow column(SparseRows const& psi, Index k) {
     return out;
 }
 
+namespace detail {
+/// Entries of a column, indices ascending within [first, end): shown to number, or read by it and given to insert(index, value).
+void put_column(auto entries, auto number) {
+    std::int64_t count = 0;
+    for (auto it = entries; it; ++it) ++count;
+    number(count);
+    for (auto it = entries; it; ++it) {
+        number(std::int64_t(it.index()));
+        number(double(it.value()));
+    }
+}
+bool get_column(Index first, Index end, auto number, auto insert) {
+    std::int64_t count = 0, index = 0;
+    double value = 0;
+    if (!number(count) || count < 0 || count > end - first) return false;
+    for (; count > 0; --count) {
+        if (!number(index) || !number(value) || index < first || index >= end) return false;
+        insert(Index(index), value);
+        first = Index(index) + 1;
+    }
+    return true;
+}
+}  // namespace detail
+
+template <>
+struct IrregularState<SparseRow> {
+    static void put(SparseRow const& x, auto number) { detail::put_column(SparseRow::InnerIterator(x), number); }
+    static bool get(SparseRow& x, auto number, bool keep) {
+        SparseRow read(x.size());
+        bool const possible = detail::get_column(0, x.size(), number, [&](Index i, double value) { read.insertBack(i) = value; });
+        if (possible && keep) x = read;
+        return possible;
+    }
+};
+
 /// psi'x: the products of psi's stored numbers, summed from the first to the last.
 inline double dot(SparseRow const& psi, Vector<double> const& x) {
     double sum = 0;
@@ -37,7 +73,7 @@ inline double dot(SparseRow const& psi, Vector<double> const& x) {
 inline SparseRows start_information(Problem<double> const& problem, Vector<double>& D) {
     expects(problem.prior.has_value(), "a prior: the sparse factor is kept nonsingular");
     SparseRows L(problem.size, problem.size);
-    if (!problem.prior->covariance) {
+    if (!problem.prior->covariance && !problem.prior->stored) {
         D = Vector<double>::Constant(problem.size, 1 / problem.prior->variance);
         L.setIdentity();
         return L;

@@ -12,6 +12,23 @@ namespace rlslab {
 /// An upper triangular R, d x d, in SuiteSparseQR's type.
 using SparseTriangle = Eigen::SparseMatrix<double, Eigen::ColMajor, SuiteSparse_long>;
 
+template <>
+struct IrregularState<SparseTriangle> {
+    static void put(SparseTriangle const& R, auto number) {
+        for (Index j = 0; j < R.cols(); ++j) detail::put_column(SparseTriangle::InnerIterator(R, j), number);
+    }
+    static bool get(SparseTriangle& R, auto number, bool keep) {
+        SparseTriangle read(R.rows(), R.cols());
+        for (Index j = 0; j < R.cols(); ++j) {
+            read.startVec(j);
+            if (!detail::get_column(0, j + 1, number, [&](Index i, double value) { read.insertBack(i, j) = value; })) return false;
+        }
+        read.finalize();
+        if (keep) R = read;
+        return true;
+    }
+};
+
 /// Whether R has its d pivots. SuiteSparseQR leaves out a pivot that underflowed to zero; Eigen's solver would then divide by another
 /// entry.
 inline bool has_pivots(SparseTriangle const& R) {

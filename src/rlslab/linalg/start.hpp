@@ -2,7 +2,8 @@
 // StateVector and StateMatrix are when they are made.
 #pragma once
 
-#include <rlslab/linalg/forms.hpp>
+#include <rlslab/linalg/finite.hpp>
+#include <rlslab/linalg/triangle_of_stored.hpp>
 
 namespace rlslab {
 
@@ -20,6 +21,16 @@ template <Field T, int N>
 StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
     StateMatrix<T, N> P(problem.size);
+    if (auto const& stored = problem.prior->stored) {
+        Triangle<T, N> const factor = start_triangle<N>(*problem.prior, true, true);
+        outer(factor.F, factor.D, P);
+        for (Index j = 0; j < P.size(); ++j)
+            for (Index i = 0; i <= j; ++i)
+                P(i, j) = P(j, i) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance
+                                        ? stored->F(i, j)
+                                        : P(i, j);
+        return P;
+    }
     if (problem.prior->covariance) {
         StateVector<T, N> D(problem.size);
         expects(all(factor_udu(*problem.prior->covariance, P, D)), "a positive definite prior covariance");
@@ -35,6 +46,12 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
 template <Field T, int N>
 void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>& D) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
+    if (problem.prior->stored) {
+        Triangle<T, N> const factor = start_triangle<N>(*problem.prior, true, true);
+        U = factor.F;
+        D = factor.D;
+        return;
+    }
     if (problem.prior->covariance) {
         expects(all(factor_udu(*problem.prior->covariance, U, D)), "a positive definite prior covariance");
         return;
@@ -49,6 +66,7 @@ void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>
 template <Real T, int N>
 StateMatrix<T, N> start_root(Problem<T> const& problem) {
     using std::sqrt;
+    if (problem.prior && problem.prior->stored) return start_triangle<N>(*problem.prior, true, false).F;
     StateMatrix<T, N> S(problem.size);
     StateVector<T, N> D(problem.size);
     start_ud(problem, S, D);
@@ -68,6 +86,12 @@ void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVec
         for (Index j = 0; j < d; ++j) L(j, j) = T(1);
         return;
     }
+    if (problem.prior->stored) {
+        Triangle<T, N> const factor = start_triangle<N>(*problem.prior, false, true);
+        L = factor.F;
+        D = factor.D;
+        return;
+    }
     StateMatrix<T, N> U(d);
     start_ud(problem, U, D);
     for (Index j = 0; j < d; ++j) D[j] = T(1) / D[j];
@@ -83,10 +107,14 @@ template <Real T, int N>
 void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& z) {
     using std::sqrt;
     StateVector<T, N> D(problem.size);
-    start_information(problem, L, D);
-    for (Index j = 0; j < D.size(); ++j) {
-        T const root = sqrt(D[j]);
-        for (Index i = j; i < D.size(); ++i) L(i, j) *= root;
+    if (problem.prior && problem.prior->stored) {
+        L = start_triangle<N>(*problem.prior, false, false).F;
+    } else {
+        start_information(problem, L, D);
+        for (Index j = 0; j < D.size(); ++j) {
+            T const root = sqrt(D[j]);
+            for (Index i = j; i < D.size(); ++i) L(i, j) *= root;
+        }
     }
     multiply_lower_transposed(L, start_theta<T, N>(problem), z);
 }

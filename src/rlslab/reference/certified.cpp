@@ -82,6 +82,7 @@ Index finite_rows(Records const& data) {
 
 void check(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps, int digits) {
     checked(problem);
+    expects(!problem.prior || !problem.prior->stored, "a prior given as P0, not as a filter stores it");
     expects(data.parameters() == problem.size && data.y.size() == data.rows(), "data of the problem's size");
     expects(digits >= 1, "digits >= 1");
     expects(std::is_sorted(steps.begin(), steps.end()) && (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),

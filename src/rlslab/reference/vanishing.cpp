@@ -37,10 +37,10 @@ bool surely_vanishes(Problem<double> const& problem, Records const& data, Index 
         Float row;
         if (!problem.prior) arf_set(row, sum[size_t(i)]);
         if (problem.prior) {
-            auto const& [variance, theta, covariance] = *problem.prior;
-            if (theta) add_product(row, power, Float((*theta)[i]));
+            auto const& prior = *problem.prior;
+            if (prior.theta) add_product(row, power, Float((*prior.theta)[i]));
             for (Index j = 0; j < d; ++j) {
-                double const P0 = covariance ? (*covariance)(i, j) : i == j ? variance : 0;
+                double const P0 = prior.covariance ? (*prior.covariance)(i, j) : i == j ? prior.variance : 0;
                 if (P0 != 0) add_product(row, Float(P0), sum[size_t(j)]);
             }
         }
