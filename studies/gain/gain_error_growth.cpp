@@ -20,7 +20,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Index const before = lambda == 1 ? 0 : 1000;
     Records const records = white(d, before + most, trial.seed({"size", "replicate"}));
     auto const right = entry.make({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
-    feed_rows(*right, records, 0, before);
+    process_rows(*right, records, 0, before);
     auto const wrong = right->clone();
     Seed noise = trial.seed({"size", "lambda", "replicate"});
     Index next = 250;
