@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 namespace rlslab {
@@ -55,8 +56,8 @@ TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
 template <class Rule>
 struct Followed {
     Forgetting<Ud<double, 3>, Rule> filter;
-    std::vector<double> lambdas, y;
-    std::vector<std::array<double, 3>> psi;
+    std::vector<double> lambdas = {}, y = {};
+    std::vector<std::array<double, 3>> psi = {};
 
     void take(double const (&row)[3], double output) {
         Ud<double, 3> undiscounted = filter.filter();

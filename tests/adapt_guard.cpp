@@ -30,8 +30,10 @@ Guarded<F, policy> warm(int rows = 500, unsigned seed = 71) {
 
 template <class F>
 void check_clean() {
-    Guarded<F> guarded({.forgetting = lambda, .prior = Prior<typename F::scalar>{.variance = 100}});
-    F bare({.forgetting = lambda, .prior = Prior<typename F::scalar>{.variance = 100}});
+    using T = typename F::scalar;
+    Problem<T> const same{.forgetting = T(lambda), .prior = Prior<T>{.variance = 100}};
+    Guarded<F> guarded(same);
+    F bare(same);
     feed(guarded, 20000, Seed{72});
     feed(bare, 20000, Seed{72});
     auto const& n = guarded.counts();
