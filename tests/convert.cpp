@@ -244,7 +244,8 @@ double merging_error(F const& f, CertifiedSolution const& exact) {
     Stored<Reference> const stored = f.stored().template mapped<Reference>([](double x) { return widen(x); });
     return std::max(epsilons(exact.theta_digits(exact_theta(f))), epsilons(exact.covariance_digits(stored)));
 }
-/// The battery's budget of a solution (60, or 300 where c^2 enters squared), once for each part and once for the sum; of the two forms whose
+/// The battery's budget of a solution (60, or 300 where c^2 enters squared), once for each part and once for the sum; of the two forms
+/// whose
 /// antisymmetric part grows as lambda^-k one triangle is taken, and with it all that the part has done to it.
 template <class F>
 double budget() {

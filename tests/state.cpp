@@ -271,7 +271,8 @@ TEST(StateSaboteur, AListThatForgetsAMemberIsCaught) {
         constexpr size_t members = std::tuple_size_v<decltype(F::state(std::declval<F&>()))>;
         [&]<size_t... i>(std::index_sequence<i...>) {
             auto const check = [](size_t member, bool missed) {
-                // A bound by which health is proven without solving, and the lambda that only it takes: where it proves nothing, they solve.
+                // A bound by which health is proven without solving, and the lambda that only it takes: where it proves nothing, they
+                // solve.
                 if (F::name == "gentleman" && member == members - 1) return;
                 if (F::name.starts_with("qr") && member == 0) return;
                 EXPECT_TRUE(missed) << F::name << ", member " << member;
