@@ -2,7 +2,7 @@
 // StateVector and StateMatrix are when they are made.
 #pragma once
 
-#include <rlslab/linalg/finite.hpp>
+#include <rlslab/linalg/forms.hpp>
 #include <rlslab/linalg/triangle_of_stored.hpp>
 
 namespace rlslab {
