@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include <functional>
 #include <optional>
 #include <vector>
@@ -373,6 +375,23 @@ TEST(Fixed, TheFormatAndTheCountsGoWithTheWorkToOtherThreads) {
     EXPECT_NEAR(std::ldexp(double(words.back()), -20), 0.25,
                 0x1p-8);  // truncation: up to half a unit of bias from each of 400 rows and more
     EXPECT_EQ(folded(3), folded(1));
+}
+
+TEST(Fixed, AWordIsSavedAndLoadedWithItsMark) {
+    using Word = Fixed<FixedFormat{.bits = 8, .fraction = 4}>;
+    std::array<std::byte, Encoding<Word>::size> bytes;
+    for (int n = -128; n < 128; ++n)
+        for (bool const marked : {false, true}) {
+            Word const x = marked ? Word(1e9 * (n < 0 ? -1 : 1)) : Word(n / 16.0);
+            Word y(3);
+            Encoding<Word>::write(x, bytes.data());
+            ASSERT_TRUE(Encoding<Word>::read(bytes.data(), y));
+            EXPECT_EQ(y.word(), x.word());
+            EXPECT_EQ(y.marked(), marked);
+        }
+    Word y(3);
+    bytes.fill(std::byte(0x7f));  // a word of no such format, and no mark
+    EXPECT_FALSE(Encoding<Word>::read(bytes.data(), y));
 }
 
 }  // namespace

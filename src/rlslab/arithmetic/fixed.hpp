@@ -1,6 +1,7 @@
 // Fixed point, as in signal processors: words that hold integers, sums of products exact until they are stored.
 #pragma once
 
+#include <rlslab/core/encoding.hpp>
 #include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/arithmetic/fixed_format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
@@ -68,6 +69,7 @@ class Fixed {
     std::int64_t word_ = 0;
     bool marked_ = false;
     friend FixedSum<F>;
+    friend Encoding<Fixed>;
 
     using Wide = detail::Wide;
     struct Made {};
@@ -250,6 +252,21 @@ std::strong_ordering operator<=>(A const& a, B const& b) {
 using VariableFixed = Fixed<FixedFormat{.bits = 0, .fraction = 0}>;
 /// The same, rounded after every operation.
 using VariableFixedRounded = Fixed<FixedFormat{.bits = 0, .fraction = 0, .sums = Sums::rounded}>;
+
+/// The word, then its mark. A word that the format in force has no room for is not read.
+template <FixedFormat F>
+struct Encoding<Fixed<F>> {
+    static constexpr std::size_t size = 9;
+    static void write(Fixed<F> const& x, std::byte* to) {
+        detail::write_low(std::uint64_t(x.word_), 8, to);
+        to[8] = std::byte(x.marked_);
+    }
+    static bool read(std::byte const* from, Fixed<F>& x) {
+        std::int64_t const word = std::int64_t(detail::read_low(from, 8)), limit = std::int64_t{1} << (Fixed<F>::format().bits - 1);
+        x = Fixed<F>(word, from[8] == std::byte(1), typename Fixed<F>::Made{});
+        return -limit <= word && word < limit && from[8] <= std::byte(1);
+    }
+};
 
 /// A kernel's running rows and the lanes of its dot products are accumulators.
 template <FixedFormat F>
