@@ -18,7 +18,7 @@ struct Holds final : AnyFilter {
     Shown* shown;
     Holds(Stored<T> stored, Shown* in_double) : held(std::move(stored)), shown(in_double) {}
     Step<double> update(Regressor<double>, double) override { throw std::logic_error("not asked"); }
-    Step<double> update(Regressor<double>, double, Vector<double> const&) override { throw std::logic_error("not asked"); }
+    Step<double> update(Regressor<double>, double, Matrix<double> const&) override { throw std::logic_error("not asked"); }
     Step<double> update_block(Records const&, Index, Index) override { throw std::logic_error("not asked"); }
     Vector<Reference> theta() const override { return {}; }
     Vector<Reference> gain() const override { return {}; }

@@ -173,7 +173,7 @@ Study const fixed_point{
              [](Table const& t) {
                  return at_each_pole(t, "floating", {{0, {4, 9}}, {0.9, {8, 10}}, {0.99, {13, 14}}});
              },
-             finding("set before the run")},
+             finding("set after a pilot at the quick budget")},
             {"X2: no variant survives with fewer than log2 1/(1 - lambda) bits behind the point",
              [](Table const& t) { return within(that_survive(t), by_data, less("fraction", memory).as(Estimate::every), 0, 48); },
              finding("docs/theory.md 66, set before the run")},
@@ -222,13 +222,13 @@ Study const fixed_point{
              finding("docs/theory.md 65, set before the run")},
             {"X5: ud, rows of variance 1: 4 to 11 bits behind the point",
              [](Table const& t) { return within(some(of_unit_rows(t), {"ud"}), by_data, mean("fraction"), 4, 11); },
-             finding("set before the run")},
+             finding("set after a pilot at the quick budget")},
             {"X5: what ends ud with a bit less is a D that became 0, in at least half of the runs",
              [](Table const& t) {
                  Table const ud = some(t, {"ud"});
                  return proportion(ud.where("below", "zero_pivot").rows().size(), ud.rows().size(), 0.5, 1);
              },
-             finding("set before the run")},
+             finding("set after a pilot at the quick budget")},
             {"symmetric: the word takes log2 (largest / least eigenvalue of P in the run) + (1/2) log2 1/(1 - lambda^2) + 4 bits, to 3",
              [](Table const& t) {
                  return within(
@@ -253,7 +253,7 @@ Study const fixed_point{
                                               "inverse_qr", "information", "qr", "gentleman", "extended_qr", "qr_block"});
                  return everywhere(words, "in_32", "survives");
              },
-             finding("set before the run")},
+             finding("set after a pilot at the quick budget")},
             {"conventional and kalman survive in no word: their antisymmetric error grows as lambda^-k",
              [](Table const& t) {
                  return within(some(t, {"conventional", "kalman"}), by_data, least("fraction"), INFINITY, INFINITY);
@@ -261,7 +261,7 @@ Study const fixed_point{
              finding("docs/theory.md 28, law ii, set before the run")},
             {"in words of 16 bits, rows in [-1, 1), qr survives every run at lambda = 0.9",
              [](Table const& t) { return everywhere(some(in_unit_interval(t), {"qr"}).where("lambda", 0.9), "in_16", "survives"); },
-             finding("set before the run")},
+             finding("set after a pilot at the quick budget")},
         },
 };
 

@@ -106,13 +106,13 @@ Study const prior_size{
              finding("docs/theory.md 13")},
             {"covariance forms: rounding rises as c^2, slope 1.0 +- 0.15 over c^2 = 1e8 ... 1e16 in double",
              [](Table const& t) { return within(in(t, "double", plain, 1e8, 1e16), {"variant"}, slope("c2", "rounding"), 0.85, 1.15); },
-             finding("set before the run: u c^2")},
+             finding("set after the first edition's results: u c^2")},
             {"Potter's full root: rounding rises as c, slope 0.5 +- 0.05 over c^2 = 1e14 ... 1e30 in double",
              [](Table const& t) { return within(in(t, "double", {"potter"}, 1e14, 1e30), {}, slope("c2", "rounding"), 0.45, 0.55); },
              finding("docs/theory.md 44")},
             {"triangular, UD and QR forms: rounding does not depend on c^2, slope 0.00 +- 0.02 from c^2 = 1e6 to 1e40",
              [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, slope("c2", "rounding"), -0.02, 0.02); },
-             finding("set before the run: as in study potter_carlson")},
+             finding("set after the first edition's results: as in study potter_carlson")},
             {"so they have no best c^2, only a least: from 1e20 to 1e40 the median error against least squares stays below 1e-14",
              [](Table const& t) {
                  return within(in(t, "double", rooted, 1e20, 1e40), {"variant", "c2"}, median("total"), 0, 1e-14);
@@ -122,21 +122,21 @@ Study const prior_size{
              [](Table const& t) {
                  return within(in(t, "double", {"information"}, 1e20, 1e40), {"c2"}, median("total"), 1.1e-12 / 3, 1.1e-12 * 3);
              },
-             finding("set before the run: an order-of-magnitude law to a factor of 3")},
+             finding("set after the first edition's results: an order-of-magnitude law to a factor of 3")},
             {"covariance forms in double: kappa^2 / c^2 = u c^2 at the best c^2 = kappa / sqrt(u) = 1e10, within 10 times; the error there "
              "is "
              "kappa sqrt(u) = 1e-6, within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1e9, 1e11, 1e-7, 1e-5); },
-             finding("set before the run: bias = rounding")},
+             finding("set after the first edition's results: bias = rounding")},
             {"Potter in double: kappa^2 / c^2 = u c at the best c^2 = (kappa^2 / u)^(2/3) = 2e13, within 10 times; the error there is "
              "5e-10, "
              "within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 2e12, 2e14, 5e-11, 5e-9); },
-             finding("set before the run: bias = rounding")},
+             finding("set after the first edition's results: bias = rounding")},
             {"covariance forms in float: the best c^2 is kappa / sqrt(u) = 4e5, within 10 times; the error there is kappa sqrt(u) = 0.024, "
              "within 10 times (fails: rounding is some 1e-5 of it, so that a larger c^2 is best)",
              [](Table const& t) { return valley(in(t, "float", plain, 1, 1e30), 4e4, 4e6, 0.0024, 0.24); },
-             finding("set before the run: bias = rounding")},
+             finding("set after the first edition's results: bias = rounding")},
             {"every triangular, UD, QR form keeps P positive definite at every c^2",
              [](Table const& t) { return everywhere(t.where("variant", rooted), "outcome", "sound"); },
              finding("first edition, set after its run")},

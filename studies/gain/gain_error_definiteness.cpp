@@ -132,7 +132,7 @@ Study const gain_error_definiteness{
                  return within(in(t, "reference").where("variant", subtracting).where("error", 1.0), {"variant", "rows", "size", "lambda"},
                                share, 0.1, 1);
              },
-             finding("set before the run")},
+             finding("set after a pilot")},
             {"of errors of ten times the gain, too",
              [](Table const& t) {
                  return within(in(t, "reference").where("variant", subtracting).where("error", 10.0), {"variant", "rows", "size", "lambda"},

@@ -175,15 +175,15 @@ Study const gain_error_size{
         {
             {"symmetric and conventional_two_sided, white rows: the root mean square is the prediction to 15 %",
              [](Table const& t) { return constant(of(t, one_gain).where("rows", "white"), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36, set before the run (G2)")},
+             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"potter: the same", [](Table const& t) { return constant(of(t, {"potter"}), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36, set before the run (G2)")},
+             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"the sweeps, one error of each number wherever it is used: the same",
              [](Table const& t) { return constant(of(t, triangles), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36, set before the run (G2)")},
+             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"the sweeps, a new error after every column: the same",
              [](Table const& t) { return constant(of(t, triangles, "after every column"), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36, set before the run (G2)")},
+             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"first-order forms: the median, too, is that prediction to 15 %",
              [](Table const& t) {
                  std::vector<std::string> all = one_gain;
