@@ -48,8 +48,8 @@ void expect_in_units(Fit const& a, Fit const& b, std::vector<int> const& psi, in
         int const unit = y - psi[size_t(i)];
         expect(a.theta[i], unit, b.theta[i], "theta");
         expect(a.sd[i], unit, b.sd[i], "sd");
-        expect(a.low[i], unit, b.low[i], "low");
-        expect(a.high[i], unit, b.high[i], "high");
+        expect(a.lower[i], unit, b.lower[i], "low");
+        expect(a.upper[i], unit, b.upper[i], "high");
         for (Index j = 0; j < a.theta.size(); ++j)
             expect(a.covariance(i, j), 2 * y - psi[size_t(i)] - psi[size_t(j)], b.covariance(i, j), "covariance");
     }

@@ -65,8 +65,8 @@ void run(Index d, bool prior, Seed noise, Digest& digest) {
         if (k % 10 == 5) reported(f, digest);
     }
     if constexpr (GainPerturbable<F>)
-        f.update(row(0), T(1), [](auto& K) {
-            for (Index i = 0; i < K.size(); ++i) K[i] += K[i] * T(0.125);
+        f.update(row(0), T(1), [](auto&& K, auto const&...) {  // K itself, or the running gain of a sweep
+            for (auto i = 0 * K.size(); i < K.size(); ++i) K[i] += K[i] * T(0.125);
         });
     if constexpr (TakesBlocks<F>) {
         Eigen::Matrix<T, Dynamic, Dynamic> psi(d, 13);
