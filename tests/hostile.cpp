@@ -157,8 +157,8 @@ std::string run(Seed seed) {
             std::copy(last.begin(), last.end(), at.begin() + before);
             Regressor<double> const psi(at.data() + before, c.size);
             if (entry.gain_perturbable && c.one_in(8)) {
-                Index const columns = c.one_in(2) ? c.size : 1;
-                Matrix<double> const relative = Matrix<double>::NullaryExpr(c.size, columns, [&c] { return c.number() * c.scale(); });
+                Index const errors = c.one_in(2) ? c.size : 1;
+                Matrix<double> const relative = Matrix<double>::NullaryExpr(c.size, errors, [&c] { return c.number() * c.scale(); });
                 told << "\n  gain changed by" << text(Vector<double>(relative.reshaped()));
                 health = f->update(psi, records.y[0], relative).health;
             } else {
