@@ -25,6 +25,8 @@ struct Holds final : AnyFilter {
     Stored<Reference> stored() const override { return held.template mapped<Reference>(&widened<T>); }
     Stored<double> stored_in_double() const override { return shown(held); }
     std::unique_ptr<AnyFilter> clone() const override { return nullptr; }
+    std::vector<std::byte> saved() const override { return {}; }
+    void load(std::span<std::byte const>) override { throw std::logic_error("not asked"); }
 };
 
 /// x 2^e by steps that every arithmetic has.
