@@ -20,7 +20,7 @@ T draw(Seed& seed, T (&psi)[N], double noise = 0.125, double sign = 1) {
     return T(y);
 }
 template <class F>
-void feed(F& f, int rows, Seed seed) {
+void run_rows(F& f, int rows, Seed seed) {
     typename F::scalar psi[decltype(f.theta())::SizeAtCompileTime];
     for (int k = 0; k < rows; ++k) {
         auto const y = draw(seed, psi);

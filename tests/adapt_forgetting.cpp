@@ -32,8 +32,8 @@ double trace_of(F f) {
 TEST(ConstantForgetting, LeavesTheFiltersBits) {
     Forgetting<Ud<double, 3>, ConstantForgetting<double>> ruled({.forgetting = 0.96875});
     Ud<double, 3> bare({.forgetting = 0.96875});
-    feed(ruled, 50, Seed{1});
-    feed(bare, 50, Seed{1});
+    run_rows(ruled, 50, Seed{1});
+    run_rows(bare, 50, Seed{1});
     EXPECT_TRUE(identical(ruled.filter(), bare));
 }
 TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
@@ -137,7 +137,7 @@ TEST(Fortescue, KeepsTheTraceBelowItsBoundInSilence) {
     auto const largest = [](double bound) {
         Forgetting<Ud<double, 3>, Fortescue<double>> f({.prior = Prior<double>{.variance = 1}},
                                                        {.noise_variance = 0.02, .memory = 20, .largest_trace = bound});
-        feed(f, 100, Seed{3});
+        run_rows(f, 100, Seed{3});
         Seed noise{4};
         double most = 0;
         for (int k = 0; k < 4000; ++k) {
@@ -160,7 +160,7 @@ struct Lost {
 template <class F, class Rule>
 Lost<F> lost(Rule const& rule, bool before_the_row) {
     F filter({.prior = Prior<double>{.variance = 4}});
-    feed(filter, 40, Seed{3});
+    run_rows(filter, 40, Seed{3});
     F measured = filter;
     double const psi[3] = {1, -0.5, 2};
     Vector<double> const a = Eigen::Map<Vector<double> const>(psi, 3);
@@ -220,7 +220,7 @@ TEST(Directional, WindsUpOnNoiseWithoutAFloorOfExcitation) {
     auto const trace_after = [](auto const& rule) {
         Forgetting<Ud<double, 3>, std::remove_cvref_t<decltype(rule)>> f({.prior = Prior<double>{.variance = 1}}, rule);
         Seed seed{3};
-        feed(f, 300, seed);
+        run_rows(f, 300, seed);
         for (int k = 0; k < 4000; ++k) f.update({1e-6 * seed.bell(), 1e-6 * seed.bell(), 1e-6 * seed.bell()}, 0.1 * seed.bell());
         return trace_of(f.filter());
     };
@@ -261,8 +261,8 @@ TEST(RotatingRidge, HoldsItsFloorWhateverTheRows) {
 TEST(RotatingRidge, ThatIsProximalChangesNoBitOfTheta) {
     Forgetting<Ud<double, 3>, RotatingRidge<double>> kept({.forgetting = 0.95}, {.ridge = 0.5});
     Forgetting<Ud<double, 3>, RotatingRidge<double>> leaking({.forgetting = 0.95}, {.ridge = 0.5, .toward_zero = true});
-    feed(kept, 100, Seed{3});
-    feed(leaking, 100, Seed{3});
+    run_rows(kept, 100, Seed{3});
+    run_rows(leaking, 100, Seed{3});
     Vector<double> const before = kept.theta(), leaked = leaking.theta();
     for (int k = 0; k < 100; ++k) kept.update(zero, 1), leaking.update(zero, 1);
     EXPECT_EQ(Vector<double>(kept.theta()), before);
@@ -271,8 +271,8 @@ TEST(RotatingRidge, ThatIsProximalChangesNoBitOfTheta) {
 TEST(CovarianceReset, KeepsThetaAndBoundsP) {
     Forgetting<Ud<double, 3>, CovarianceReset<double>> f({.prior = Prior<double>{.variance = 1}}, {.period = 50, .variance = 2});
     Ud<double, 3> bare({.prior = Prior<double>{.variance = 1}});
-    feed(f, 50, Seed{3});
-    feed(bare, 50, Seed{3});
+    run_rows(f, 50, Seed{3});
+    run_rows(bare, 50, Seed{3});
     EXPECT_EQ(Vector<double>(f.theta()), Vector<double>(bare.theta()));
     EXPECT_EQ(covariance_of(f), Matrix<double>(2 * Matrix<double>::Identity(3, 3)));
     EXPECT_LT(trace_of(bare), 1);

@@ -22,7 +22,7 @@ Problem<double> const problem{.forgetting = lambda, .prior = Prior<double>{.vari
 template <class F, GuardPolicy policy = resetting>
 Guarded<F, policy> warm(int rows = 500, unsigned seed = 71) {
     Guarded<F, policy> g(problem);
-    feed(g, rows, Seed{seed});
+    run_rows(g, rows, Seed{seed});
     return g;
 }
 
@@ -34,8 +34,8 @@ void check_clean() {
     Problem<T> const same{.forgetting = T(lambda), .prior = Prior<T>{.variance = 100}};
     Guarded<F> guarded(same);
     F bare(same);
-    feed(guarded, 20000, Seed{72});
-    feed(bare, 20000, Seed{72});
+    run_rows(guarded, 20000, Seed{72});
+    run_rows(bare, 20000, Seed{72});
     auto const& n = guarded.counts();
     EXPECT_EQ(n.rows, 20000);
     EXPECT_EQ(n.unusable + n.outliers + n.changes + n.windups + n.breakdowns, 0) << F::name;
@@ -78,7 +78,7 @@ TEST(Guarded, NeverShowsTheFilterWhatIsNotFinite) {
     check_unusable<Qr<double, 4>>();
     Ud<double, 4> bare(problem);  // for ever
     bare.update({1.0, NAN, 0.0, 0.0}, 1.0);
-    feed(bare, 500, Seed{1});
+    run_rows(bare, 500, Seed{1});
     EXPECT_TRUE(std::isnan(bare.theta()[0]));
 }
 /// Scales far from 1, against the model: what the squares of the arithmetic cannot hold is kept out; what it took for data is forgotten
@@ -88,7 +88,7 @@ TEST(Guarded, SurvivesEveryScale) {
         auto g = warm<Ud<double, 4>>();
         double const x = std::ldexp(1.0, e);
         for (int k = 0; k < 20; ++k) g.update({k % 4 == 0 ? x : 0, k % 4 == 1 ? -x : 0, x, 0.0}, k % 2 ? x : 1.0);
-        feed(g, 20000, Seed{5});
+        run_rows(g, 20000, Seed{5});
         EXPECT_TRUE(g.theta().allFinite()) << e;
         EXPECT_NEAR(g.theta()[1], -2, 0.2) << e;
     }
@@ -96,7 +96,7 @@ TEST(Guarded, SurvivesEveryScale) {
 /// The form whose asymmetry grows as lambda^-k (docs/theory.md 28): told of every thousand rows, and reset.
 TEST(Guarded, KeepsTheConventionalFormAlive) {
     Conventional<double, 4> bare(problem);
-    feed(bare, 20000, Seed{72});
+    run_rows(bare, 20000, Seed{72});
     EXPECT_FALSE((covariance_of(bare) - covariance_of(bare).transpose()).cwiseAbs().maxCoeff() < 1);
     auto g = warm<Conventional<double, 4>>(20000, 72);
     EXPECT_GT(g.counts().breakdowns, 5);
@@ -231,10 +231,10 @@ TEST(Guarded, IsAFilterAroundAFilterWithARule) {
     using Ruled = Forgetting<Ud<float, 4>, RotatingRidge<float>>;
     static_assert(RecursiveLeastSquares<Guarded<Ruled>> && TimeUpdates<Guarded<Ruled>>);
     Guarded<Ruled> g({.forgetting = float(lambda), .prior = Prior<float>{.variance = 1}});
-    feed(g, 300, Seed{3});
+    run_rows(g, 300, Seed{3});
     for (int k = 0; k < 5000; ++k) g.update({0.0f, 0.0f, NAN, 0.0f}, 1.0f);
     for (int k = 0; k < 5000; ++k) g.update({0.0f, 0.0f, 0.0f, 0.0f}, 1.0f);
-    feed(g, 300, Seed{4});
+    run_rows(g, 300, Seed{4});
     EXPECT_NEAR(g.theta()[3], -4, 0.2);
     EXPECT_EQ(g.counts().unusable, 5000);
 }

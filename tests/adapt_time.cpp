@@ -30,7 +30,7 @@ void for_each_form(Law law) {
 template <class F>
 F warm(double lambda = 0.96875) {
     F f({.forgetting = lambda, .prior = Prior<double>{.variance = 4}});
-    feed(f, 40, Seed{3});
+    run_rows(f, 40, Seed{3});
     return f;
 }
 template <class F>
@@ -82,7 +82,7 @@ template <class F, class Operation>
 bool setting_lambda_is_having_it(Operation operation) {
     F given = warm<F>(0.875), set({.forgetting = 0.5, .prior = Prior<double>{.variance = 4}});
     operation(set, 0.875);
-    feed(set, 40, Seed{3});
+    run_rows(set, 40, Seed{3});
     return identical(given, set);
 }
 TEST(Forgetting, IsSetBitForBit) {
@@ -171,8 +171,8 @@ TEST(Reset, MakesPAMultipleOfIAndKeepsTheta) {
         EXPECT_EQ(covariance_of(f), Matrix<double>(16 * Matrix<double>::Identity(4, 4))) << F::name;
         EXPECT_LE((f.theta() - theta).cwiseAbs().maxCoeff(), keeps_theta<F> ? 0 : 8 * u * theta.norm()) << F::name;
         F fresh({.forgetting = 0.96875, .prior = Prior<double>{.variance = 16, .theta = theta}});
-        feed(f, 20, Seed{9});
-        feed(fresh, 20, Seed{9});
+        run_rows(f, 20, Seed{9});
+        run_rows(fresh, 20, Seed{9});
         EXPECT_LE(relative(covariance_of(f), covariance_of(fresh)), budget) << F::name;
         EXPECT_LE((f.theta() - fresh.theta()).norm(), budget * theta.norm()) << F::name;
     });

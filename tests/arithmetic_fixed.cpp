@@ -265,7 +265,7 @@ TEST(Fixed, WhatWentWrongIsMarkedAndCounted) {
 
 /// Rows in [-1, 1): y = psi'theta, theta = 1/4.
 template <class Update>
-void feed(Index d, int rows, Seed seed, Update update) {
+void run_rows(Index d, int rows, Seed seed, Update update) {
     for (int k = 0; k < rows; ++k) {
         Vector<double> psi(d);
         double y = 0;
@@ -285,7 +285,7 @@ double error(int fraction, int bits) {
     F filter(problem_of<F>(3, 0.9375, 16));
     InDouble exact(problem_of<InDouble>(3, 0.9375, 16));
     bool sound = true;
-    feed(3, 60, Seed{11}, [&](Vector<double> const& psi, double y) {
+    run_rows(3, 60, Seed{11}, [&](Vector<double> const& psi, double y) {
         Vector<V> const row = psi.unaryExpr([](double x) { return V(x); });
         sound = sound && filter.update(row, V(y)).health == Health::sound;
         exact.update(Vector<double>(row.unaryExpr([](V const& x) { return x.value(); })), V(y).value());
@@ -355,7 +355,7 @@ std::pair<std::vector<std::int64_t>, FixedEvents> folded(unsigned threads) {
     FixedScope const scope({32, 20, FixedRounding::down});
     Records records{.psi = Matrix<double>(3, 400), .y = Vector<double>(400), .names = {}};
     Index k = 0;
-    feed(3, 400, Seed{4}, [&](Vector<double> const& psi, double y) {
+    run_rows(3, 400, Seed{4}, [&](Vector<double> const& psi, double y) {
         records.psi.col(k) = psi;
         records.y[k++] = y;
     });

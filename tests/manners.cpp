@@ -261,7 +261,7 @@ TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab \"\""), "compare study identify simulate excitation list help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
-    EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_memory ");
+    EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");
     EXPECT_EQ(offered("rlslab study gain_error gain_id"), "gain_identities ");
     EXPECT_EQ(offered("rlslab study --bu"), "--budget ");
     EXPECT_EQ(offered("rlslab --color never study --budget f"), "full ");

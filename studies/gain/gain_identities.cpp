@@ -3,6 +3,7 @@
 #include "studies/engine/rationals.hpp"
 #include "studies/engine/scenarios.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/conventional_two_sided.hpp>
@@ -55,7 +56,7 @@ double order(std::function<M(Q const&)> const& change) {
             for (Index i = 0; i < D.rows(); ++i) largest = std::max(largest, std::abs(static_cast<double>(D(i, j))));
         return largest;
     };
-    return std::log2(size(0x1p-20) / size(0x1p-30)) / 10;
+    return correctly::log2(size(0x1p-20) / size(0x1p-30)) / 10;
 }
 
 /// P of F's formula from an f and an s that are wrong, and the K they make. Joseph's form has neither but in K: its own text, with
