@@ -174,7 +174,7 @@ public:
     }
     template <class X>
     void irregular(X const& x) {
-        IrregularState<X>::put(x, [this](auto const& n) { number(n); });
+        IrregularState<X>::put(x, [this](auto const& n) { this->number(n); });
     }
     void into(StateHeader& header) const {
         header.layout = layout_.value();
@@ -199,7 +199,7 @@ struct Writing : Silent {
     }
     template <class X>
     void irregular(X const& x) {
-        IrregularState<X>::put(x, [this](auto const& n) { number(n); });
+        IrregularState<X>::put(x, [this](auto const& n) { this->number(n); });
     }
 };
 
@@ -222,7 +222,7 @@ struct Reading : Silent {
     template <class X>
     void irregular(X& x) {
         possible = IrregularState<X>::get(
-                       x, [this](auto& n) { return read(n); }, keep) &&
+                       x, [this](auto& n) { return this->read(n); }, keep) &&
                    possible;
     }
 };
