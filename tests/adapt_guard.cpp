@@ -66,7 +66,7 @@ void check_unusable() {
     auto const before = g.filter();
     for (double bad : {double(NAN), double(INFINITY), -double(INFINITY), 0x1p600}) {
         EXPECT_EQ(g.update({1.0, bad, 0.0, 0.0}, 1.0).health, Health::nonfinite);
-        EXPECT_EQ(g.signal(), Signal::unusable);
+        EXPECT_EQ(g.signal(), GuardSignal::unusable);
         EXPECT_EQ(g.update({1.0, 0.0, 0.0, 0.0}, bad).health, Health::nonfinite);
     }
     EXPECT_TRUE(identical(g.filter(), before)) << F::name;
@@ -115,12 +115,12 @@ TEST(Guarded, SkipsOneOutlierAndSaysSo) {
         Seed rows{seed + 100};
         double const y = draw(rows, psi);
         g.update(psi, y + 1e6 * 0.125);
-        EXPECT_EQ(g.signal(), Signal::outlier);
+        EXPECT_EQ(g.signal(), GuardSignal::outlier);
         EXPECT_EQ(g.counts().outliers, 1);
         EXPECT_TRUE(identical(g.filter(), before));
         auto watched = warm<Ud<double, 4>, reporting>(500, seed);
         watched.update(psi, y + 1e6 * 0.125);
-        EXPECT_EQ(watched.signal(), Signal::outlier);
+        EXPECT_EQ(watched.signal(), GuardSignal::outlier);
         EXPECT_GT((watched.theta() - before.theta()).norm(), 100);
     }
 }

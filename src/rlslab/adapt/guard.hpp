@@ -36,7 +36,7 @@ inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap,
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
 
 /// What a guard saw of a row, the worst first.
-enum class Signal : unsigned char { none, unusable, breakdown, change, outlier, windup };
+enum class GuardSignal : unsigned char { none, unusable, breakdown, change, outlier, windup };
 
 struct GuardCounts {
     Index rows = 0;        ///< offered
@@ -84,7 +84,7 @@ class Guarded {
     T lambda_, limit_, start_ = T(0);                             // of |psi|^2 and y^2
     StateVector<T, detail::size_of<F>> psi_, variances_, theta_;  // theta as last seen finite
     GuardCounts counts_;
-    Signal signal_ = Signal::none;
+    GuardSignal signal_ = GuardSignal::none;
     T reach_ = T(0), theta_size_ = T(0), noise_ = T(0);                                               // t, |theta|^2, s2
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20> squares_;  // from which s2 is learnt
     RowRing<T> ring_;
@@ -117,10 +117,10 @@ public:
         T const size = dot(psi_, psi_);
         if (!(size <= limit_) || !(y * y <= limit_)) {  // (1)
             ++counts_.unusable;
-            signal_ = Signal::unusable;
+            signal_ = GuardSignal::unusable;
             return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
         }
-        signal_ = Signal::none;
+        signal_ = GuardSignal::none;
         if (armed()) {  // (2)
             T const e = predicted_apart(y);
             if (is_outlier(y, e, size)) {
@@ -140,7 +140,7 @@ public:
                         g.coordinate_, g.history_, g.determined_);
     }
 
-    Signal signal() const { return signal_; }  ///< what the last row showed
+    GuardSignal signal() const { return signal_; }  ///< what the last row showed
     GuardCounts const& counts() const { return counts_; }
     T noise_variance() const { return noise_; }  ///< s2; 0 until it is known
 
@@ -158,7 +158,7 @@ private:
         history_ = (history_ << 1 | Index(out)) & 63;
         if (out) {
             ++counts_.outliers;
-            signal_ = Signal::outlier;
+            signal_ = GuardSignal::outlier;
         }
         return out;
     }
@@ -168,7 +168,7 @@ private:
         for (Index bits = history_; bits != 0; bits >>= 1) out += bits & 1;
         if (out < 5) return false;
         ++counts_.changes;
-        signal_ = Signal::change;
+        signal_ = GuardSignal::change;
         history_ = 0;
         return policy.change == Action::reset;
     }
@@ -176,7 +176,7 @@ private:
         auto const theta = filter_.theta();
         restart(Regressor<T>(theta));
         Step<T> const step = take(y);
-        signal_ = Signal::change;
+        signal_ = GuardSignal::change;
         return step;
     }
     void restart(Regressor<T> theta) {
@@ -222,7 +222,7 @@ private:
             if (!(asymmetry(filter_, j) <= options_.asymmetry)) return false;
         if (p > options_.largest_variance) {
             ++counts_.windups;
-            if (signal_ == Signal::none) signal_ = Signal::windup;
+            if (signal_ == GuardSignal::none) signal_ = GuardSignal::windup;
             if constexpr (policy.windup == Action::cap) {
                 cap(j, p);
                 p = options_.largest_variance;
@@ -265,7 +265,7 @@ private:
     }
     void repair() {
         ++counts_.breakdowns;
-        signal_ = Signal::breakdown;
+        signal_ = GuardSignal::breakdown;
         if constexpr (policy.breakdown != Action::report) {
             restart(Regressor<T>(theta_.data(), theta_.size()));
             if constexpr (policy.rebuilds()) rebuild();
