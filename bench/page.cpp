@@ -86,14 +86,14 @@ std::string drawn(Rows const& rows, std::string const& title) {
     return figure_html(figure);
 }
 
-std::string cell(BenchRow const* row, BenchRow const* yardstick, bool least) {
+std::string cell(BenchRow const* row, BenchRow const* base, bool least) {
     if (!row) return "<td></td>";
     std::string out = fmt::format("<td{}><b>{}</b>", least ? " class=\"best\"" : "", time_for_people(row->nanoseconds));
     out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class=\"bad\">not finite</small>";
     if (row->theta_nanoseconds && *row->theta_nanoseconds > 5)
         out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
-    if (yardstick) {
-        double const ratio = row->answered() / yardstick->answered();
+    if (base) {
+        double const ratio = row->answered() / base->answered();
         out += fmt::format("<small>{:.{}f} ×</small>", ratio, ratio < 10 ? 2 : 0);
     }
     return out + "</td>";
@@ -106,7 +106,7 @@ std::string breakable(std::string name) {
 }
 
 /// Names down, cases across; the variant with the least time to an answer in each column is shaded.
-std::string table(Rows const& rows, std::string const& yardstick) {
+std::string table(Rows const& rows, std::string const& base) {
     auto const names = distinct(rows, std::mem_fn(&BenchRow::name)), cases = distinct(rows, std::mem_fn(&BenchRow::what));
     std::string out = "<div class=\"scroll\"><table><thead>\n<tr><th></th>";
     for (std::string const& what : cases) out += fmt::format("<th>{}</th>", what);
@@ -122,7 +122,7 @@ std::string table(Rows const& rows, std::string const& yardstick) {
         out += fmt::format("\n<tr><th>{}</th>", breakable(name));
         for (size_t j = 0; j < cases.size(); ++j) {
             BenchRow const* const row = find(rows, name, cases[j]);
-            out += cell(row, find(rows, yardstick, cases[j]), names.size() > 1 && row && row == least[j]);
+            out += cell(row, find(rows, base, cases[j]), names.size() > 1 && row && row == least[j]);
         }
         out += "</tr>";
     }
@@ -165,7 +165,7 @@ std::string filters(Rows const& rows) {
 /// The groups without arithmetic: peers of a batch stand beside it.
 std::string others(Rows const& rows) {
     struct Section {
-        char const *title, *text, *yardstick;
+        char const *title, *text, *base;
         std::vector<std::string> groups;
         bool plotted;
     };
@@ -193,7 +193,7 @@ std::string others(Rows const& rows) {
         });
         if (mine.empty()) continue;
         out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{}</p>\n{}{}</section>\n", section.title, section.text,
-                           section.plotted ? drawn(mine, section.title) : "", table(mine, section.yardstick));
+                           section.plotted ? drawn(mine, section.title) : "", table(mine, section.base));
     }
     return out;
 }

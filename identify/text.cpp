@@ -190,7 +190,7 @@ std::string as_json(Identified const& m) {
         inputs.push_back({{"name", m.options.inputs[j]},
                           {"mean", number(m.means[j])},
                           {"exciting_of_order", m.excitation[j].order},
-                          {"still", m.excitation[j].constant_at_start},
+                          {"constant_at_start", m.excitation[j].constant_at_start},
                           {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)},
                           {"gain", model ? number(m.gain[j]) : Json(nullptr)},
                           {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)},

@@ -157,7 +157,7 @@ int run_excitation(ExcitationArguments const& a) {
                                         {"exciting_of_order", e.order},
                                         {"exact_order", e.exact_order},
                                         {"resolution", e.resolution},
-                                        {"still", e.constant_at_start},
+                                        {"constant_at_start", e.constant_at_start},
                                         {"orders", orders}};
     print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;

@@ -313,7 +313,7 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     EXPECT_EQ(said["exciting_of_order"], 4);
     EXPECT_EQ(said["exact_order"], 4);
     EXPECT_EQ(said["resolution"], e.resolution);
-    EXPECT_EQ(said["still"], e.constant_at_start);
+    EXPECT_EQ(said["constant_at_start"], e.constant_at_start);
     for (size_t i = 0; i < 4; ++i)
         EXPECT_EQ(said["orders"][i], (json{{"order", i + 1},
                                            {"least_eigenvalue", e.orders[i].least},

@@ -345,7 +345,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
         EXPECT_EQ(input["gain"], m.gain[j]);
         EXPECT_EQ(input["gain_sd"], m.gain_sd[j]);
         EXPECT_EQ(input["exciting_of_order"], 4);
-        EXPECT_EQ(input["still"], m.excitation[j].constant_at_start);
+        EXPECT_EQ(input["constant_at_start"], m.excitation[j].constant_at_start);
         EXPECT_EQ(input["residual_correlation"], json(m.cross_correlation[j]));
         for (size_t i = 0; i < m.zeros[j].size(); ++i) EXPECT_EQ(input["zeros"][i], (json{m.zeros[j][i].real(), m.zeros[j][i].imag()}));
     }
