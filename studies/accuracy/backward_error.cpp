@@ -97,7 +97,8 @@ Table at_P0(Table const& t) {
 Table with_P0_of_kappa(Table const& t) {
     Table out(t.columns());
     size_t const P0 = t.index("P0"), kappa = t.index("kappa");
-    for (auto const& row : shapes(t).rows())
+    Table const all = shapes(t);
+    for (auto const& row : all.rows())
         if (std::get<double>(row[P0]) == std::get<double>(row[kappa]) * std::get<double>(row[kappa])) out.add(row);
     return out;
 }
@@ -168,7 +169,7 @@ Study const backward_error{
                                        {"kappa", powers(10, 0, 6)},
                                        {"P0", {1.0, 1e4, 1e6, 1e8, 1e10, 1e12}},
                                        {"rows", {60.0, 600.0, 6000.0}},
-                                       {"replicate", counted(budget == Budget::full ? 40 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 100 : 5)}};
         },
     .admits = admits,
     .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share", "theta_share",

@@ -140,7 +140,7 @@ double GivenProblem::theta_backward_error(Vector<Reference> const& theta) const 
     Reference r = c_;  // |r|^2
     for (Index i = 0; i < size(); ++i) r -= x[i] * (b_[i] + g[i]);
     if (length == 0) {  // x = 0 is exact where b is orthogonal to A + dA
-        return square(g) == 0 ? 0 : static_cast<double>(sqrt(Reference(b_.dot(b_) / c_ / M_.trace())));
+        return square(g) == 0 ? 0 : static_cast<double>(sqrt(Reference(square(b_) / c_ / M_.trace())));
     }
     Reference const tau = Reference(1) / length, phi = tau * r;  // phi^2
     Reference e = 0;

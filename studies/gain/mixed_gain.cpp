@@ -61,8 +61,7 @@ double predicted(Setting const& setting, std::string_view variant, int p_K, int 
 }
 /// What rounding to nearest adds to symmetric's noise (docs/theory.md 68): the mean of delta_i K_i is not 0.
 double noise_and_bias(Setting const& setting, int p_K, double B) {
-    double const epsilon = rounding * std::ldexp(1, -p_K), noise = epsilon * amplitude(setting, "symmetric"),
-                 bias = 2 * epsilon * epsilon * B;
+    double const epsilon = rounding * std::ldexp(1, -p_K), noise = epsilon * amplitude(setting, "symmetric"), bias = epsilon * epsilon * B;
     return std::sqrt(noise * noise + bias * bias);
 }
 /// T1: the p_K up to which Joseph's form beats symmetric.
@@ -219,9 +218,9 @@ Study const mixed_gain{
         "the gain alone short Joseph's form wins where predicted, up to about p_K = 17 of 24 (lambda = 0.99) and 14.5 (1000 rows, lambda = "
         "1): beyond that its own products round more than symmetric's. Its rank-two expansion wins everywhere, and from half of p_P on a "
         "longer gain gains nothing. That symmetric should be the better one for very short gains and long memories is not confirmed: "
-        "the error of rounding to nearest depends on what is rounded, the mean of delta_i K_i is twice its mean square for Gaussian rows, "
-        "and symmetric has a bias twice Joseph's. The law of random errors (study gain_error_size) does not know it. As soon as f and s "
-        "are short too the expansion is of first order, like symmetric so: 3 to 20 times worse than with K alone short, and on ill "
+        "the error of rounding to nearest depends on what is rounded, the mean of delta_i K_i is minus its mean square, and symmetric "
+        "has Joseph's bias besides its noise. The law of random errors (study gain_error_size) does not know it. As soon as f and s are "
+        "short too the expansion is of first order, like symmetric so: 3 to 20 times worse than with K alone short, and on ill "
         "conditioned rows seldom definite. Joseph's products then remain of second order, at 6, 20, 90 times their error. They are not "
         "safe either: with 2 bits, and in 2 of 100 runs with 4 bits on the pole 0.99, they end indefinite. Where the slope of the "
         "expansion is not 1 (pole 0.99), it has lost definiteness at 4 bits. Where the error of a short gain and the floor are of one "
@@ -301,7 +300,7 @@ Study const mixed_gain{
                  return within(rows.where("variant", "symmetric").where("short", std::string(only_gain)), {"data"},
                                root_mean_square("over_noise_and_bias"), 0.8, 1.25);
              },
-             finding("docs/theory.md 68; the bias derived after the first run, the band set before it was computed")},
+             finding("docs/theory.md 68; the bias was derived after the runs, to explain them")},
             {"Joseph's forms, the same: the median",
              [](Table const& t) {
                  Table const rows = of(with_data(t, white_rows), {"joseph", "joseph_rank_two"}, only_gain).where("p_K", from_to(4, 24));
