@@ -184,7 +184,7 @@ Study const backward_error{
                                        {"kappa", powers(10, 0, 6)},
                                        {"P0", {1.0, 1e4, 1e6, 1e8, 1e10, 1e12}},
                                        {"rows", {60.0, 600.0, 6000.0}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 100 : 10)}};
         },
     .admits = admits,
     .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share", "theta_share",
@@ -203,7 +203,21 @@ Study const backward_error{
                .panel = "data",
                .x_label = "kappa",
                .y_label = "backward error of P / u",
-               .where = {{"P0", {"1e+10"}}, {"data", words(spectra)}}},
+               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
+              {.title = "Forward error of P, kappa = 1000",
+               .x = "P0",
+               .y = "P_error",
+               .panel = "data",
+               .x_label = "P0",
+               .y_label = "relative error of P / u",
+               .where = {{"kappa", {"1000"}}}},
+              {.title = "Forward error of P, P0 = 1e10",
+               .x = "kappa",
+               .y = "P_error",
+               .panel = "data",
+               .x_label = "kappa",
+               .y_label = "relative error of P / u",
+               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
               {.title = "Backward error of theta, kappa = 1000",
                .x = "P0",
                .y = "eta_theta",
@@ -228,7 +242,7 @@ Study const backward_error{
                         labelled("theta", within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
              },
              finding("set before the run (B1)")},
-            {"carlson, ud, inverse_qr: that of theta too",
+            {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in every run",
              [](Table const& t) {
                  return within(some(t, sweeps), {"variant", "data"}, over_bound("eta_theta"), 0, 1);
              },
@@ -243,12 +257,13 @@ Study const backward_error{
             {"B3: P forms, P0 = kappa^2: the backward error of P has slope 2.0 +- 0.2 in kappa",
              [](Table const& t) { return slopes(some(with_P0_of_kappa(t), P_forms), "kappa", "eta_P", 1.8, 2.2); },
              finding("set before the run (B3)")},
-            {"B3: kappa = 1000: its slope in P0 is 0.75 to 1",
+            {"B3: P forms, kappa = 1000: the backward error of P has slope 0.75 to 1 in P0",
              [](Table const& t) { return slopes(some(at_kappa(t), P_forms), "P0", "eta_P", 0.75, 1); }, finding("set before the run (B3)")},
-            {"B3, B6: P0 = 1e10: its slope in kappa is 0 +- 0.3",
+            {"B3, B6: P forms, P0 = 1e10: the backward error of P has slope 0 +- 0.3 in kappa",
              [](Table const& t) { return slopes(some(at_P0(t), P_forms), "kappa", "eta_P", -0.3, 0.3); },
              finding("set before the run (B3, B6)")},
-            {"B3: potter: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, 0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
+            {"B3: potter, the same: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, "
+             "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
              [](Table const& t) {
                  std::vector<std::string> const potter{"potter"};
                  return labelled("P0 = kappa^2", slopes(some(with_P0_of_kappa(t), potter), "kappa", "eta_P", 0.8, 1.2)) &&
@@ -256,31 +271,32 @@ Study const backward_error{
                         labelled("kappa", slopes(some(at_P0(t), potter), "kappa", "eta_P", -0.3, 0.3));
              },
              finding("set before the run (B3)")},
-            {"B6: joseph: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, each to 0.1",
+            {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, each to 0.1",
              [](Table const& t) {
                  return labelled("P0", slopes(some(at_kappa(t), {"joseph"}), "P0", "eta_P", 0.9, 1.1)) &&
                         labelled("kappa", slopes(some(at_P0(t), {"joseph"}), "kappa", "eta_P", 0.9, 1.1));
              },
              finding("set before the run (B6)")},
-            {"the forward error of P: kappa = 1000: P forms have slope 0.75 to 1 in P0; P0 = 1e10: 0 +- 0.3 in kappa",
+            {"P forms, the forward error of P: slope 0.75 to 1 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
              [](Table const& t) {
                  return labelled("P0", slopes(some(at_kappa(t), P_forms), "P0", "P_error", 0.75, 1)) &&
                         labelled("kappa", slopes(some(at_P0(t), P_forms), "kappa", "P_error", -0.3, 0.3));
              },
              finding("as B3, set before the run")},
-            {"B4: two columns that nearly agree, first: 4e4 to 6e4 u in carlson, ud, inverse_qr; last: 3 to 8 u; qr, gentleman 1 to 2 u",
+            {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
+             "last: 3 to 8 u; qr, gentleman 1 to 2 u",
              [](Table const& t) {
                  return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) && of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
                         of_data(t, rotations, "pair first", "eta_P", 1, 2) && of_data(t, rotations, "pair last", "eta_P", 1, 2);
              },
              finding("set before the run (B4)")},
-            {"B4: powers of t: 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, inverse_qr)",
+            {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, inverse_qr)",
              [](Table const& t) {
                  return of_data(t, sweeps, "powers up", "eta_P", 3, 13) && of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
              },
              finding("set before the run (B4)")},
-            {"B5: of that pair first the backward error of P in carlson, ud, inverse_qr is 1000 times qr's and more, the forward error the "
-             "same to a factor of 3",
+            {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 times qr's and more, "
+             "the forward error the same to a factor of 3",
              [](Table const& t) {
                  Table const pair = t.where("data", "pair first");
                  return labelled("backward", against(pair, sweeps, "qr", "eta_P", 1000, 1e300)) &&
@@ -294,7 +310,7 @@ Study const backward_error{
                         labelled("backward", slopes(rows, "kappa", "eta_P", 0.9, 1.1));
              },
              finding("set before the run (B7)")},
-            {"B7: its backward error of P is 0.1 u kappa, to a factor of 3",
+            {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
              [](Table const& t) {
                  Number const ratio([](Table const& r) { return r.number("eta_P") / r.number("kappa"); }, Estimate::geometric);
                  return within(some(with_P0_of_kappa(t), {"information"}), {"data", "kappa"}, ratio, 0.1 / 3, 0.3);
