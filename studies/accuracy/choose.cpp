@@ -108,7 +108,8 @@ Study const choose{
     .interpretation =
         "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
         "never seen indefinite; "
-        "below its line it is not to be trusted. kappa is the condition of the regressors. The factor forms pay one bit for "
+        "below its line it is not to be trusted. kappa is the condition of the regressors, and P0 = kappa^2: the forms that store P pay "
+        "for P0 (study backward_error). The factor forms pay one bit for "
         "each bit of "
         "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor form to "
         "kappa = 10^5, symmetric to 10^3, "

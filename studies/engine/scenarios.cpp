@@ -1,6 +1,8 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
 #include "studies/engine/scenarios.hpp"
 
+#include "studies/engine/spectra.hpp"
+
 #include <rlslab/arithmetic/elementary.hpp>
 
 #include <Eigen/QR>
@@ -48,42 +50,6 @@ std::vector<Cell> counted(int n) {
     return out;
 }
 
-namespace {
-
-Records answered(Matrix<double> psi, Seed seed, double noise) {
-    Index const rows = psi.cols();
-    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
-    for (Index k = 0; k < rows; ++k) {
-        double sum = 0;  // in order: Eigen's sum depends on the instruction set
-        for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
-        out.y[k] = sum + noise * seed.bell();
-    }
-    return out;
-}
-
-/// n orthonormal columns of `size` numbers, from noise by modified Gram-Schmidt, twice; sums in order.
-Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
-    Matrix<double> Q(size, n);
-    auto const dot = [&](Index a, Index b) {
-        double sum = 0;
-        for (Index i = 0; i < size; ++i) sum += Q(i, a) * Q(i, b);
-        return sum;
-    };
-    for (Index j = 0; j < n; ++j) {
-        for (Index i = 0; i < size; ++i) Q(i, j) = seed.bell();
-        for (int twice = 0; twice < 2; ++twice)
-            for (Index k = 0; k < j; ++k) {
-                double const c = dot(k, j);
-                for (Index i = 0; i < size; ++i) Q(i, j) -= c * Q(i, k);
-            }
-        double const length = std::sqrt(dot(j, j));
-        for (Index i = 0; i < size; ++i) Q(i, j) /= length;
-    }
-    return Q;
-}
-
-}  // namespace
-
 Records white(Index size, Index rows, Seed seed, double noise) {
     Matrix<double> psi(size, rows);
     for (Index k = 0; k < rows; ++k)
@@ -103,14 +69,9 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise)
 }
 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
-    Matrix<double> const U = orthonormal(rows, size, seed), V = orthonormal(size, size, seed);
-    Matrix<double> psi = Matrix<double>::Zero(size, rows);
-    for (Index j = 0; j < size; ++j) {
-        double const sigma = size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1;
-        for (Index k = 0; k < rows; ++k)
-            for (Index i = 0; i < size; ++i) psi(i, k) += U(k, j) * sigma * V(i, j);
-    }
-    return answered(std::move(psi), seed, noise);
+    std::vector<double> sigma;
+    for (Index j = 0; j < size; ++j) sigma.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
+    return with_singular_values(sigma, rows, seed, noise);
 }
 
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {

@@ -1,0 +1,354 @@
+// Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition and prior.
+#include "studies/accuracy/backward_errors.hpp"
+#include "studies/engine/findings.hpp"
+#include "studies/engine/scenarios.hpp"
+#include "studies/engine/spectra.hpp"
+
+#include <rlslab/arithmetic/elementary.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rlslab {
+namespace {
+
+constexpr Index size = 6;
+constexpr double noise = 1e-3, u = 0x1p-53;
+
+std::vector<Cell> const spectra{"geometric", "one small", "one large"}, special{"pair first", "pair last", "powers up", "powers down"};
+
+// --- data -----------------------------------------------------------------------------------------------------------------------
+
+std::vector<double> singular_values(std::string const& shape, double kappa) {
+    std::vector<double> out;
+    for (Index j = 0; j < size; ++j) {
+        if (shape == "one small") out.push_back(j + 1 < size ? 1 : 1 / kappa);
+        else if (shape == "one large") out.push_back(j == 0 ? 1 : 1 / kappa);
+        else out.push_back(correctly::pow(kappa, -double(j) / double(size - 1)));
+    }
+    return out;
+}
+/// The powers 1, t ... t^5 of t = 1/N, 2/N ... 1 in random order; or white rows in which two neighbouring columns differ by 1e-5 of one.
+Matrix<double> special_rows(std::string const& data, Index rows, Seed& seed) {
+    Matrix<double> psi = white(size, rows, Seed{seed.next()}).psi;
+    std::vector<double> t(size_t(rows), 0.0);
+    for (size_t k = 0; k < t.size(); ++k) {
+        t[k] = double(k + 1) / double(rows);
+        std::swap(t[k], t[seed.next() % (k + 1)]);
+    }
+    for (Index k = 0; k < rows; ++k) {
+        if (data == "pair first") psi(1, k) = psi(0, k) + 1e-5 * psi(1, k);
+        if (data == "pair last") psi(size - 2, k) = psi(size - 1, k) + 1e-5 * psi(size - 2, k);
+        if (data != "powers up" && data != "powers down") continue;
+        double power = 1;
+        for (Index i = 0; i < size; ++i, power *= t[size_t(k)]) psi(data == "powers up" ? i : size - 1 - i, k) = power;
+    }
+    return psi;
+}
+
+// --- the runs -------------------------------------------------------------------------------------------------------------------
+
+bool admits(Trial const& trial) {
+    Cell const& data = trial.value("data");
+    double const kappa = trial.number("kappa"), P0 = trial.number("P0"), rows = trial.number("rows");
+    if (data == Cell("white")) return kappa == 1 && P0 == 1;
+    if (rows != 60) return false;
+    if (std::ranges::count(special, data)) return kappa == 1 && P0 == 1e10;
+    return P0 >= 1e4 && kappa > 1 && (kappa == 1e3 || (P0 == 1e10 && kappa < 2e5) || (P0 == kappa * kappa));
+}
+
+void measure(Trial const& trial, TrialOutput& out) {
+    std::string const& data = trial.text("data");
+    Index const rows = Index(trial.number("rows"));
+    Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = trial.number("P0")}};
+    Seed seed = trial.seed({"data", "kappa", "rows", "replicate"});  // the same rows for every P0
+    bool const shaped = std::ranges::count(spectra, Cell(data)) > 0;
+    Records const records = shaped ? with_singular_values(singular_values(data, trial.number("kappa")), rows, seed, noise)
+                                   : answered(special_rows(data, rows, seed), seed, noise);
+    GivenProblem const given(problem, records);
+    CertifiedSolution const certain = certified(problem, records, {rows}, 60).front();
+    auto const differs = [](auto const& a, auto const& b) { return frobenius(a - b) / frobenius(b); };
+    double const apart = std::max(differs(given.covariance(), certain.covariance()),
+                                  differs(Matrix<Reference>(given.theta()), Matrix<Reference>(certain.theta())));
+    for (Cell const& variant : without(row_forms(), {"conventional"})) {
+        auto const filter = trial.entry(std::get<std::string>(variant)).make(problem, Seed{1});
+        process_rows(*filter, records, 0, rows);
+        Stored<Reference> const stored = filter->stored();
+        Vector<Reference> const theta = filter->theta();
+        double const of_P = given.covariance_backward_error(stored), of_theta = given.theta_backward_error(theta);
+        double const P = given.covariance_error(stored), x = given.theta_error(theta);
+        out({std::get<std::string>(variant), of_P / u, of_theta / u, P / u, x / u, given.covariance_condition(), given.theta_condition(),
+             P / (given.covariance_condition() * of_P), x / (given.theta_condition() * of_theta), of_P / u / given.row_condition(),
+             given.row_condition(), given.condition(), std::isfinite(of_P) ? "yes" : "no", apart});
+    }
+}
+
+// --- claims ---------------------------------------------------------------------------------------------------------------------
+
+std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph_rank_two"}, sweeps{"carlson", "ud", "inverse_qr"},
+    rotations{"qr", "gentleman"};
+
+Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
+Table shapes(Table const& t) { return t.where("data", words(spectra)); }
+Table at_kappa(Table const& t) { return shapes(t).where("kappa", 1e3); }
+Table at_P0(Table const& t) {
+    return shapes(t).where("P0", 1e10).where("kappa", [](double kappa) { return kappa < 2e5; });
+}
+Table with_P0_of_kappa(Table const& t) {
+    Table out(t.columns());
+    size_t const P0 = t.index("P0"), kappa = t.index("kappa");
+    Table const all = shapes(t);
+    for (auto const& row : all.rows())
+        if (std::get<double>(row[P0]) == std::get<double>(row[kappa]) * std::get<double>(row[kappa])) out.add(row);
+    return out;
+}
+std::vector<std::string> const by_data{"variant", "data"};
+
+Finding slopes(Table const& t, std::string const& x, std::string const& y, double from, double to) {
+    return within(t, by_data, slope(x, y), from, to);
+}
+Finding of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data, std::string const& y, double from,
+                double to) {
+    Number const middle = median(y);
+    return labelled(data, within(some(t, variants).where("data", data), {"variant"}, middle.as(Estimate::geometric), from, to));
+}
+/// A backward error over 10 sqrt(N/60).
+Number over_bound(std::string const& y) {
+    return {[y](Table const& t) {
+                std::vector<double> const e = t.numbers(y), rows = t.numbers("rows");
+                double greatest = 0;
+                for (size_t i = 0; i < e.size(); ++i) greatest = std::max(greatest, e[i] / (10 * std::sqrt(rows[i] / 60)));
+                return greatest;
+            },
+            Estimate::every};
+}
+/// Of every form against one.
+Finding against(Table const& t, std::vector<std::string> const& variants, std::string const& other, std::string const& y, double from,
+                double to) {
+    std::vector<Finding> out;
+    for (std::string const& variant : variants) {
+        Number const ratio(
+            [=](Table const& seed) {
+                return median(seed.where("variant", variant).numbers(y)) / median(seed.where("variant", other).numbers(y));
+            },
+            Estimate::geometric);
+        out.push_back(labelled(variant, within(t, {}, ratio, from, to)));
+    }
+    return together(out);
+}
+/// Where first order is enough: condition times backward error below 1e-3.
+Table of_first_order(Table const& t, std::string const& condition, std::string const& eta) {
+    Table out(t.columns());
+    size_t const c = t.index(condition), e = t.index(eta);
+    for (auto const& row : t.rows())
+        if (std::get<double>(row[c]) * std::get<double>(row[e]) * u < 1e-3) out.add(row);
+    return out;
+}
+
+}  // namespace
+
+extern Study const backward_error;
+Study const backward_error{
+    .name = "backward_error",
+    .question = "Of which problem is a filter's answer the exact one?",
+    .source =
+        "Walden, Karlson & Sun 1995 (cited, not read), Grcar, Saunders & Su 2007, Bhatia, Jain & Lim 2019 (abstracts read); "
+        "the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
+    .formula = R"tex(\begin{aligned} \eta_\theta &= \min\{\lVert\delta A\rVert_F / \lVert A\rVert_F : \hat\theta
+\text{ minimises } \lVert(A + \delta A)x - b\rVert\} \\
+\eta_P &= \min\{\lVert\delta A\rVert_F / \lVert A\rVert_F : (A + \delta A)'(A + \delta A) = \hat P^{-1}\}
+= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
+    .interpretation =
+        "Backward errors in units of u. qr and gentleman solve a problem within 10 sqrt(N/60) u of the given one, in theta and in P, "
+        "whatever kappa, P0 and the spectrum. carlson, ud and inverse_qr do so in theta within three times that, and in P within a "
+        "few u cond(R) sqrt(N/60). cond(R) depends on the order of the columns: two that nearly agree cost a factor of 10^4 when they "
+        "come first, and nothing when they come last. The forward error does not show it: there they are as good as qr. They are "
+        "forward stable where they are not backward stable. The forms that store P solve another problem, and crossing kappa with P0 "
+        "shows why: their error of P grows as P0 (slope 0.92 to 1.07 at kappa = 1000) and not with kappa (-0.12 to 0.18 at P0 = "
+        "1e10). The slope 2 in kappa of study accuracy_conditioning is that of P0 = kappa^2. Potter's slope 1 there is P0^0.4 and "
+        "kappa^0.1 likewise. Joseph's products lose P0^1.1 and kappa^0.6 to kappa^0.9. Only of the triangular roots, qr and "
+        "information is the slope in kappa one in kappa. The backward error of P divides otherwise than predicted: P0^0.6 to P0^0.76 "
+        "and kappa^0.3 to kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 to kappa^0.4 in Potter's form; bands of "
+        "powers that were set for P0 alone fail. information has forward slope 2 and backward slope 1 in kappa: it rounds M = A'A, "
+        "and the condition number amplifies nearly all of that. The same number amplifies a thirtieth of qr's backward error, an "
+        "eightieth of the sweeps' and a tiny part of what the forms with a stored P have: their error lies where it does least harm. "
+        "With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse of no A'A: they are indefinite, and left "
+        "out of the slopes.",
+    .data =
+        "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to 1e12; two columns that "
+        "differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = 60 to 6000",
+    .factors =
+        [](Budget budget) {
+            std::vector<Cell> data = joined(joined(spectra, special), {"white"});
+            return std::vector<Factor>{{"data", data},
+                                       {"kappa", powers(10, 0, 6)},
+                                       {"P0", {1.0, 1e4, 1e6, 1e8, 1e10, 1e12}},
+                                       {"rows", {60.0, 600.0, 6000.0}},
+                                       {"replicate", counted(budget == Budget::full ? 100 : 10)}};
+        },
+    .admits = admits,
+    .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share", "theta_share",
+                 "over_cond_R", "cond_R", "kappa_of_A", "definite", "apart"},
+    .measure = measure,
+    .plots = {{.title = "Backward error of P, kappa = 1000",
+               .x = "P0",
+               .y = "eta_P",
+               .panel = "data",
+               .x_label = "P0",
+               .y_label = "backward error of P / u",
+               .where = {{"kappa", {"1000"}}}},
+              {.title = "Backward error of P, P0 = 1e10",
+               .x = "kappa",
+               .y = "eta_P",
+               .panel = "data",
+               .x_label = "kappa",
+               .y_label = "backward error of P / u",
+               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
+              {.title = "Forward error of P, kappa = 1000",
+               .x = "P0",
+               .y = "P_error",
+               .panel = "data",
+               .x_label = "P0",
+               .y_label = "relative error of P / u",
+               .where = {{"kappa", {"1000"}}}},
+              {.title = "Forward error of P, P0 = 1e10",
+               .x = "kappa",
+               .y = "P_error",
+               .panel = "data",
+               .x_label = "kappa",
+               .y_label = "relative error of P / u",
+               .where = {{"P0", {as_text(1e10)}}, {"data", words(spectra)}}},
+              {.title = "Backward error of theta, kappa = 1000",
+               .x = "P0",
+               .y = "eta_theta",
+               .panel = "data",
+               .x_label = "P0",
+               .y_label = "backward error of theta / u",
+               .where = {{"kappa", {"1000"}}}}},
+    .claims =
+        {
+            {"theta and P in 257 bits are the certified ones, to 30 digits",
+             [](Table const& t) { return within(t, {"data"}, greatest("apart"), 0, 1e-30); }, verification("certified in every trial")},
+            {"no forward error exceeds condition times backward error by more than 1 % where that is below 1e-3",
+             [](Table const& t) {
+                 return labelled("P", within(of_first_order(t, "P_condition", "eta_P"), {"variant"}, greatest("P_share"), 0, 1.01)) &&
+                        labelled("theta",
+                                 within(of_first_order(t, "theta_condition", "eta_theta"), {"variant"}, greatest("theta_share"), 0, 1.01));
+             },
+             verification("docs/theory.md 71, to first order")},
+            {"B1: qr, gentleman: the backward errors of P and theta are below 10 u sqrt(N/60), in every run",
+             [](Table const& t) {
+                 return labelled("P", within(some(t, rotations), {"variant", "data"}, over_bound("eta_P"), 0, 1)) &&
+                        labelled("theta", within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
+             },
+             finding("set before the run (B1)")},
+            {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in every run",
+             [](Table const& t) {
+                 return within(some(t, sweeps), {"variant", "data"}, over_bound("eta_theta"), 0, 1);
+             },
+             finding("as B1, set before the run")},
+            {"B2: carlson, ud, inverse_qr: the backward error of P is 0.02 to 3 times u cond(R), in every run",
+             [](Table const& t) {
+                 Number const share = least("over_cond_R"), most = greatest("over_cond_R");
+                 return labelled("least", within(some(t, sweeps), by_data, share, 0.02, 3)) &&
+                        labelled("greatest", within(some(t, sweeps), by_data, most, 0.02, 3));
+             },
+             finding("set before the run (B2)")},
+            {"B3: P forms, P0 = kappa^2: the backward error of P has slope 2.0 +- 0.2 in kappa",
+             [](Table const& t) { return slopes(some(with_P0_of_kappa(t), P_forms), "kappa", "eta_P", 1.8, 2.2); },
+             finding("set before the run (B3)")},
+            {"B3: P forms, kappa = 1000: the backward error of P has slope 0.75 to 1 in P0",
+             [](Table const& t) { return slopes(some(at_kappa(t), P_forms), "P0", "eta_P", 0.75, 1); }, finding("set before the run (B3)")},
+            {"B3, B6: P forms, P0 = 1e10: the backward error of P has slope 0 +- 0.3 in kappa",
+             [](Table const& t) { return slopes(some(at_P0(t), P_forms), "kappa", "eta_P", -0.3, 0.3); },
+             finding("set before the run (B3, B6)")},
+            {"B3: potter, the same: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, "
+             "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
+             [](Table const& t) {
+                 std::vector<std::string> const potter{"potter"};
+                 return labelled("P0 = kappa^2", slopes(some(with_P0_of_kappa(t), potter), "kappa", "eta_P", 0.8, 1.2)) &&
+                        labelled("P0", slopes(some(at_kappa(t), potter), "P0", "eta_P", 0.25, 0.45)) &&
+                        labelled("kappa", slopes(some(at_P0(t), potter), "kappa", "eta_P", -0.3, 0.3));
+             },
+             finding("set before the run (B3)")},
+            {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, each to 0.1",
+             [](Table const& t) {
+                 return labelled("P0", slopes(some(at_kappa(t), {"joseph"}), "P0", "eta_P", 0.9, 1.1)) &&
+                        labelled("kappa", slopes(some(at_P0(t), {"joseph"}), "kappa", "eta_P", 0.9, 1.1));
+             },
+             finding("set before the run (B6)")},
+            {"P forms, the forward error of P: slope 0.75 to 1 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
+             [](Table const& t) {
+                 return labelled("P0", slopes(some(at_kappa(t), P_forms), "P0", "P_error", 0.75, 1)) &&
+                        labelled("kappa", slopes(some(at_P0(t), P_forms), "kappa", "P_error", -0.3, 0.3));
+             },
+             finding("as B3, set before the run")},
+            {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
+             "last: 3 to 8 u; qr, gentleman 1 to 2 u",
+             [](Table const& t) {
+                 return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) && of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
+                        of_data(t, rotations, "pair first", "eta_P", 1, 2) && of_data(t, rotations, "pair last", "eta_P", 1, 2);
+             },
+             finding("set before the run (B4)")},
+            {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, inverse_qr)",
+             [](Table const& t) {
+                 return of_data(t, sweeps, "powers up", "eta_P", 3, 13) && of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
+             },
+             finding("set before the run (B4)")},
+            {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 times qr's and more, "
+             "the forward error the same to a factor of 3",
+             [](Table const& t) {
+                 Table const pair = t.where("data", "pair first");
+                 return labelled("backward", against(pair, sweeps, "qr", "eta_P", 1000, 1e300)) &&
+                        labelled("forward", against(pair, sweeps, "qr", "P_error", 1.0 / 3, 3));
+             },
+             finding("a factor of 3, set before the run (B5)")},
+            {"B7: information, P0 = kappa^2: forward slope 2.0 +- 0.2, backward slope 1.0 +- 0.1 (P)",
+             [](Table const& t) {
+                 Table const rows = some(with_P0_of_kappa(t), {"information"}).where("kappa", [](double kappa) { return kappa < 2e5; });
+                 return labelled("forward", slopes(rows, "kappa", "P_error", 1.8, 2.2)) &&
+                        labelled("backward", slopes(rows, "kappa", "eta_P", 0.9, 1.1));
+             },
+             finding("set before the run (B7)")},
+            {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
+             [](Table const& t) {
+                 Number const ratio([](Table const& r) { return r.number("eta_P") / r.number("kappa"); }, Estimate::geometric);
+                 return within(some(with_P0_of_kappa(t), {"information"}), {"data", "kappa"}, ratio, 0.1 / 3, 0.3);
+             },
+             finding("a factor of 3, set before the run (B7)")},
+            {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each of the data",
+             [](Table const& t) {
+                 Number const share([](Table const& r) {
+                     std::vector<double> e = r.numbers("over_cond_R"), rows = r.numbers("rows");
+                     for (size_t i = 0; i < e.size(); ++i) e[i] /= std::sqrt(rows[i] / 60);
+                     return median(e);
+                 });
+                 return within(some(t, sweeps), by_data, share.as(Estimate::geometric), 0.1, 2);
+             },
+             finding("set after the first full run: B2 with N")},
+            {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman 0.01 to 0.1, "
+             "carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
+             [](Table const& t) {
+                 auto const of = [&](std::vector<std::string> const& variants, double from, double to) {
+                     return within(some(shapes(t), variants), {"variant"}, median("P_share"), from, to);
+                 };
+                 return of({"information"}, 0.5, 1) && of(rotations, 0.01, 0.1) && of(sweeps, 0.003, 0.03) && of(P_forms, 0, 1e-3);
+             },
+             finding("set after the first full run")},
+            {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- 0.3, 0.5 to 1 in "
+             "kappa at P0 = 1e10",
+             [](Table const& t) {
+                 auto const of = [&](char const* variant, Table const& rows, char const* x, double from, double to) {
+                     return slopes(some(rows, {variant}), x, "P_error", from, to);
+                 };
+                 return of("potter", at_kappa(t), "P0", 0.3, 0.5) && of("joseph", at_kappa(t), "P0", 1, 1.25) &&
+                        of("potter", at_P0(t), "kappa", -0.3, 0.3) && of("joseph", at_P0(t), "kappa", 0.5, 1);
+             },
+             finding("set after the first full run")},
+            {"white rows, 60 to 6000: the backward error of P grows as N^0.35 to N^0.6 in every form",
+             [](Table const& t) { return within(t.where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6); },
+             finding("set before the run")},
+        },
+};
+
+}  // namespace rlslab

@@ -1,0 +1,54 @@
+// Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
+#include "studies/engine/spectra.hpp"
+
+#include <cmath>
+
+namespace rlslab {
+
+Records answered(Matrix<double> psi, Seed seed, double noise) {
+    Index const rows = psi.cols();
+    Records out{.psi = std::move(psi), .y = Vector<double>(rows), .names = {}};
+    for (Index k = 0; k < rows; ++k) {
+        double sum = 0;  // in order: Eigen's sum depends on the instruction set
+        for (Index i = 0; i < out.psi.rows(); ++i) sum += out.psi(i, k);
+        out.y[k] = sum + noise * seed.bell();
+    }
+    return out;
+}
+
+namespace {
+
+/// n orthonormal columns of `size` numbers, from noise by modified Gram-Schmidt, twice; sums in order.
+Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
+    Matrix<double> Q(size, n);
+    auto const dot = [&](Index a, Index b) {
+        double sum = 0;
+        for (Index i = 0; i < size; ++i) sum += Q(i, a) * Q(i, b);
+        return sum;
+    };
+    for (Index j = 0; j < n; ++j) {
+        for (Index i = 0; i < size; ++i) Q(i, j) = seed.bell();
+        for (int twice = 0; twice < 2; ++twice)
+            for (Index k = 0; k < j; ++k) {
+                double const c = dot(k, j);
+                for (Index i = 0; i < size; ++i) Q(i, j) -= c * Q(i, k);
+            }
+        double const length = std::sqrt(dot(j, j));
+        for (Index i = 0; i < size; ++i) Q(i, j) /= length;
+    }
+    return Q;
+}
+
+}  // namespace
+
+Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise) {
+    Index const size = Index(sigma.size());
+    Matrix<double> const U = orthonormal(rows, size, seed), V = orthonormal(size, size, seed);
+    Matrix<double> psi = Matrix<double>::Zero(size, rows);
+    for (Index j = 0; j < size; ++j)
+        for (Index k = 0; k < rows; ++k)
+            for (Index i = 0; i < size; ++i) psi(i, k) += U(k, j) * sigma[size_t(j)] * V(i, j);
+    return answered(std::move(psi), seed, noise);
+}
+
+}  // namespace rlslab

@@ -1,0 +1,17 @@
+// Regressors made by a study itself: with given singular values, or any, answered as the other data of studies are.
+#pragma once
+
+#include <rlslab/core/random.hpp>
+#include <rlslab/core/records.hpp>
+
+#include <vector>
+
+namespace rlslab {
+
+/// y_k = psi_k'theta + noise v_k, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell). psi is d x N.
+Records answered(Matrix<double> psi, Seed seed, double noise);
+
+/// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for the rounding to double.
+Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise);
+
+}  // namespace rlslab
