@@ -63,15 +63,15 @@ Study const few_random_bits{
             return std::vector<Factor>{{"digits", full ? std::vector<Cell>{8.0, 11.0, 16.0} : std::vector<Cell>{8.0, 11.0}},
                                        {"rounding", {"nearest", "stochastic", "truncate", "half"}},
                                        {"random_bits", {0.0, 1.0, 2.0, 3.0, 4.0, 6.0}},
-                                       {"replicate", counted(full ? 1000 : 100)}};
+                                       {"replicate", counted(1000)}};
         },
     .admits =
         [](Trial const& trial) {
             double const p = trial.number("digits"), r = trial.number("random_bits"), n = trial.number("replicate");
             std::string const& rounding = trial.text("rounding");
             if (rounding == "nearest") return r == 0 && n == 1;
-            if (rounding == "stochastic") return r == 0 && n <= (p == 16 ? 100 : p == 11 ? (trial.full() ? 500 : 40) : 1000);
-            return r > 0 && p + r <= (trial.full() ? 18 : 13) && n <= (trial.full() ? 20 : 5);
+            if (rounding == "stochastic") return r == 0 && n <= (p == 16 ? 200 : p == 11 ? (trial.full() ? 1000 : 200) : 1000);
+            return r > 0 && p + r <= (trial.full() ? 18 : 13) && n <= (trial.full() ? 100 : 20);
         },
     .measures = {"rows", "scaled", "last", "P", "inverse_P", "rows_P", "of_law", "deviation"},
     .measure = measure,

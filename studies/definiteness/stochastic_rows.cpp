@@ -56,7 +56,7 @@ Study const stochastic_rows{
                 {"rounding", {"nearest", "stochastic"}},
                 {"digits", {6.0, 8.0, 11.0, 16.0}},
                 {"rows", budget == Budget::full ? std::vector<Cell>{100.0, 1000.0, 10000.0} : std::vector<Cell>{100.0, 1000.0}},
-                {"replicate", counted(budget == Budget::full ? 100 : 20)}};
+                {"replicate", counted(100)}};
         },
     .measures = {"u", "greatest_P", "of_law", "of_bound", "of_prior"},
     .measure = measure,
