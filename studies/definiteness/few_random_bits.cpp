@@ -70,7 +70,7 @@ Study const few_random_bits{
             double const p = trial.number("digits"), r = trial.number("random_bits"), n = trial.number("replicate");
             std::string const& rounding = trial.text("rounding");
             if (rounding == "nearest") return r == 0 && n == 1;
-            if (rounding == "stochastic") return r == 0 && n <= (p == 16 ? 200 : p == 11 ? (trial.full() ? 1000 : 200) : 1000);
+            if (rounding == "stochastic") return r == 0 && n <= (p == 16 ? 200 : p == 11 ? (trial.full() ? 1000 : 500) : 1000);
             return r > 0 && p + r <= (trial.full() ? 18 : 13) && n <= (trial.full() ? 100 : 20);
         },
     .measures = {"rows", "scaled", "last", "P", "inverse_P", "rows_P", "of_law", "deviation"},
