@@ -1,4 +1,4 @@
-// NIST's regressions in many orders of their rows, with fused products and with other dot products: how much a number of digits may scatter.
+// NIST's regressions in many orders of their rows, with fused products and other dot products: how much a number of digits may scatter.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_filters.hpp"

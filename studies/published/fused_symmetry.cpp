@@ -3,6 +3,8 @@
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_filters.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+
 #include <cmath>
 
 namespace rlslab {
@@ -57,8 +59,8 @@ Study const fused_symmetry{
     .question = "What do fused products, which a compiler may choose, do to the symmetry of P?",
     .source = "derived (docs/theory.md 79)",
     .formula =
-        R"tex(\mathrm{fl}(x_ig_j + g_ix_j) = \mathrm{fma}(g_i, x_j, \mathrm{fl}(x_ig_j)) \ne \mathrm{fma}(g_j, x_i, \mathrm{fl}(x_jg_i)), \qquad
-              E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
+        R"tex(\mathrm{fl}(x_ig_j + g_ix_j) = \mathrm{fma}(g_i, x_j, \mathrm{fl}(x_ig_j)) \ne \mathrm{fma}(g_j, x_i, \mathrm{fl}(x_jg_i)),
+              \qquad E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
     .interpretation = "",
     .data = "white rows, d = 4, P0 = I",
     .factors =
