@@ -134,7 +134,7 @@ Study const fused{
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"set", {"longley", "filip", "wampler3", "wampler4", "wampler5"}},
-                                       {"replicate", counted(budget == Budget::full ? 40 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 40 : 10)}};
         },
     .measures = {"variant", "evaluation", "expected", "median", "deviation", "below", "above", "bias", "within_one", "within_third",
                  "paired", "shift", "c"},
