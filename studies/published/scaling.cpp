@@ -38,6 +38,8 @@ std::unique_ptr<AnyFilter> fed(Entry const& entry, Setting const& s) {
     process_rows(*filter, s.records, 0, s.records.rows());
     return filter;
 }
+/// A number, or no number, in both.
+bool same(Reference const& a, Reference const& b) { return a == b || (a != a && b != b); }
 /// How many numbers of theta and of P or P^-1, as stored and multiplied out, are not those of `plain` in the other units.
 double differing(AnyFilter const& filter, AnyFilter const& plain, Vector<double> const& by, double output) {
     Vector<Reference> const theta = filter.theta(), expected = plain.theta();
@@ -46,10 +48,10 @@ double differing(AnyFilter const& filter, AnyFilter const& plain, Vector<double>
     bool const information = stored.quantity == Stored<Reference>::Quantity::information;
     double out = 0;
     for (Index i = 0; i < theta.size(); ++i) {
-        out += !(theta[i] == expected[i] * output / by[i]);
+        out += !same(theta[i], Reference(expected[i] * output / by[i]));
         for (Index j = 0; j < theta.size(); ++j) {
             double const unit = by[i] * by[j];
-            out += !(X(i, j) == (information ? Reference(before(i, j) * unit) : Reference(before(i, j) / unit)));
+            out += !same(X(i, j), information ? Reference(before(i, j) * unit) : Reference(before(i, j) / unit));
         }
     }
     return out;
@@ -100,9 +102,10 @@ void units(Trial const& trial, Entry const& entry, TrialOutput& out) {
          once ? condition(unit, 1) : nothing});
 }
 
-/// Three rows 2^26 times as large as the other 57, before them or after.
+/// Three rows 2^26 times as large as the others, before them or after.
 void order_of_rows(Trial const& trial, Entry const& entry, TrialOutput& out) {
-    constexpr Index d = 5, rows = 60, large = 3;
+    constexpr Index d = 5, large = 3;
+    Index const rows = trial.text("setting") == "large rows of 60" ? 60 : 300;
     Records const drawn = white(d, rows, trial.seed({"replicate"}), 1e-3);
     auto const digits = [&](bool first) {
         Records records = drawn;
@@ -151,20 +154,21 @@ Study const scaling{
     .data = "white rows, d = 5; NIST StRD: Longley and Filip; white rows of which three are 2^26 times as large",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{{"question", {"invariance", "units", "order"}},
-                                       {"setting", {"columns", "rows", "output", "signs", "three", "longley", "filip", "large rows"}},
-                                       {"arithmetic", {"float", "double"}},
-                                       {"lambda", {1.0, 0.97}},
-                                       {"variant", joined(row_forms(), {"kalman", "qr_block"})},
-                                       {"replicate", counted(budget == Budget::full ? 40 : 10)}};
+            return std::vector<Factor>{
+                {"question", {"invariance", "units", "order"}},
+                {"setting", {"columns", "rows", "output", "signs", "three", "longley", "filip", "large rows of 60", "large rows of 300"}},
+                {"arithmetic", {"float", "double"}},
+                {"lambda", {1.0, 0.97}},
+                {"variant", joined(row_forms(), {"kalman", "qr_block"})},
+                {"replicate", counted(budget == Budget::full ? 40 : 10)}};
         },
     .admits =
         [](Trial const& trial) {
             std::string const &question = trial.text("question"), &setting = trial.text("setting");
             bool const in_double = trial.text("arithmetic") == "double" && trial.number("lambda") == 1;
             if (question == "units") return in_double && (setting == "longley" || setting == "filip");
-            if (question == "order") return in_double && setting == "large rows";
-            return setting != "longley" && setting != "filip" && setting != "large rows";
+            if (question == "order") return in_double && setting.starts_with("large");
+            return setting != "longley" && setting != "filip" && !setting.starts_with("large");
         },
     .measures = {"differing", "digits", "digits_other", "condition", "equilibrated"},
     .measure = measure,
@@ -199,11 +203,18 @@ Study const scaling{
              [](Table const& t) { return everywhere(of(t, "units"), "differing", 0.0); }, verification("docs/theory.md 52")},
             {"F3: qr and gentleman do not mind large rows that come last: by less than half a digit",
              [](Table const& t) {
-                 return within(of(t, "order").where("variant", {"qr", "gentleman"}), {"variant"}, lost_by_order, -0.5, 0.5);
+                 return within(of(t, "order").where("variant", {"qr", "gentleman"}), {"variant", "setting"}, lost_by_order, -0.5, 0.5);
              },
              finding("expected from docs/theory.md 52, set before the run")},
-            {"F3: qr_block, by blocks of Householder reflections, does: by two digits and more",
-             [](Table const& t) { return within(of(t, "order").where("variant", "qr_block"), {}, lost_by_order, 2, 16); },
+            {"F3: qr_block, by blocks of Householder reflections, does: by two digits and more, in one block",
+             [](Table const& t) {
+                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 60"), {}, lost_by_order, 2, 16);
+             },
+             finding("Cox & Higham 1998 (cited, not read), set before the run")},
+            {"F3: and where they come in a later block",
+             [](Table const& t) {
+                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 300"), {}, lost_by_order, 2, 16);
+             },
              finding("Cox & Higham 1998 (cited, not read), set before the run")},
         },
 };
