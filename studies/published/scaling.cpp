@@ -150,7 +150,13 @@ Study const scaling{
     .source = "van der Sluis 1969, Cox & Higham 1998 (cited, not read); docs/theory.md 52",
     .formula = R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D = \mathrm{diag}(2^{a_i}):
               \qquad \text{the same significands})tex",
-    .interpretation = "",
+    .interpretation =
+        "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same units. So no "
+        "variant is better scaled than another, and the condition number that counts is that of columns of norm 1: Filip's 1.8e15 "
+        "is 5.2e9. A filter that breaks down does so in both units (information on Filip). Rows of very different size are another "
+        "matter. Rotations do not mind large rows that come late; they are even better off by up to a digit. Blocks of Householder "
+        "reflections do not mind them in the block that starts from the prior, because the rows that the reflections overwrite are "
+        "the prior's. In a later block the large rows overwrite what the small ones before had left in R, and five digits are gone.",
     .data = "white rows, d = 5; NIST StRD: Longley and Filip; white rows of which three are 2^26 times as large",
     .factors =
         [](Budget budget) {
