@@ -125,7 +125,7 @@ extern Study const fused;
 Study const fused{
     .name = "fused",
     .question = "How much may a number of digits scatter, and what do fused products and another order of a sum do to it?",
-    .source = "Björck 1967, Wedin 1973 (cited, not read: perturbation); the statistics are derived (docs/theory.md 78)",
+    .source = "derived (docs/theory.md 78, with the perturbations of 49)",
     .formula =
         R"tex(\mathrm{LRE} \approx -\log_{10}\bigl(u\,c\,\sigma\,|Z|\bigr), \quad Z \text{ normal}: \qquad
               \mathrm{sd} = 0.48, \quad \text{median} = -\log_{10}(0.6745\,u\,c\,\sigma))tex",

@@ -59,8 +59,8 @@ Study const fused_symmetry{
     .question = "What do fused products, which a compiler may choose, do to the symmetry of P?",
     .source = "derived (docs/theory.md 79)",
     .formula =
-        R"tex(\mathrm{fl}(x_ig_j + g_ix_j) = \mathrm{fma}(g_i, x_j, \mathrm{fl}(x_ig_j)) \ne \mathrm{fma}(g_j, x_i, \mathrm{fl}(x_jg_i)),
-              \qquad E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
+        R"tex(\mathrm{fma}(g_i, x_j, \mathrm{fl}(x_ig_j)) \ne \mathrm{fma}(g_j, x_i, \mathrm{fl}(x_jg_i)), \qquad
+              E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
     .interpretation =
         "The text of joseph_rank_two adds two products and subtracts the sum, so that an entry and its mirror image are the same "
         "bits. A compiler that fuses one of the products breaks that: the antisymmetric part is divided by lambda at every step and "

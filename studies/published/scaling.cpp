@@ -148,8 +148,8 @@ Study const scaling{
     .name = "scaling",
     .question = "Which changes of units, and which sizes of rows, change the digits?",
     .source = "van der Sluis 1969, Cox & Higham 1998 (cited, not read); docs/theory.md 52",
-    .formula = R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D = \mathrm{diag}(2^{a_i}):
-              \qquad \text{the same significands})tex",
+    .formula = R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D = \mathrm{diag}(2^{a_i}): \qquad
+              \text{the same significands})tex",
     .interpretation =
         "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same units. So no "
         "variant is better scaled than another, and the condition number that counts is that of columns of norm 1: Filip's 1.8e15 "
