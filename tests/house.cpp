@@ -125,7 +125,7 @@ std::vector<Folder> const house{
     {"examples/microcontroller", {"src/rlslab/adapt", "variants"}},
     {"examples/microcontroller/board", {}},
     {"tests/fuzz", {"program"}},
-    {"tests", {"program", "tests/compilers"}},
+    {"tests", {"program", "tests/compilers", "studies/definiteness", "studies/published"}},
 };
 
 /// What each folder stands on, itself included.
