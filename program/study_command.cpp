@@ -2,6 +2,7 @@
 #include "program/commands.hpp"
 #include "report/svg.hpp"
 #include "studies/engine/journal.hpp"
+#include "studies/engine/latex.hpp"
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
@@ -84,8 +85,9 @@ int study_part(StudyArguments const& a) {
 int study_whole(StudyArguments const& a) {
     auto const chosen = chosen_studies(a);
     create_folder(a.options.out / "figures");
+    create_folder(a.options.out / "tables");
     FolderLock const lock(a.options.out);
-    for (char const* part : {"", ".trials", "figures"}) remove_leftovers(a.options.out / part);
+    for (char const* part : {"", ".trials", "figures", "tables"}) remove_leftovers(a.options.out / part);
     when_stopped(
         fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
     std::error_code error;
@@ -95,6 +97,9 @@ int study_whole(StudyArguments const& a) {
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
             replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
+    for (Outcome const& outcome : outcomes)
+        replace_file(a.options.out / "tables" / (outcome.study->name + ".tex"), table_tex(outcome, a.options));
+    replace_file(a.options.out / "numbers.tex", numbers_tex(outcomes, a.options));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "verdicts.csv", verdicts_csv(outcomes));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
