@@ -169,11 +169,12 @@ Study const backward_error{
         "Potter's slope 1 there is P0^0.4 and kappa^0.1 likewise. Joseph's products lose P0^1.1 and kappa^0.6 to kappa^0.9. Only of "
         "the triangular roots, qr and information is the slope in kappa one in kappa. The backward error of P divides otherwise than "
         "predicted: P0^0.6 to P0^0.75 and kappa^0.3 to kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 to kappa^0.4 in "
-        "Potter's form; bands that were set for P0 alone fail. information has forward slope 2 and backward slope 1 in kappa: it "
-        "rounds M = A'A, and the condition number amplifies nearly all of that. The same number amplifies a thirtieth of qr's "
-        "backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored P have: their error lies where "
-        "it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse of no A'A: they are "
-        "indefinite, and left out of the slopes.",
+        "Potter's form; bands that were set for P0 alone fail. At P0 = 1e10 it does not change up to kappa = 1e4, and rises at 1e5, "
+        "where the prior holds as much as the weakest direction of the data. information has forward slope 2 and backward slope 1 in "
+        "kappa: it rounds M = A'A, and the condition number amplifies nearly all of that. The same number amplifies a thirtieth of "
+        "qr's backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored P have: their error lies "
+        "where it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse of no A'A: they "
+        "are indefinite, and left out of the slopes.",
     .data =
         "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to 1e12; two columns that "
         "differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = 60 to 6000",
