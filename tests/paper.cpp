@@ -48,7 +48,10 @@ TEST(Latex, EscapesWhatItWouldRead) {
 TEST(Latex, KnowsEverySignOfTheClaims) {
     for (Study const* study : rlslab::studies())
         for (Claim const& claim : study->claims)
-            for (char const c : rlslab::latex(claim.text + study->question)) EXPECT_GE(c, ' ') << study->name << ": " << claim.text;
+            for (char const c : rlslab::latex(claim.text + study->question)) {
+                EXPECT_GE(static_cast<unsigned char>(c), ' ') << study->name << ": " << claim.text;
+                EXPECT_LT(static_cast<unsigned char>(c), 0xc4) << "beyond Latin letters: " << study->name << ": " << claim.text;
+            }
 }
 
 TEST_F(Program, AStudyLeavesTablesAndNumbersForPapers) {
