@@ -12,7 +12,7 @@ struct Quoted {
     std::string study, number, words;
 };
 std::vector<Quoted> quoted(std::string const& text) {
-    static std::regex const found(R"(\\(?:found|measured|verdict)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
+    static std::regex const found(R"(\\(?:found|measured|claimed|verdict)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
     std::vector<Quoted> out;
     for (std::sregex_iterator at(text.begin(), text.end(), found), end; at != end; ++at) out.push_back({(*at)[1], (*at)[2], (*at)[3]});
     return out;

@@ -96,6 +96,7 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
         "\\makeatletter\n"
         "\\newcommand{\\measured}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}\\typeout{missing: #1, claim #2}}{\\csname rls@#1@#2\\endcsname}}\n"
         "\\newcommand{\\verdict}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@v@#1@#2\\endcsname}}\n"
+        "\\newcommand{\\claimed}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@c@#1@#2\\endcsname}}\n"
         "\\newcommand{\\runcount}[2]{\\csname rls@count@#1@#2\\endcsname}\n";
     out += fmt::format("\\newcommand{{\\runbudget}}{{{}}}\n\\newcommand{{\\runseed}}{{{}}}\n\\newcommand{{\\runrevision}}{{{}}}\n",
                        name_of(options.budget), options.seed, latex(revision));
@@ -113,10 +114,11 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
     for (Outcome const& outcome : outcomes)
         for (size_t i = 0; i < outcome.findings.size(); ++i)
             out += fmt::format(
-                "\\expandafter\\def\\csname rls@{0}@{1}\\endcsname{{{2}}}% {4}\n"
-                "\\expandafter\\def\\csname rls@v@{0}@{1}\\endcsname{{{3}}}\n",
+                "\\expandafter\\def\\csname rls@{0}@{1}\\endcsname{{{2}}}\n"
+                "\\expandafter\\def\\csname rls@v@{0}@{1}\\endcsname{{{3}}}\n"
+                "\\expandafter\\def\\csname rls@c@{0}@{1}\\endcsname{{{4}}}\n",
                 outcome.study->name, i + 1, latex(outcome.findings[i].measured), name_of(outcome.findings[i].verdict),
-                outcome.study->claims[i].text);
+                latex(outcome.study->claims[i].text));
     return out + "\\makeatother\n";
 }
 
