@@ -115,9 +115,9 @@ TEST(Verdicts, AreThoseThatTheReadmeCounts) {
     size_t claims = 0;
     for (Study const* study : studies())
         for (Claim const& claim : study->claims) {
-            auto const& record = recorded(Budget::quick);
-            auto const of_study = record.find(study->name);
-            if (of_study == record.end() || !of_study->second.contains(claim.text)) {
+            auto const& quick = recorded(Budget::quick);
+            auto const of_study = quick.find(study->name);
+            if (of_study == quick.end() || !of_study->second.contains(claim.text)) {
                 ADD_FAILURE() << study->name << ": not recorded; rlslab study " << study->name << " --record studies/verdicts.json";
                 return;
             }
