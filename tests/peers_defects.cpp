@@ -230,7 +230,7 @@ TEST(PeersDefects, AnAnswerIsFromAllRowsWhenTheOneBeforeWasNot) {
 
 // --- 5. a P0 that is no covariance (gr-adapt's complex filters) ----------------------------------------------------------------------
 
-/// Theirs: P0 = (1 + i) / delta I, not Hermitian. As real numbers, (Re theta, Im theta): [1 -1; 1 1] / delta in place of [1 0; 0 1] / delta.
+/// Theirs: P0 = (1 + i) / delta I, not Hermitian. In reals, (Re theta, Im theta): [1 -1; 1 1] / delta, not I / delta.
 struct TakesAnyPrior : Textbook {
     explicit TakesAnyPrior(Problem<double> const& p) : Textbook(p) {
         if (p.prior->covariance) P = *p.prior->covariance;
