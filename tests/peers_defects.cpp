@@ -4,6 +4,7 @@
 #include "tests/adapt.hpp"
 
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/outputs.hpp>
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -254,6 +255,33 @@ TEST(PeersDefects, APriorIsACovariance) {
         EXPECT_EQ(P, 16 * Matrix<double>::Identity(3, 3)) << F::name;
     });
     EXPECT_FALSE(refuses_a_prior_that_is_no_covariance<TakesAnyPrior>());
+}
+
+// --- 6. several outputs that nobody ever instantiated (Controlpp) --------------------------------------------------------------------
+
+/// Theirs takes one scalar y, where there is one for each output.
+template <class F>
+struct TakesOneOutput : MultiOutput<F, 2> {
+    using MultiOutput<F, 2>::MultiOutput;
+    void update(Regressor<double> psi, Regressor<double> y) { MultiOutput<F, 2>::update(psi, {y[0], y[0]}); }
+};
+template <class M>
+bool learns_each_output() {
+    M f({.size = 2, .prior = Prior<double>{.variance = 1e6}});
+    Seed rows{4};
+    for (int k = 0; k < 20; ++k) {
+        Psi const psi = random_row(rows, 2);
+        f.update(psi, {psi[0] - 2 * psi[1], 5 * psi[1]});
+    }
+    return (f.theta() - Matrix<double, 2>{{1.0, 0.0}, {-2.0, 5.0}}).cwiseAbs().maxCoeff() < 1e-4;
+}
+TEST(PeersDefects, SeveralOutputsAreSeveral) {
+    for_each_variant([]<class F>() {
+        if constexpr (requires { typename MultiOutput<F, 2>; }) {
+            EXPECT_TRUE((learns_each_output<MultiOutput<F, 2>>())) << F::name;
+            EXPECT_FALSE(learns_each_output<TakesOneOutput<F>>()) << F::name;
+        }
+    });
 }
 
 // --- 7. a covariance after the row that is the one before it (filterpy's square-root filter) -----------------------------------------

@@ -148,6 +148,12 @@ public:
         }
         return take(y);
     }
+    /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
+    Step<T> pass_time() {
+        signal_ = GuardSignal::none;
+        detail::fill(psi_, T(0));
+        return take(T(0), false);
+    }
     auto theta() const { return filter_.theta(); }
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }
@@ -209,13 +215,13 @@ private:
         learnt_.n = 0;
         history_.n = 0;
     }
-    Step<T> take(T const& y) {  // (3)
+    Step<T> take(T const& y, bool learns = true) {  // (3)
         Step<T> const step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), y);
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
         bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
         if (step.health == Health::sound) {
             determined_ = true;
-            learn(step.innovation * step.residual);
+            if (learns) learn(step.innovation * step.residual);
             broken = !look(coordinate_.n);  // (4)
         }
         if (broken) repair();
