@@ -1,9 +1,9 @@
 // A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept rows anew.
 #pragma once
 
+#include <rlslab/adapt/bounded_count.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/remove.hpp>
-#include <rlslab/core/encoding.hpp>
 
 #include <tuple>
 #include <type_traits>
