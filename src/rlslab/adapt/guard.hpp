@@ -168,7 +168,17 @@ public:
                         g.theta_size_, g.noise_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);
     }
 
+    /// Of the filter inside.
+    friend T variance(Guarded& g, Index j) { return variance(g.filter_, j); }
+    friend T variance_along(Guarded& g, Regressor<T> psi) { return variance_along(g.filter_, psi); }
+
     GuardSignal signal() const { return signal_; }  ///< what the last row showed
+    /// Whether the last row tells nothing of the noise; and whether the filter started anew at it.
+    bool set_aside() const { return signal_ != GuardSignal::none && signal_ != GuardSignal::windup; }
+    bool started_over() const {
+        return (signal_ == GuardSignal::change && policy.change == Action::reset) ||
+               (signal_ == GuardSignal::breakdown && policy.breakdown != Action::report);
+    }
     GuardCounts const& counts() const { return counts_; }
     T noise_variance() const { return noise_; }  ///< s2; 0 until it is known
 

@@ -165,6 +165,9 @@ public:
 
     /// What a guard asks for.
     friend T variance(Relay& r, Index j) { return r.handed_ ? number_as<T>(variance(r.second_, j)) : variance(r.first_, j); }
+    friend T variance_along(Relay& r, Regressor<T> psi) {
+        return r.handed_ ? number_as<T>(variance_along(r.second_, r.widened(psi))) : variance_along(r.first_, psi);
+    }
     friend T asymmetry(Relay& r, Index j)
         requires ReportsAsymmetry<F>
     {

@@ -82,6 +82,10 @@ public:
         return K;
     }
     Stored<T> stored() const { return filter_.stored(); }
+    /// Of the filter inside.
+    friend T variance(Weighted& f, Index j) { return variance(f.filter_, j); }
+    friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }
+
     F const& filter() const { return filter_; }
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
 };

@@ -123,6 +123,11 @@ public:
     {
         return variance(w.filter_, j);
     }
+    friend T variance_along(Windowed& w, Regressor<T> psi)
+        requires ReportsVariances<F>
+    {
+        return variance_along(w.filter_, psi);
+    }
     friend T asymmetry(Windowed& w, Index j)
         requires ReportsAsymmetry<F>
     {
