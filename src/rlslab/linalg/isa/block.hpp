@@ -8,7 +8,7 @@ template <class T>
 struct ScalarRow {
     using scalar = T;
     static constexpr int rows = 1, registers = 2;  // as many as fit if T is a Pack
-    static constexpr bool padded = false;
+    static constexpr bool padded = false, wide = false;
     Accumulator<T> x;
 
     [[gnu::always_inline]] void zero() { x = T(0); }
@@ -36,7 +36,8 @@ struct SimdBlock {
     typedef Word Mask __attribute__((vector_size(Bytes)));
     typedef Word MaskAnywhere __attribute__((vector_size(Bytes), aligned(alignof(Word)), may_alias));
     static constexpr int rows = Rows, W = Bytes / int(sizeof(T)), registers = Rows / W;
-    static constexpr bool padded = true;
+    static constexpr bool padded = true, wide = Bytes == 64;
+    static_assert(Rows % W == 0);
     V v[registers];
 
     [[gnu::always_inline]] void zero() {
@@ -53,6 +54,8 @@ struct SimdBlock {
             if (left >= W) {
                 v[m] = *reinterpret_cast<Anywhere const*>(at);
 #ifdef __x86_64__  // not through an array: narrow stores do not forward to a wide load, which would wait
+            } else if constexpr (Bytes == 64) {
+                v[m] = V(_mm512_maskz_loadu_pd(first_lanes(left), at));
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
                 v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
@@ -142,6 +145,7 @@ struct SimdBlock {
         for (int m = 1; m < registers; ++m) sum = sum + v[m];
         Mask const zero = sum == V{};
 #ifdef __x86_64__
+        if constexpr (Bytes == 64) return _mm512_cmp_pd_mask(__m512d(sum), __m512d(V{}), _CMP_EQ_OQ) == 255;
         if constexpr (Bytes == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(zero)) == 15;
         if constexpr (Bytes == 32 && sizeof(T) == 4) return _mm256_movemask_ps(__m256(zero)) == 255;
         if constexpr (Bytes == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(zero)) == 3;
@@ -226,13 +230,16 @@ private:
         alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
         return *reinterpret_cast<MaskAnywhere const*>(table + 8 - count + m * W);
     }
+    /// The same for the only register of eight rows, as AVX-512 has it: a bit a row.
+    [[gnu::always_inline]] static std::uint8_t first_lanes(Index count) { return std::uint8_t(255u >> (8 - count)); }
     [[gnu::always_inline]] static void leave_out(V& product, Index count, int m) {
         Mask const here = mask(count, m);
         product = V((here & Mask(product)) | (~here & Mask(-V{})));
     }
     [[gnu::always_inline]] static void root(V& x) {
 #ifdef __x86_64__
-        if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
+        if constexpr (Bytes == 64) x = V(_mm512_maskz_sqrt_pd(255, __m512d(x)));  // of _mm512_sqrt_pd g++ 12 warns
+        else if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
         else if constexpr (Bytes == 32) x = V(_mm256_sqrt_ps(__m256(x)));
         else if constexpr (sizeof(T) == 8) x = V(_mm_sqrt_pd(__m128d(x)));
         else x = V(_mm_sqrt_ps(__m128(x)));

@@ -179,5 +179,6 @@ template <class B, class T>
 
 template <class B, ByRows S>
 [[gnu::always_inline]] inline void evaluate(S const& s) {
-    groups<B, S::registers <= B::registers ? 1 : S::registers / B::registers>(s, 0);
+    constexpr int together = B::wide ? wide<S>.registers : S::registers;
+    groups<B, together <= B::registers ? 1 : together / B::registers>(s, 0);
 }
