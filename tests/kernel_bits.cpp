@@ -169,10 +169,16 @@ TYPED_TEST(KernelBits, OfProductsAreTheSame) {
 TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
     using T = TypeParam;
     using O = Operands<T>;
-    check<T>("SubtractRankOne", Part::full,
-             [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
-    check<T>("SubtractMirrored", Part::symmetric,
-             [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
+    auto const rank_one = [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
+    auto const symmetric = [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
+    check<T>("SubtractRankOne", Part::full, rank_one);
+    check<T>("SubtractMirrored", Part::symmetric, symmetric);
+    check<T>("SubtractRankOne and the product", Part::full, [=](O& o) {
+        return ThenMultiply<SubtractRankOne<T>>{rank_one(o), o.v[2].data(), o.v[3].data()};
+    });
+    check<T>("SubtractMirrored and the product", Part::symmetric, [=](O& o) {
+        return ThenMultiply<SubtractMirrored<T>>{symmetric(o), o.v[2].data(), o.v[3].data()};
+    });
     check<T>("SubtractRankTwo", Part::symmetric,
              [](O& o) { return SubtractRankTwo<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
     auto const over = [](O& o) { return OverTriangle<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; };

@@ -37,11 +37,22 @@ inline constexpr Wide wide<SubtractMirrored<double>>{.from = 64, .registers = 4}
 template <>
 inline constexpr Wide wide<SubtractRankTwo<double>>{.from = 64, .registers = 8};
 template <>
+inline constexpr Wide wide<ThenMultiply<SubtractRankOne<double>>>{.from = 16, .registers = 8};
+template <>
+inline constexpr Wide wide<ThenMultiply<SubtractMirrored<double>>>{.from = 24, .registers = 4};
+template <>
 inline constexpr Wide wide<SweepUd<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
+
+/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows need
+/// many registers: SubtractRankOne is not faster with 16 of them.
+template <class Pass>
+inline constexpr Index one_pass_from = std::numeric_limits<Index>::max();
+template <class T>
+inline constexpr Index one_pass_from<SubtractMirrored<T>> = 128;
 
 }  // namespace rlslab::kernels
 
@@ -121,6 +132,12 @@ inline constexpr int register_bytes = 32;
 #else
 inline constexpr int register_bytes = 16;
 #endif
+
+/// Whether ThenMultiply<Pass> is faster than the pass and a product after it.
+template <class Pass>
+bool one_pass_is_faster(Index d) {
+    return d >= (isa >= Isa::avx512 ? std::min(wide<ThenMultiply<Pass>>.from, one_pass_from<Pass>) : one_pass_from<Pass>);
+}
 }  // namespace kernels
 
 /// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large part of their time.

@@ -146,6 +146,15 @@ struct SubtractMirrored {
     T const *w, *f;
     T correction;
 };
+/// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is the
+/// product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
+template <class S>
+struct ThenMultiply : S {
+    static constexpr int registers = 4;
+    using T = std::remove_const_t<std::remove_pointer_t<decltype(S::A)>>;
+    T const* x;
+    T* out;
+};
 /// A_ij = t + t correction, t = A_ij - (x_i g_j + g_i x_j); A is symmetric.
 template <class T>
 struct SubtractRankTwo {
