@@ -12,7 +12,7 @@ namespace rlslab {
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
 ///
-/// K_i g_j + g_i K_j is the same number with i and j exchanged: P stays symmetric (stochastic rounding aside).
+/// K_i g_j + g_i K_j is the same number with i and j exchanged: P stays symmetric (why not always: docs/theory.md 79).
 /// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
 template <Field T, int N = Dynamic>
 class JosephRankTwo {
