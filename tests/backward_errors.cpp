@@ -1,5 +1,5 @@
 // Backward errors of theta and P: against the eigenvalue and the trace formula, against changes of the data, and broken on purpose.
-#include "studies/accuracy/backward_errors.hpp"
+#include "studies/engine/backward_errors.hpp"
 
 #include "studies/engine/scenarios.hpp"
 
