@@ -131,6 +131,10 @@ public:
 
 void behave(Manners const& asked) { manners = asked; }
 
+void tell(std::string const& line) {
+    if (!manners.quiet) std::fputs(line.c_str(), stderr);
+}
+
 Progress progress_after_a_second(std::string doing) {
     if (manners.quiet || !isatty(STDERR_FILENO)) return [](double) {};
     return [line = std::make_shared<ProgressLine>(std::move(doing))](double part) { line->show(part); };

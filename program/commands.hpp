@@ -28,6 +28,9 @@ void take_format(CLI::App& command, CsvFormat& format);
 /// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the program instead.
 void print(std::string const& text);
 
+/// Writes a line to standard error, unless --quiet was said.
+void tell(std::string const& line);
+
 /// "comparing  42 %, 3 min left" on standard error from the second second on, where that is a terminal and --quiet was not said.
 /// The line is erased when the last copy of the function is destroyed.
 Progress progress_after_a_second(std::string doing);
@@ -54,6 +57,7 @@ struct Command {
 };
 Command compare_command(CLI::App& app);
 Command study_command(CLI::App& app);
+Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);
 Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);

@@ -1,13 +1,18 @@
-// rlslab study: questions with claims; tables, figures, verdicts, a report.
+// rlslab study: questions with claims; tables, figures, verdicts, a report. rlslab merge: the same from parts of a run.
 #include "program/commands.hpp"
 #include "report/svg.hpp"
 #include "studies/engine/journal.hpp"
+#include "studies/engine/latex.hpp"
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <rlslab/core/suggestion.hpp>
 
+#include <charconv>
 #include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 namespace rlslab {
 namespace {
@@ -17,7 +22,23 @@ struct StudyArguments {
     bool all = false, fresh = false;
     std::string budget = "quick", out = "out", record;
     RunOptions options;
+    Part part;
 };
+struct MergeArguments {
+    std::vector<std::string> from;
+    std::string out = "out";
+};
+
+/// "2/8"; nothing for what is no part.
+std::optional<Part> part_of(std::string const& text) {
+    Part part;
+    char const *const end = text.data() + text.size(), *const slash = std::find(text.data(), end, '/');
+    auto const number = std::from_chars(text.data(), slash, part.number);
+    if (number.ec != std::errc() || number.ptr != slash || slash == end) return {};
+    auto const of = std::from_chars(slash + 1, end, part.of);
+    if (of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of || part.of > 100000) return {};
+    return part;
+}
 
 std::string listed(std::string_view head, std::vector<std::string> const& lines) {
     std::string out;
@@ -25,20 +46,48 @@ std::string listed(std::string_view head, std::vector<std::string> const& lines)
     return out.empty() ? "" : fmt::format("{}\n{}", head, out);
 }
 
-/// 1 if a verdict changed against the record, or a verification failed.
-int run_study(StudyArguments a) {
-    std::vector<Study const*> chosen;
+std::vector<Study const*> chosen_studies(StudyArguments const& a) {
+    std::vector<Study const*> out;
     std::vector<std::string_view> known;
     for (Study const* study : studies()) known.push_back(study->name);
     for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
     if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
     for (Study const* study : studies())
-        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) chosen.push_back(study);
-    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
-    a.options.out = a.out;
+        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) out.push_back(study);
+    return out;
+}
+
+/// What the parts of a run have in common, as `rlslab merge` reads it in DIR/.trials/run.json.
+std::string run_json(StudyArguments const& a) {
+    std::vector<std::string> names;
+    for (Study const* study : chosen_studies(a)) names.push_back(study->name);
+    return nlohmann::ordered_json{{"studies", names}, {"budget", a.budget}, {"seed", a.options.seed}}.dump(1) + '\n';
+}
+
+int study_part(StudyArguments const& a) {
+    auto const chosen = chosen_studies(a);
+    if (a.fresh) throw InputError("--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+    if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
+    create_folder(a.options.out / ".trials");
+    FolderLock const lock(a.options.out, a.part);
+    when_stopped(
+        fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
+    replace_file(a.options.out / ".trials" / "run.json", run_json(a));
+    Share const share = run_part(chosen, a.options, a.part, progress_after_a_second("studying"));
+    tell(
+        fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without --part (or rlslab merge) "
+                    "makes the tables\n",
+                    a.part.number, a.part.of, share.own, share.all, share.resumed));
+    return 0;
+}
+
+/// 1 if a verdict changed against the record, or a verification failed.
+int study_whole(StudyArguments const& a) {
+    auto const chosen = chosen_studies(a);
     create_folder(a.options.out / "figures");
+    create_folder(a.options.out / "tables");
     FolderLock const lock(a.options.out);
-    for (char const* part : {"", ".trials", "figures"}) remove_leftovers(a.options.out / part);
+    for (char const* part : {"", ".trials", "figures", "tables"}) remove_leftovers(a.options.out / part);
     when_stopped(
         fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
     std::error_code error;
@@ -48,6 +97,9 @@ int run_study(StudyArguments a) {
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
             replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
+    for (Outcome const& outcome : outcomes)
+        replace_file(a.options.out / "tables" / (outcome.study->name + ".tex"), table_tex(outcome, a.options));
+    replace_file(a.options.out / "numbers.tex", numbers_tex(outcomes, a.options));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
     replace_file(a.options.out / "verdicts.csv", verdicts_csv(outcomes));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
@@ -64,6 +116,47 @@ int run_study(StudyArguments a) {
                         expected_errors(outcomes), a.out);
     print(text);
     return changed.empty() && broken.empty() ? 0 : 1;
+}
+
+int run_study(StudyArguments& a) {
+    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
+    a.options.out = a.out;
+    return a.part.whole() ? study_whole(a) : study_part(a);
+}
+
+int run_merge(MergeArguments const& m) {
+    std::vector<std::filesystem::path> from;
+    std::string run;
+    for (std::string const& folder : m.from) {
+        from.push_back(std::filesystem::path(folder) / ".trials");
+        std::ifstream file(from.back() / "run.json", std::ios::binary);
+        std::string const text{std::istreambuf_iterator<char>(file), {}};
+        if (text.empty())
+            throw InputError(fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
+                                         printable(folder, 200)));
+        if (run.empty()) run = text;
+        if (text != run)
+            throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
+                                         printable(folder, 200), printable(m.from.front(), 200)));
+    }
+    StudyArguments a;
+    try {
+        auto const said = nlohmann::json::parse(run);
+        said.at("studies").get_to(a.names);
+        said.at("budget").get_to(a.budget);
+        said.at("seed").get_to(a.options.seed);
+    } catch (nlohmann::json::exception const&) {
+        throw InputError(fmt::format("{}: expected studies, budget and seed as rlslab study --part writes them",
+                                     printable((from.front() / "run.json").string(), 200)));
+    }
+    a.out = m.out;
+    a.options.finished_only = true;
+    create_folder(std::filesystem::path(m.out) / ".trials");
+    {
+        FolderLock const lock(m.out);
+        merge_journals(from, std::filesystem::path(m.out) / ".trials");
+    }
+    return run_study(a);
 }
 
 }  // namespace
@@ -100,7 +193,33 @@ Command study_command(CLI::App& app) {
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("FILE");
     studying->add_flag("--fresh", st->fresh, "forget what an earlier run of these studies has finished");
+    studying
+        ->add_option_function<std::string>(
+            "--part", [st](std::string const& text) { st->part = *part_of(text); },
+            "run the trials of part I of N alone: on other machines, into one folder that all see, or into folders for rlslab merge")
+        ->check([](std::string const& text) {
+            return part_of(text) ? "" : fmt::format("expected I/N with 1 <= I <= N <= 100000, found \"{}\"", printable(text));
+        })
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("I/N");
     return {studying, [st] { return run_study(*st); }};
+}
+
+Command merge_command(CLI::App& app) {
+    auto const mt = std::make_shared<MergeArguments>();
+    CLI::App* const merging =
+        app.add_subcommand("merge", "Parts of a run of studies put together: tables, figures, verdicts and a report.");
+    merging->footer(
+        "Four machines:  rlslab study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
+        "Then:           rlslab merge part1 part2 part3 part4 --out out\n"
+        "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without --part makes the "
+        "tables there.\n\n"
+        "Exit code: as of rlslab study; 2 if a trial is missing, or the parts are of different programs, studies, budgets or seeds.");
+    merging->add_option("DIR", mt->from, "the --out folders of the parts")->required()->type_name("");
+    merging->add_option("--out", mt->out, "folder for tables, figures and the report; default: out")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+        ->type_name("DIR");
+    return {merging, [mt] { return run_merge(*mt); }};
 }
 
 }  // namespace rlslab

@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"src/a.hpp", "// docs/~theory.md 99", "no 99 in docs"},
         Planted{"src/a.hpp", "/// as docs/~theory.md\n    /// 99 has it", "no 99 in docs"},
         Planted{"src/a.hpp", "// docs/~theory.md 12 to 99, 4", "no 99 in docs"},
-        Planted{"README.md", "docs/~theory.md 4, 6 and 77", "no 77 in docs"},
+        Planted{"README.md", "docs/~theory.md 4, 6 and 98", "no 98 in docs"},
         Planted{"studies/a.cpp", ".source = \"docs/~literature.md \"\n          \"3.13\"", "no 3.13 in docs"},
         Planted{"studies/a.cpp", "docs/~literature.md 3.9 to 3.13", "no 3.13 in docs"},
         Planted{"README.md", "docs/~nist.md 2", "no 2 in docs"},

@@ -124,8 +124,10 @@ std::vector<Folder> const house{
     {"examples/chosen_at_run_time", {"src/rlslab/adapt", "variants"}},
     {"examples/microcontroller", {"src/rlslab/adapt", "variants"}},
     {"examples/microcontroller/board", {}},
+    {"tests/long_run", {"src/rlslab/lab", "variants"}},
     {"tests/fuzz", {"program"}},
-    {"tests", {"program", "tests/compilers"}},
+    {"tests/mpi", {"src/rlslab/adapt", "variants"}},
+    {"tests", {"program", "tests/compilers", "tests/long_run", "studies/definiteness", "studies/published"}},
 };
 
 /// What each folder stands on, itself included.

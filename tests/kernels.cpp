@@ -71,9 +71,9 @@ template <class T, template <class, int> class F>
 void check(Index d, Index steps) {
     auto const on_baseline = trace_on<F<T, Dynamic>, T>(Isa::baseline, d, steps);
     EXPECT_EQ(difference(on_baseline, trace<F<Counted<T>, Dynamic>, T>(d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
-    if (kernels::has_avx2()) {
-        auto const on_avx2 = trace_on<F<T, Dynamic>, T>(Isa::avx2, d, steps);
-        EXPECT_EQ(difference(on_baseline, on_avx2), -1) << F<T, Dynamic>::name << ' ' << d;
+    for (Isa isa : {Isa::avx2, Isa::avx512}) {
+        if (isa > kernels::best_isa()) break;
+        EXPECT_EQ(difference(on_baseline, trace_on<F<T, Dynamic>, T>(isa, d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
     }
 }
 template <class T, template <class, int> class F, int N>
@@ -82,9 +82,9 @@ void check_fixed() {
 }
 
 template <class T, template <class, int> class F>
-void check_all(Index cubic_up_to = 129) {
+void check_all(Index cubic_up_to = 256) {
     for (Index d = 1; d <= 40; ++d) check<T, F>(d, 30);
-    for (Index d : {64, 128, 129})
+    for (Index d : {64, 128, 129, 256})
         if (d <= cubic_up_to) check<T, F>(d, 6);
     for (Index d : {5, 10, 16}) check<T, F>(d, 300);
     if constexpr (std::same_as<T, double>) {  // what differs between float and double is tried above

@@ -1,4 +1,4 @@
-// Folding in a block gives the same bits with registers of any width: baseline, AVX2, and a scalar without registers.
+// Folding in a block gives the same bits with registers of any width: baseline, AVX2, AVX-512, and a scalar without registers.
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>
@@ -49,8 +49,8 @@ void check() {
         for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
             for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
                 std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);
-                EXPECT_EQ(folded_by<T>(Isa::baseline, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
-                EXPECT_EQ(folded_by<T>(Isa::avx2, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
+                    EXPECT_EQ(folded_by<T>(isa, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
             }
 }
 TEST(Reflections, HaveTheSameBitsWithAnyRegistersInDouble) { check<double>(); }

@@ -115,7 +115,13 @@ TEST(Verdicts, AreThoseThatTheReadmeCounts) {
     size_t claims = 0;
     for (Study const* study : studies())
         for (Claim const& claim : study->claims) {
-            Verdict const verdict = recorded(Budget::quick).at(study->name).at(claim.text);
+            auto const& quick = recorded(Budget::quick);
+            auto const of_study = quick.find(study->name);
+            if (of_study == quick.end() || !of_study->second.contains(claim.text)) {
+                ADD_FAILURE() << study->name << ": not recorded; rlslab study " << study->name << " --record studies/verdicts.json";
+                return;
+            }
+            Verdict const verdict = of_study->second.at(claim.text);
             Count& c = counts[size_t(claim.basis.kind)];
             ++(verdict == yes ? c.holds : verdict == no ? c.fails : c.undecided), ++claims;
         }

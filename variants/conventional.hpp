@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/next_row.hpp>
 #include <rlslab/linalg/start.hpp>
 
 namespace rlslab {
@@ -21,6 +22,7 @@ class Conventional {
     DivisorNearOne<T> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
     StateMatrix<T, N> P_;
+    [[no_unique_address]] NextRow<T, N> next_;
 
 public:
     using scalar = T;
@@ -28,19 +30,24 @@ public:
 
     explicit Conventional(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)) {}
+          f_(problem.size), K_(problem.size), P_(start_covariance<T, N>(problem)), next_(problem.size) {}
 
     /// `perturb(K)` changes K between (3) and (4). Its error reaches P in first order: docs/theory.md 16.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
-        multiply(P_, psi.data(), f_);                                                                    // (1)
+        multiply(P_, psi.data(), f_, next_);                                                             // (1)
         T const s = lambda_ + dot(psi, f_);                                                              // (2)
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
-        subtract_rank_one(P_, K_, f_, by_lambda_);                                                       // (4)
+        subtract_rank_one(P_, K_, f_, by_lambda_, next_);                                                // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
         return report(e, lambda_, s, theta_);
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns the last step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        return update_rows(*this, next_, f_.size(), psi, y);
     }
 
     auto theta() const { return theta_.view(); }

@@ -3,12 +3,14 @@
 
 #include <rlslab/core/input_error.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sstream>
 #include <sys/file.h>
 #include <unistd.h>
+#include <utility>
 
 namespace rlslab {
 namespace {
@@ -35,30 +37,108 @@ bool read(std::string const& line, std::map<size_t, std::vector<std::string>>& i
     return true;
 }
 
+using Trials = std::map<size_t, std::vector<std::string>>;
+
+/// The head of the file, and its trials into `finished`; "" for a file that is no journal.
+std::string read_file(std::filesystem::path const& path, Trials& finished) {
+    std::ifstream in(path, std::ios::binary);
+    std::string head, line;
+    if (!std::getline(in, head) || in.eof()) return "";
+    while (std::getline(in, line) && !in.eof() && read(line, finished)) {}
+    return head;
+}
+std::string text_of(std::string const& head, Trials const& finished) {
+    std::string out = head + '\n';
+    for (auto const& [trial, lines] : finished) out += line_of(trial, lines);
+    return out;
+}
+
+/// The study of a journal's file: NAME of NAME and of NAME.2-of-8; "" of any other file.
+std::string study_of(std::filesystem::path const& path) {
+    std::string const file = path.filename().string();
+    size_t const point = file.find('.');
+    return point == file.npos || file.find("-of-", point) != file.npos ? file.substr(0, point) : "";
+}
+/// The journals in a folder, the studies and parts in the order of their names.
+std::vector<std::filesystem::path> journals(std::filesystem::path const& folder) {
+    std::vector<std::filesystem::path> out;
+    std::error_code error;
+    for (auto const& file : std::filesystem::directory_iterator(folder, error))
+        if (!study_of(file.path()).empty() && !file.path().string().ends_with(".new")) out.push_back(file.path());
+    std::ranges::sort(out);
+    return out;
+}
+
+/// Waits for nobody. -1: another process holds it.
+int locked(std::filesystem::path const& path, int how) {
+    int const file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) cannot_write(path);
+    if (::flock(file, how | LOCK_NB) == 0 || errno != EWOULDBLOCK) return file;
+    ::close(file);
+    return -1;
+}
+
 }  // namespace
 
-FolderLock::FolderLock(std::filesystem::path const& folder)
-    : file_(::open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    if (file_ < 0) cannot_write(folder / ".lock");
-    if (::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-    ::close(file_);
-    throw InputError(fmt::format("{}: another run is writing there", printable(folder.string(), 200)));
-}
-FolderLock::~FolderLock() { ::close(file_); }
+std::string name_of(Part part) { return fmt::format("{}-of-{}", part.number, part.of); }
 
-Journal::Journal(std::filesystem::path path, std::string const& key) : path_(std::move(path)) {
+FolderLock::FolderLock(std::filesystem::path const& folder, Part part) : file_(locked(folder / ".lock", part.whole() ? LOCK_EX : LOCK_SH)) {
+    if (file_ >= 0 && !part.whole()) {
+        own_ = locked(folder / (".lock." + name_of(part)), LOCK_EX);
+        if (own_ < 0) ::close(std::exchange(file_, -1));
+    }
+    if (file_ < 0) throw InputError(fmt::format("{}: another run is writing there", printable(folder.string(), 200)));
+}
+FolderLock::~FolderLock() {
+    ::close(file_);
+    if (own_ >= 0) ::close(own_);
+}
+
+Journal::Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part)
+    : path_(folder / (part.whole() ? name : fmt::format("{}.{}", name, name_of(part)))) {
     std::string const head = fmt::format("{:016x}", hash(key));
-    std::string kept = head + '\n', line;
-    std::ifstream in(path_, std::ios::binary);
-    if (std::getline(in, line) && line == head)
-        while (std::getline(in, line) && !in.eof() && read(line, finished_)) kept += line + '\n';
-    replace_file(path_, kept);  // without the line that was being written
+    std::vector<std::filesystem::path> parts;
+    Trials own;
+    for (auto const& path : journals(folder)) {
+        if (study_of(path) != name) continue;
+        if (path != path_) parts.push_back(path);
+        Trials finished;
+        if (read_file(path, finished) != head) continue;
+        if (path == path_) own = finished;
+        finished_.merge(std::move(finished));
+    }
+    replace_file(path_, text_of(head, part.whole() ? finished_ : own));  // without the line that was being written
+    std::error_code error;
+    if (part.whole())
+        for (auto const& path : parts) std::filesystem::remove(path, error);
     file_.open(path_, std::ios::binary | std::ios::app);
 }
 
 void Journal::add(size_t trial, std::vector<std::string> const& lines) {
     file_ << line_of(trial, lines) << std::flush;
     if (!file_) cannot_write(path_);
+}
+
+void merge_journals(std::vector<std::filesystem::path> const& from, std::filesystem::path const& into) {
+    struct Merged {
+        std::string head;
+        std::filesystem::path first;
+        Trials finished;
+    };
+    std::map<std::string, Merged> studies;
+    std::vector<std::filesystem::path> folders = from;
+    folders.push_back(into);
+    for (auto const& folder : folders)
+        for (auto const& path : journals(folder)) {
+            Trials finished;
+            std::string const head = read_file(path, finished);
+            auto const [at, fresh] = studies.try_emplace(study_of(path), Merged{head, path, {}});
+            if (head != at->second.head)
+                throw InputError(fmt::format("{}: expected trials of the same program, studies, budget and seed as in {}",
+                                             printable(path.string(), 200), printable(at->second.first.string(), 200)));
+            at->second.finished.merge(std::move(finished));
+        }
+    for (auto const& [study, merged] : studies) replace_file(into / study, text_of(merged.head, merged.finished));
 }
 
 }  // namespace rlslab

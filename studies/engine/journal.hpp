@@ -1,4 +1,4 @@
-// The finished trials of an interrupted run: a file with one line for each trial. A line that was not written completely is ignored.
+// The finished trials of a run: a file with one line for each trial. A line that was not written completely is ignored.
 #pragma once
 
 #include <rlslab/core/files.hpp>
@@ -18,30 +18,43 @@ constexpr std::uint64_t hash(std::string_view text, std::uint64_t from = 0xcbf29
     return from;
 }
 
-/// The lines of CSV of each finished trial, by its number. The file starts anew if its key is another one: then the program, the study, its
-/// budget or the seed has changed.
+/// One of `of` shares of the trials, counted from 1. The only share of one is the whole.
+struct Part {
+    int number = 1, of = 1;
+    bool whole() const { return of == 1; }
+};
+/// "2-of-8", as in the names of files
+std::string name_of(Part part);
+
+/// The lines of CSV of each finished trial of one study, by its number: FOLDER/NAME, of a part FOLDER/NAME.2-of-8. A file whose key is
+/// another one is not read: then the program, the study, its budget or the seed has changed.
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
     std::map<size_t, std::vector<std::string>> finished_;
 
 public:
-    /// Throws InputError when the file cannot be read or written.
-    Journal(std::filesystem::path path, std::string const& key);
+    /// Reads what the whole and every part have finished. A part rewrites its own file alone, the whole takes the files of the parts into
+    /// its own and removes them. Throws InputError when a file cannot be written.
+    Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
     /// Appends one line. If the process is killed meanwhile, the line is complete or its checksum is wrong. Throws InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
-/// A lock that allows one run at a time in a folder. It is released when this object is destroyed or the process ends in any way. On a file
-/// system without locks it has no effect.
+/// Takes the journals of the folders `from` into `into`: one file for each study, with every trial that one of them, or `into`, has
+/// finished. Throws InputError when two of them have different keys, or a file cannot be written.
+void merge_journals(std::vector<std::filesystem::path> const& from, std::filesystem::path const& into);
+
+/// A lock that allows one whole run at a time in a folder, or any number of parts that differ. It is released when this object is destroyed
+/// or the process ends in any way. On a file system without locks it has no effect.
 class FolderLock {
-    int file_;
+    int file_, own_ = -1;
 
 public:
     /// Throws InputError when another run holds it, or the folder's file .lock cannot be written.
-    explicit FolderLock(std::filesystem::path const& folder);
+    explicit FolderLock(std::filesystem::path const& folder, Part part = {});
     ~FolderLock();
     FolderLock(FolderLock const&) = delete;
     FolderLock& operator=(FolderLock const&) = delete;

@@ -1,7 +1,6 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
 #include "studies/engine/run.hpp"
 
-#include "studies/engine/journal.hpp"
 #include "studies/engine/revision.hpp"
 
 #include <rlslab/core/input_error.hpp>
@@ -12,6 +11,7 @@
 #include <sstream>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
+#include <tuple>
 
 namespace rlslab {
 
@@ -87,7 +87,7 @@ std::vector<std::vector<Cell>> combinations(std::vector<Factor> const& factors) 
     return out;
 }
 
-void start(Running& run, RunOptions const& options) {
+void start(Running& run, RunOptions const& options, Part part) {
     Study const& study = *run.study;
     run.factors = study.factors(options.budget);
     for (auto& values : combinations(run.factors)) {
@@ -98,7 +98,7 @@ void start(Running& run, RunOptions const& options) {
     run.done.assign(run.trials.size(), false);
     std::string key = fmt::format("{} {} {:016x}", run.trials.size(), fmt::join(provenance(study, options), "\n"), identity());
     for (Entry const& e : *options.entries) key += fmt::format(" {}/{}", e.variant, e.arithmetic->name);
-    run.journal = std::make_unique<Journal>(options.out / ".trials" / study.name, key);
+    run.journal = std::make_unique<Journal>(options.out / ".trials", study.name, key, part);
     for (auto const& [trial, lines] : run.journal->finished())
         if (trial < run.trials.size()) {
             run.lines[trial] = lines;
@@ -126,30 +126,46 @@ Outcome finish(Running const& run, RunOptions const& options) {
     return out;
 }
 
-}  // namespace
-
-std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress) {
+std::vector<Running> started(std::vector<Study const*> const& chosen, RunOptions const& options, Part part) {
     create_folder(options.out);
     create_folder(options.out / ".trials");
-
-    std::vector<Running> running(chosen.size());
-    std::vector<std::pair<Running*, size_t>> pending;
-    size_t all = 0;
+    std::vector<Running> out(chosen.size());
     for (size_t i = 0; i < chosen.size(); ++i) {
-        running[i].study = chosen[i];
-        start(running[i], options);
-        all += running[i].trials.size();
-        for (size_t k = 0; k < running[i].trials.size(); ++k)
-            if (!running[i].done[k]) pending.emplace_back(&running[i], k);
+        out[i].study = chosen[i];
+        start(out[i], options, part);
     }
+    return out;
+}
 
+/// A trial of one of the studies.
+using Work = std::pair<Running*, size_t>;
+
+std::vector<Work> all_trials(std::vector<Running>& running) {
+    std::vector<Work> out;
+    for (Running& run : running)
+        for (size_t k = 0; k < run.trials.size(); ++k) out.emplace_back(&run, k);
+    return out;
+}
+std::vector<Work> unfinished(std::vector<Work> work) {
+    std::erase_if(work, [](Work const& w) { return bool(w.first->done[w.second]); });
+    return work;
+}
+std::vector<Work> dealt(std::vector<Work> work, Part part) {
+    std::ranges::sort(work, {}, [](Work const& w) {
+        return std::tuple(Seed{hash(w.first->study->name) + w.second}.next(), std::string_view(w.first->study->name), w.second);
+    });
+    std::vector<Work> out;
+    for (size_t i = size_t(part.number - 1); i < work.size(); i += size_t(part.of)) out.push_back(work[i]);
+    return out;
+}
+
+void run_trials(std::vector<Work> const& work, RunOptions const& options, Progress const& progress) {
     std::mutex one_at_a_time;
-    size_t const to_do = pending.size();
     size_t done = 0;
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
     arena.execute([&] {
-        tbb::parallel_for_each(pending.begin(), pending.end(), [&](std::pair<Running*, size_t> const& work) {
-            auto const [run, k] = work;
+        tbb::parallel_for_each(work.begin(), work.end(), [&](Work const& one) {
+            auto const [run, k] = one;
             TrialOutput measured(run->trials[k]);
             try {
                 run->study->measure(run->trials[k], measured);
@@ -160,13 +176,30 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
             std::lock_guard const lock(one_at_a_time);
             run->lines[k] = measured.lines();
             run->journal->add(k, measured.lines());
-            if (progress) progress(double(++done) / double(to_do));
+            if (progress) progress(double(++done) / double(work.size()));
         });
     });
+}
 
+}  // namespace
+
+std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress) {
+    std::vector<Running> running = started(chosen, options, {});
+    std::vector<Work> const all = all_trials(running), work = unfinished(all);
+    if (options.finished_only && !work.empty())
+        throw InputError(fmt::format("{}: {} of {} trials are not finished, the first of {}", printable(options.out.string(), 200),
+                                     work.size(), all.size(), work.front().first->study->name));
+    run_trials(work, options, progress);
     std::vector<Outcome> out;
     for (Running const& run : running) out.push_back(finish(run, options));
     return out;
+}
+
+Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress) {
+    std::vector<Running> running = started(chosen, options, part);
+    std::vector<Work> const all = all_trials(running), own = dealt(all, part), work = unfinished(own);
+    run_trials(work, options, progress);
+    return {all.size(), own.size(), own.size() - work.size()};
 }
 
 }  // namespace rlslab

@@ -3,6 +3,7 @@
 
 #include "catalogue/catalogue.hpp"
 #include "report/progress.hpp"
+#include "studies/engine/journal.hpp"
 #include "studies/engine/study.hpp"
 
 #include <filesystem>
@@ -12,8 +13,9 @@ namespace rlslab {
 struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
-    int threads = 0;            ///< 0: all cores
-    std::filesystem::path out;  ///< where tables, verdicts, figures and the report go; created if missing
+    int threads = 0;             ///< 0: all cores
+    std::filesystem::path out;   ///< where tables, verdicts, figures and the report go; created if missing
+    bool finished_only = false;  ///< throws InputError instead of running a trial
     std::vector<Entry> const* entries = &catalogue();
 };
 
@@ -30,5 +32,15 @@ struct Outcome {
 /// its factors). Finished trials are stored in out/.trials, and the same program uses them again for the same study, budget and seed.
 /// Throws InputError when a file cannot be written, and what a trial throws, with its name.
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress);
+
+/// How many trials there are, how many fall to a part, and how many of these were finished already.
+struct Share {
+    size_t all = 0, own = 0, resumed = 0;
+};
+/// Runs the trials that fall to one part, into its journals in out/.trials, and writes nothing else. Parts may run at the same time, on
+/// any machines that share the folder, or in folders that are merged later. What falls to a part depends on the chosen studies alone:
+/// all trials are sorted by a hash of study and number and dealt in turn. So the parts differ by one trial at most, and trials that take
+/// long are spread.
+Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress);
 
 }  // namespace rlslab

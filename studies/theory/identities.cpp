@@ -126,10 +126,10 @@ J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma 
                  return within(of(t, true), {"variant", "lambda"}, greatest("share"), 0, 0);
              },
              verification("a control: not an identity")},
-            {"every variant that exists in exact arithmetic was asked: nine",
+            {"at least nine variants exist in exact arithmetic, and were asked",
              [](Table const& t) {
                  double const n = double(t.distinct("variant").size());
-                 return Finding{n == 9, fmt::format("{}", n)};
+                 return Finding{n >= 9, fmt::format("{}", n)};
              },
              verification("the list of variants")},
         },

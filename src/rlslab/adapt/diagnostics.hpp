@@ -90,6 +90,57 @@ typename F::scalar trace(F& f) {
     return sum;
 }
 
+// --- psi'P psi --------------------------------------------------------------------------------------------------------------
+
+/// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most d^2 multiplications;
+/// uses the form's workspace.
+template <class T, int N>
+T variance_along(PlainCovariance<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.f);
+    T sum = T(0);
+    for (Index j = 0; j < psi.size(); ++j) {
+        T const along = dot(f.P.column(j), f.f.data(), psi.size()), term = f.f[j] * along;
+        sum += term;
+    }
+    return sum;
+}
+template <class T, int N, bool upper>
+T variance_along(RootCovariance<T, N, upper> f, Regressor<T> psi) {
+    keep_regressor(psi, f.g);
+    multiply_transposed(f.S, f.g.data(), f.f);
+    return dot(f.f, f.f);
+}
+template <class T, int N>
+T variance_along(UdCovariance<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.g);
+    multiply_transposed(f.U, f.g.data(), f.f);
+    scale(f.D, f.f, f.g);
+    return dot(f.f, f.g);
+}
+template <class T, int N>
+T variance_along(RootInformation<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.x);
+    solve_lower(f.L, f.x);
+    return dot(f.x, f.x);
+}
+template <class T, int N>
+T variance_along(UnitInformation<T, N> f, Regressor<T> psi) {
+    keep_regressor(psi, f.x);
+    solve_lower(f.L, f.x);
+    return detail::sum_over(f.x, f.D, 0);
+}
+template <class T, int N>
+T variance_along(NormalEquations<T, N> f, Regressor<T> psi) {
+    if (!f.solved) f.solve();
+    keep_regressor(psi, f.f);
+    solve_lower(f.L, f.f);
+    return detail::sum_over(f.f, f.D, 0);
+}
+template <ReportsVariances F>
+typename F::scalar variance_along(F& f, Regressor<typename F::scalar> psi) {
+    return variance_along(f.form(), psi);
+}
+
 // --- psi'P^-1 psi -----------------------------------------------------------------------------------------------------------
 
 /// psi'P^-1 psi, from a factor of P or of P^-1, or from P^-1. At most d^2 multiplications; uses the form's workspace.

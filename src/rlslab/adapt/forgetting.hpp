@@ -41,6 +41,7 @@ class Forgetting {
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
+    static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {})
         : filter_(problem), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
@@ -61,7 +62,7 @@ public:
         return filter_.form();
     }
     F const& filter() const { return filter_; }
-    static auto state(auto& f) { return std::tie(f.filter_, f.memory_.rows); }
+    static auto state(auto& f) { return std::tie(f.filter_, f.memory_.lambda, f.memory_.strength, f.memory_.rows); }
     Rule const& rule() const { return rule_; }
 };
 

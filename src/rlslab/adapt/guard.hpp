@@ -15,17 +15,19 @@ namespace rlslab {
 ///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
 ///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
 ///   rebuild   reset, then the kept rows anew
-enum class Action : unsigned char { report, skip, cap, reset, rebuild };
+///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors, else as `reset`
+enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
 
 /// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped whatever the policy.
 struct GuardPolicy {
     Action outlier = Action::report;    ///< report or skip
     Action change = Action::report;     ///< report, reset
     Action windup = Action::report;     ///< report, cap
-    Action breakdown = Action::report;  ///< report, reset, rebuild
+    Action breakdown = Action::report;  ///< report, reset, rebuild, hand_over
 
     constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
     constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
+    constexpr bool hands_over() const { return breakdown == Action::hand_over; }
     constexpr bool valid() const {
         return (outlier == Action::report || outlier == Action::skip) && (change == Action::report || change == Action::reset) &&
                (windup == Action::report || windup == Action::cap) && breakdown != Action::skip && breakdown != Action::cap;
@@ -34,6 +36,21 @@ struct GuardPolicy {
 inline constexpr GuardPolicy reporting{};
 inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
 inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
+inline constexpr GuardPolicy handing_over{Action::skip, Action::reset, Action::cap, Action::hand_over};
+
+/// What a guard needs of a filter: P_jj, a restart, and a row that holds P down.
+template <class F>
+concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
+                    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
+                        variance(f, Index(0));
+                        restart(f, x, a, x);
+                        hold(f, a, x, x);
+                    };
+/// hand_over(): goes on in a sounder variant; false where what was held is lost, or where it has gone on there before.
+template <class F>
+concept HandsOver = requires(F& f) {
+    { f.hand_over() } -> std::same_as<bool>;
+};
 
 /// What a guard saw of a row, the worst first.
 enum class GuardSignal : unsigned char { none, unusable, breakdown, change, outlier, windup };
@@ -74,9 +91,8 @@ struct GuardOptions {
 /// makes none); memory: 13 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E min(x^2, 9) and 0.455 the median of x^2,
 /// x normal.
 /// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in squares.
-template <RecursiveLeastSquares F, GuardPolicy policy = resetting>
-    requires std::same_as<Truth<typename F::scalar>, bool> &&
-             (policy.valid()) && TimeUpdates<F> && ReportsVariances<F> && Real<typename F::scalar>
+template <Guardable F, GuardPolicy policy = resetting>
+    requires(policy.valid() && (!policy.hands_over() || HandsOver<F>))
 class Guarded {
     using T = typename F::scalar;
     F filter_;
@@ -88,19 +104,21 @@ class Guarded {
     T reach_ = T(0), theta_size_ = T(0), noise_ = T(0);                                               // t, |theta|^2, s2
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20> squares_;  // from which s2 is learnt
     RowRing<T> ring_;
-    Index learnt_ = 0, coordinate_ = 0;  // rows that s2 was learnt from; j
-    Index history_ = 0;                  // outliers among the last rows, a bit each, the newest lowest
-    bool determined_ = false;            // a step was sound
+    BoundedCount learnt_, coordinate_;  // rows that s2 was learnt from; j
+    BoundedCount history_{0, 63};       // outliers among the last rows, a bit each, the newest lowest
+    bool determined_ = false;           // a step was sound
 
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
+    static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
         : filter_(problem), options_(options), lambda_(problem.forgetting),
           limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(problem.size), variances_(problem.size),
           theta_(problem.size), squares_(10 * psi_.size() + 20),
-          ring_(psi_.size(), policy.rebuilds() ? (options.rows > 0 ? options.rows : 10 * psi_.size()) : 0) {
+          ring_(psi_.size(), policy.rebuilds() ? (options.rows > 0 ? options.rows : 10 * psi_.size()) : 0), learnt_{0, squares_.size()},
+          coordinate_{0, psi_.size() - 1} {
         expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise, "options >= 0");
         expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rows >= 0, "options that make sense");
         for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
@@ -130,22 +148,42 @@ public:
         }
         return take(y);
     }
+    /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
+    Step<T> pass_time() {
+        signal_ = GuardSignal::none;
+        detail::fill(psi_, T(0));
+        return take(T(0), false);
+    }
     auto theta() const { return filter_.theta(); }
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }
-    auto form() { return filter_.form(); }
+    auto form()
+        requires NamesItsForm<F>
+    {
+        return filter_.form();
+    }
     F const& filter() const { return filter_; }
     static auto state(auto& g) {
-        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.reach_, g.theta_size_, g.noise_, g.squares_, g.learnt_,
-                        g.coordinate_, g.history_, g.determined_);
+        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance, g.reach_,
+                        g.theta_size_, g.noise_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);
     }
 
+    /// Of the filter inside.
+    friend T variance(Guarded& g, Index j) { return variance(g.filter_, j); }
+    friend T variance_along(Guarded& g, Regressor<T> psi) { return variance_along(g.filter_, psi); }
+
     GuardSignal signal() const { return signal_; }  ///< what the last row showed
+    /// Whether the last row tells nothing of the noise; and whether the filter started anew at it.
+    bool set_aside() const { return signal_ != GuardSignal::none && signal_ != GuardSignal::windup; }
+    bool started_over() const {
+        return (signal_ == GuardSignal::change && policy.change == Action::reset) ||
+               (signal_ == GuardSignal::breakdown && policy.breakdown != Action::report);
+    }
     GuardCounts const& counts() const { return counts_; }
     T noise_variance() const { return noise_; }  ///< s2; 0 until it is known
 
 private:
-    bool armed() const { return T(0) < options_.innovation && learnt_ == squares_.size(); }
+    bool armed() const { return T(0) < options_.innovation && learnt_.n == squares_.size(); }
     T predicted_apart(T const& y) const {
         auto const theta = filter_.theta();
         return y - dot(theta.data(), psi_.data(), psi_.size());
@@ -155,7 +193,7 @@ private:
         T const rounding = T(8 * epsilon<T>()), made = rounding * rounding * (y * y + size * theta_size_);
         T const left = e * e * lambda_, right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * reach_) + made);
         bool const out = !(left <= right);  // an overflow on the left, too
-        history_ = (history_ << 1 | Index(out)) & 63;
+        history_.n = (history_.n << 1 | Index(out)) & 63;
         if (out) {
             ++counts_.outliers;
             signal_ = GuardSignal::outlier;
@@ -165,60 +203,59 @@ private:
     /// 5 of the last 6: a change, at once where the filter keeps to what it knew before.
     bool changed() {
         Index out = 0;
-        for (Index bits = history_; bits != 0; bits >>= 1) out += bits & 1;
+        for (Index bits = history_.n; bits != 0; bits >>= 1) out += bits & 1;
         if (out < 5) return false;
         ++counts_.changes;
         signal_ = GuardSignal::change;
-        history_ = 0;
+        history_.n = 0;
         return policy.change == Action::reset;
     }
     Step<T> restart_at(T const& y) {
         auto const theta = filter_.theta();
-        restart(Regressor<T>(theta));
+        start_over(Regressor<T>(theta));
         Step<T> const step = take(y);
         signal_ = GuardSignal::change;
         return step;
     }
-    void restart(Regressor<T> theta) {
-        reset(filter_, start_, theta);
-        set_forgetting(filter_, lambda_);
+    void start_over(Regressor<T> theta) {
+        restart(filter_, start_, theta, lambda_);
         detail::fill(variances_, start_);
         sum_up();
         noise_ = T(0);
-        learnt_ = 0;
-        history_ = 0;
+        learnt_.n = 0;
+        history_.n = 0;
     }
-    Step<T> take(T const& y) {  // (3)
+    Step<T> take(T const& y, bool learns = true) {  // (3)
         Step<T> const step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), y);
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
         bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
         if (step.health == Health::sound) {
             determined_ = true;
-            learn(step.innovation * step.residual);
-            broken = !look(coordinate_);  // (4)
+            if (learns) learn(step.innovation * step.residual);
+            broken = !look(coordinate_.n);  // (4)
         }
         if (broken) repair();
-        coordinate_ = coordinate_ + 1 < psi_.size() ? coordinate_ + 1 : 0;
+        coordinate_.n = coordinate_.n + 1 < psi_.size() ? coordinate_.n + 1 : 0;
         return step;
     }
     void learn(T const& square) {
         if (!is_finite(square) || !(T(0) <= square)) return;
-        if (learnt_ == squares_.size()) {
+        if (learnt_.n == squares_.size()) {
             T const most = T(9) * noise_, clipped = square < most ? square : most;
             noise_ += (clipped / T(0.995) - noise_) / T(int(options_.noise_memory));
             return;
         }
-        squares_[learnt_++] = square;
-        if (learnt_ < squares_.size()) return;
-        T* const middle = squares_.data() + learnt_ / 2;
-        std::nth_element(squares_.data(), middle, squares_.data() + learnt_);
+        squares_[learnt_.n++] = square;
+        if (learnt_.n < squares_.size()) return;
+        T* const middle = squares_.data() + learnt_.n / 2;
+        std::nth_element(squares_.data(), middle, squares_.data() + learnt_.n);
         noise_ = *middle / T(0.455);
     }
     /// P_jj, and what follows from it; false where it is no variance.
     bool look(Index j) {
         T p = variance(filter_, j);
         if (!(T(0) < p) || !is_finite(p)) return false;
-        if constexpr (ReportsAsymmetry<F>)
+        if constexpr (requires { asymmetry(filter_, j); })
             if (!(asymmetry(filter_, j) <= options_.asymmetry)) return false;
         if (p > options_.largest_variance) {
             ++counts_.windups;
@@ -250,7 +287,7 @@ private:
         detail::fill(psi_, T(0));
         psi_[j] = root;
         T const output = root * filter_.theta()[j];
-        measure(filter_, Regressor<T>(psi_.data(), psi_.size()), output, T(1), lambda_);
+        hold(filter_, Regressor<T>(psi_.data(), psi_.size()), output, lambda_);
     }
     /// The kept rows anew; without them where they are what broke the filter.
     void rebuild() {
@@ -261,13 +298,15 @@ private:
         }
         if (worst == Health::sound) return;
         ring_.clear();
-        restart(Regressor<T>(theta_.data(), theta_.size()));
+        start_over(Regressor<T>(theta_.data(), theta_.size()));
     }
     void repair() {
         ++counts_.breakdowns;
         signal_ = GuardSignal::breakdown;
+        if constexpr (policy.hands_over())
+            if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            restart(Regressor<T>(theta_.data(), theta_.size()));
+            start_over(Regressor<T>(theta_.data(), theta_.size()));
             if constexpr (policy.rebuilds()) rebuild();
         }
     }

@@ -164,9 +164,9 @@ Removal<T> remove(NormalEquations<T, N> f, Regressor<T> psi, T const& y, T const
     return {remaining, T(1)};
 }
 
-/// Takes rows back.
+/// Takes rows back. Not what skips rows or forgets by a rule of its own (`departs`): which weight a row has there nobody knows.
 template <class F>
-concept Downdates = NamesItsForm<F> && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+concept Downdates = NamesItsForm<F> && !requires { F::departs; } && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
     { remove(f.form(), psi, y, y) } -> std::same_as<Removal<typename F::scalar>>;
 };
 

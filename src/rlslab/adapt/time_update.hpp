@@ -304,6 +304,15 @@ void reset(F& f, typename F::scalar const& variance, Regressor<typename F::scala
     reset(f.form(), variance, theta);
 }
 
+// --- what a guard asks for ------------------------------------------------------------------------------------------------
+
+/// P = variance I, theta as given, and `lambda` for the updates to come. What is around a filter and keeps rows forgets them.
+template <TimeUpdates F>
+void restart(F& f, typename F::scalar const& variance, Regressor<typename F::scalar> theta, typename F::scalar const& lambda) {
+    reset(f, variance, theta);
+    set_forgetting(f, lambda);
+}
+
 /// One row under a lambda of its own; `after` is the lambda of the updates to come. lambda = 1: a measurement without a time update.
 template <TimeUpdates F>
 Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda,
@@ -312,6 +321,12 @@ Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typena
     Step<typename F::scalar> const step = f.update(psi, y);
     set_forgetting(f, after);
     return step;
+}
+
+/// A row that is none of the data, without time: what holds P down. `lambda` is that of the updates to come.
+template <TimeUpdates F>
+Step<typename F::scalar> hold(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda) {
+    return measure(f, psi, y, typename F::scalar(1), lambda);
 }
 
 }  // namespace rlslab

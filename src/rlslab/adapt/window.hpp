@@ -1,6 +1,8 @@
 // A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept rows anew.
 #pragma once
 
+#include <rlslab/adapt/bounded_count.hpp>
+#include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/remove.hpp>
 
 #include <tuple>
@@ -20,23 +22,25 @@ struct WindowOptions {
 /// The last W rows [psi y] in order, in memory that is taken once.
 template <Field T>
 class RowRing {
-    Index d_, rows_, held_ = 0, next_ = 0;
+    Index d_, rows_;
+    BoundedCount held_, next_;
     std::vector<T> numbers_;  // d + 1 a row
 
 public:
-    RowRing(Index size, Index rows) : d_(size), rows_(rows), numbers_(size_t((size + 1) * rows), T(0)) {}
-    Index held() const { return held_; }
-    bool full() const { return held_ == rows_; }
-    T* row(Index age_from_oldest) { return numbers_.data() + (next_ - held_ + age_from_oldest + rows_) % rows_ * (d_ + 1); }
+    RowRing(Index size, Index rows)
+        : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0}, numbers_(size_t((size + 1) * rows), T(0)) {}
+    Index held() const { return held_.n; }
+    bool full() const { return held_.n == rows_; }
+    T* row(Index age_from_oldest) { return numbers_.data() + (next_.n - held_.n + age_from_oldest + rows_) % rows_ * (d_ + 1); }
     /// Where the newest row goes, in place of the oldest where the ring is full.
     void push(T const* psi, T const& y) {
-        T* const place = numbers_.data() + next_ * (d_ + 1);
+        T* const place = numbers_.data() + next_.n * (d_ + 1);
         for (Index i = 0; i < d_; ++i) place[i] = psi[i];
         place[d_] = y;
-        next_ = (next_ + 1) % rows_;
-        if (held_ < rows_) ++held_;
+        next_.n = (next_.n + 1) % rows_;
+        if (held_.n < rows_) ++held_.n;
     }
-    void clear() { held_ = next_ = 0; }
+    void clear() { held_.n = next_.n = 0; }
     static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
 };
 
@@ -62,8 +66,9 @@ class Windowed {
     StateVector<T, detail::size_of<F>> psi_;
     WindowOptions<T> options_;
     RowRing<T> ring_;
-    T weight_ = T(1), loss_ = T(0), fresh_ = T(0);   // lambda^W, V, V0
-    Index since_ = 0, spoilt_ = 0, refactored_ = 0;  // rows since the last factoring; rows until the last that is not finite has left
+    T weight_ = T(1), loss_ = T(0), fresh_ = T(0);  // lambda^W, V, V0
+    BoundedCount spoilt_;                           // rows until the last that is not finite has left
+    Index since_ = 0, refactored_ = 0;              // rows since the last factoring
 
     void take(T const* psi, T const& y, Step<T>& step) {
         step = filter_.update(Regressor<T>(psi, size()), y);
@@ -76,7 +81,8 @@ public:
     static constexpr std::string_view name = F::name;
 
     explicit Windowed(Problem<T> const& problem, WindowOptions<T> const& options = {})
-        : start_(problem), filter_(start_), psi_(problem.size), options_(checked(options)), ring_(psi_.size(), options.rows) {
+        : start_(problem), filter_(start_), psi_(problem.size), options_(checked(options)), ring_(psi_.size(), options.rows),
+          spoilt_{0, options.rows} {
         for (Index k = 0; k < options.rows; ++k) weight_ *= problem.forgetting;
     }
 
@@ -88,10 +94,12 @@ public:
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }
     F const& filter() const { return filter_; }
-    static auto state(auto& w) { return std::tie(w.filter_, w.ring_, w.loss_, w.fresh_, w.since_, w.spoilt_, w.refactored_); }
+    static auto state(auto& w) {
+        return std::tie(w.filter_, w.start_, w.ring_, w.weight_, w.loss_, w.fresh_, w.spoilt_, w.since_, w.refactored_);
+    }
     Index rows() const { return ring_.held(); }       ///< in the window
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
-    bool spoilt() const { return spoilt_ > 0; }       ///< a row that is not finite is in the window
+    bool spoilt() const { return spoilt_.n > 0; }     ///< a row that is not finite is in the window
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
     Step<T> refactor() {
@@ -108,6 +116,38 @@ public:
         return last;
     }
 
+    /// What a guard asks of a window. `restart`: no row is kept, and the window's prior is from now on this theta and variance; lambda is
+    /// the window's own. `hold`: the row is none of the window; it counts until the kept rows are next factored anew.
+    friend T variance(Windowed& w, Index j)
+        requires ReportsVariances<F>
+    {
+        return variance(w.filter_, j);
+    }
+    friend T variance_along(Windowed& w, Regressor<T> psi)
+        requires ReportsVariances<F>
+    {
+        return variance_along(w.filter_, psi);
+    }
+    friend T asymmetry(Windowed& w, Index j)
+        requires ReportsAsymmetry<F>
+    {
+        return asymmetry(w.filter_, j);
+    }
+    friend void restart(Windowed& w, T const& variance, Regressor<T> theta, T const&)
+        requires TimeUpdates<F>
+    {
+        reset(w.start_, variance, theta);  // theta may be the filter's own
+        w.filter_ = w.start_;
+        w.ring_.clear();
+        w.loss_ = w.fresh_ = T(0);
+        w.since_ = w.spoilt_.n = 0;
+    }
+    friend Step<T> hold(Windowed& w, Regressor<T> psi, T const& y, T const& lambda)
+        requires TimeUpdates<F>
+    {
+        return hold(w.filter_, psi, y, lambda);
+    }
+
 private:
     static WindowOptions<T> const& checked(WindowOptions<T> const& options) {
         expects(options.rows >= 1, "a window of at least one row");
@@ -121,7 +161,7 @@ private:
         ++since_;
         bool alarm = false;
         bool const leaves = ring_.full();
-        if (leaves && spoilt_ == 0) {
+        if (leaves && spoilt_.n == 0) {
             T const* const oldest = ring_.row(0);
             Removal<T> const removal = remove(filter_, Regressor<T>(oldest, size()), oldest[size()], weight_);
             T const remaining = removal.remaining * removal.remaining;
@@ -131,9 +171,9 @@ private:
             fresh_ = loss_;
         }
         ring_.push(psi_.data(), y);
-        if (spoilt_ > 0 && --spoilt_ == 0) alarm = true;
-        if (!finite) spoilt_ = options_.rows;
-        if (spoilt_ == 0 && (alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) refactor();
+        if (spoilt_.n > 0 && --spoilt_.n == 0) alarm = true;
+        if (!finite) spoilt_.n = options_.rows;
+        if (spoilt_.n == 0 && (alarm || (options_.refactor_every > 0 && since_ >= options_.refactor_every))) refactor();
         return out;
     }
 };

@@ -182,6 +182,10 @@ private:
         if constexpr (Shape::bytes == 32 && sizeof(T) == 8) return Numbers(_mm256_sqrt_pd(__m256d(x)));
         if constexpr (Shape::bytes == 32 && sizeof(T) == 4) return Numbers(_mm256_sqrt_ps(__m256(x)));
 #endif
+#ifdef __AVX512F__
+        if constexpr (Shape::bytes == 64 && sizeof(T) == 8) return Numbers(_mm512_sqrt_pd(__m512d(x)));
+        if constexpr (Shape::bytes == 64 && sizeof(T) == 4) return Numbers(_mm512_sqrt_ps(__m512(x)));
+#endif
 #endif
         for (int i = 0; i < Shape::width; ++i) x[i] = std::sqrt(x[i]);
         return x;

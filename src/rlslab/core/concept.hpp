@@ -80,6 +80,13 @@ concept TakesBlocks = RecursiveLeastSquares<F> && requires(F f, Matrix<typename 
     { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
 };
 
+/// update_block(psi, y) as above, but it leaves the bits of update row by row and returns the last row's step: a faster way where the rows
+/// are known in advance.
+template <class F>
+concept TakesRowsAtOnce = RecursiveLeastSquares<F> && requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
+    { f.update_block(psi, y) } -> std::same_as<Step<typename F::scalar>>;
+};
+
 /// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on, and to nothing
 /// that the next row overwrites. One of them may name a state itself: so a type around a filter lists the filter first and its own
 /// members after it. <rlslab/adapt/state.hpp> saves and loads what is named.

@@ -8,8 +8,8 @@
 namespace rlslab {
 
 /// Processes all rows, the oldest first: column k of psi (d x N) with number k of y (N). Each number is converted to F's scalar, which
-/// rounds it once. A variant that TakesBlocks is given blocks of F::block rows; one that Accumulates computes a report for the last row
-/// only. Returns the step of the last row. A variant that takes blocks has no steps: the numbers of the result are NaN, and its health is
+/// rounds it once. A variant that TakesBlocks is given blocks of F::block rows, one that TakesRowsAtOnce a few at a time; one that
+/// Accumulates computes a report for the last row only. Returns the step of the last row. A variant that takes blocks has no steps: the numbers of the result are NaN, and its health is
 /// that after the last block. N = 0 returns NaN and sound. Throws std::invalid_argument for other shapes, before any row is processed.
 template <RecursiveLeastSquares F, class Psi, class Y>
 Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
@@ -20,6 +20,12 @@ Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen:
         for (Index k = 0; k < y.size(); k += F::block) {
             Index const rows = std::min<Index>(F::block, y.size() - k);
             step.health = f.update_block(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
+        }
+    } else if constexpr (TakesRowsAtOnce<F>) {
+        constexpr Index at_once = 64;  // of which the last is not followed by one that is known
+        for (Index k = 0; k < y.size(); k += at_once) {
+            Index const rows = std::min<Index>(at_once, y.size() - k);
+            step = f.update_block(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
         }
     } else {
         Vector<T> row(psi.rows());

@@ -1,290 +1,74 @@
-// The dense kernels by name. Each has one text (isa/*.hpp) for all arithmetics; for float and double it is compiled for several instruction
-// sets, and one is chosen at start-up. All give the same bits: the texts fix the order of evaluation in blocks of eight rows, nothing is
-// fused, and lanes are combined only in the tree that ends a dot product.
-//
-// A kernel is a struct that holds its arguments. d: numbers of a vector, and order of a matrix; ld: numbers from one column of a matrix to
-// the next, padded as in storage.hpp. Pointers are to the first number. Nothing is checked, allocated or thrown. An output may be an input
-// only where the struct says so. For float and double all vectors must be padded as StateVector is, except those marked "d numbers": the
-// padding is read and overwritten, but enters no result.
+// Compiles the kernels and runs them. Each has one text (isa/*.hpp) for all arithmetics; for float and double it is compiled for several
+// instruction sets, and one is chosen at start-up. All give the same bits: the texts fix the order of evaluation in blocks of eight rows,
+// nothing is fused, and lanes are combined only in the tree that ends a dot product.
 #pragma once
 
-#include <rlslab/linalg/dot.hpp>
-#include <rlslab/linalg/reflector.hpp>
-#include <rlslab/linalg/storage.hpp>
+#include <rlslab/linalg/kernel_types.hpp>
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 #ifdef __x86_64__
 #include <immintrin.h>
 #endif
 
+// --- registers of 64 bytes: which kernels use them -------------------------------------------------------------------------
+
 namespace rlslab::kernels {
 
-/// The rows [first, last) of a block: those that exist. The other rows are padding.
-struct RowRange {
-    Index first, last;
+/// A kernel for double uses registers of 64 bytes, where there are such, from d = `from` on. `registers` is then as in the sweeps: there
+/// are twice as many of them as of smaller ones. The kernels for float, and those that the table leaves out, were not faster with them.
+struct Wide {
+    Index from = std::numeric_limits<Index>::max();
+    int registers = 8;
 };
+/// The table: what was faster on an AMD EPYC of the Zen 4 kind (docs/speed.md), by 3 to 40 %.
+template <class Kernel>
+inline constexpr Wide wide{};
+template <Shape shape>
+inline constexpr Wide wide<MultiplyTransposed<double, shape>>{.from = 40};
+template <>
+inline constexpr Wide wide<Multiply<double>>{.from = 192, .registers = 8};
+template <>
+inline constexpr Wide wide<SubtractRankOne<double>>{.from = 64, .registers = 16};
+template <>
+inline constexpr Wide wide<SubtractMirrored<double>>{.from = 64, .registers = 4};
+template <>
+inline constexpr Wide wide<SubtractRankTwo<double>>{.from = 64, .registers = 8};
+template <>
+inline constexpr Wide wide<ThenMultiply<SubtractRankOne<double>>>{.from = 16, .registers = 8};
+template <>
+inline constexpr Wide wide<ThenMultiply<SubtractMirrored<double>>>{.from = 24, .registers = 4};
+template <>
+inline constexpr Wide wide<SweepUd<double>>{.from = 64, .registers = 8};
+template <>
+inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
+template <>
+inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
 
-// --- elementwise: out = x ... over d numbers --------------------------------------------------------------------------
-
-/// What elementwise kernels have in common: they read x, write out, and go from the first number to the last. out may be x or any other
-/// operand.
+/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows need
+/// many registers: SubtractRankOne is not faster with 16 of them.
+template <class Pass>
+inline constexpr Index one_pass_from = std::numeric_limits<Index>::max();
 template <class T>
-struct OverColumn {
-    Index d;
-    T const* x;
-    T* out;
-};
-/// out_i = x_i / s.
-template <class T>
-struct DivideByOne : OverColumn<T> {
-    T s;
-};
-/// out_i = x_i / y_i.
-template <class T>
-struct Divide : OverColumn<T> {
-    T const* y;
-};
-/// out_i = x_i y_i.
-template <class T>
-struct Scale : OverColumn<T> {
-    T const* y;
-};
-/// out_i = sqrt(x_i); NaN for x_i < 0.
-template <class T>
-struct TakeRoots : OverColumn<T> {};
-/// out_i = x_i + a y_i.
-template <class T>
-struct AddScaled : OverColumn<T> {
-    T a;
-    T const* y;
-};
-/// out_i = a x_i.
-template <class T>
-struct ScaleByOne : OverColumn<T> {
-    T a;
-};
-/// out_i = x_i + y_i.
-template <class T>
-struct Add : OverColumn<T> {
-    T const* y;
-};
-/// out_i = x_i + y_i z_i.
-template <class T>
-struct AddProduct : OverColumn<T> {
-    T const *y, *z;
-};
-/// before_j = *s, *s += x_j, out_j = *s, summed within blocks of eight first. before must not be out.
-template <class T>
-struct PrefixSums : OverColumn<T> {
-    T* before;
-    T* s;
-};
-/// *finite = whether every x_i is finite. out is not used.
-template <class T>
-struct AllFinite : OverColumn<T> {
-    Truth<T>* finite;
-};
-template <class K>
-concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
-
-// --- products -----------------------------------------------------------------------------------------------------------
-
-enum class Shape { full, upper };
-
-/// out_j = sum_i A_ij x_i, over all i or, for an upper triangle, over i <= j: a dot product in eight lanes. x: d numbers.
-template <class T, Shape>
-struct MultiplyTransposed {
-    Index d, ld;
-    T const *A, *x;
-    T* out;
-};
-/// out_ij = sum_n A_in B_nj, n ascending, where B_nj = B[n row + j column]: the strides (1, ld) give A B, (ld, 1) give A B'.
-template <class T>
-struct MultiplySquares {
-    static constexpr int registers = 8;
-    Index d, ld;
-    T const *A, *B;
-    Index row, column;  // strides of B
-    T* out;
-};
-
-// --- sweeps over columns ---------------------------------------------------------------------------------------------------
-
-/// A sweep goes through the columns j of A and keeps a block of a vector w, which runs along the rows, in registers.
-///   registers    how many registers' worth of rows go through the columns together
-///   upper        A is an upper triangle: column j has the rows i <= j
-///   writes       A is changed
-///   starts       the first value of w: zero, the vector w itself, or the product of column 0 with x_0
-///   at(j)        the scalars that step j needs
-enum class Start { zero, column, first_product };
-
-/// w_i = sum_j A_ij x_j, j ascending. x: d numbers.
-template <class T>
-struct Multiply {
-    static constexpr int registers = 8;
-    static constexpr bool upper = false, writes = false;
-    static constexpr Start starts = Start::first_product;
-    Index d, ld;
-    T const* A;
-    T* w;
-    T const* x;
-    T const& at(Index j) const { return x[j]; }
-};
-/// A_ij = t + t correction, t = A_ij - w_i f_j; correction = (1 - r) / r divides by r (DivisorNearOne). w is only read.
-template <class T>
-struct SubtractRankOne {
-    static constexpr int registers = 8;
-    static constexpr bool upper = false, writes = true;
-    static constexpr Start starts = Start::column;
-    Index d, ld;
-    T* A;
-    T const *w, *f;
-    T correction;
-    T at(Index j) const { return f[j]; }
-};
-/// A_ij = A_ji = t + t correction, t = A_ij - w_i f_j, for i <= j; A is symmetric.
-template <class T>
-struct SubtractMirrored {
-    static constexpr int registers = 4;
-    Index d, ld;
-    T* A;
-    T const *w, *f;
-    T correction;
-};
-/// A_ij = t + t correction, t = A_ij - (x_i g_j + g_i x_j); A is symmetric.
-template <class T>
-struct SubtractRankTwo {
-    static constexpr int registers = 4;
-    Index d, ld;
-    T* A;
-    T const *x, *g;
-    T correction;
-};
-/// What sweeps over an upper triangle A have in common: w is an output and starts from zero. The zeros of A below the diagonal, as far as
-/// blocks of rows reach, are written again as zeros.
-template <class T>
-struct OverTriangle {
-    static constexpr int registers = 4;
-    static constexpr bool upper = true, writes = true;
-    static constexpr Start starts = Start::zero;
-    Index d, ld;
-    T *A, *w;
-};
-/// A_ij = t - w_i mu_j, w_i += t g_j, t the old A_ij, i <= j.
-template <class T>
-struct SweepUd : OverTriangle<T> {
-    struct At {
-        T g, mu;
-    };
-    T const *g, *mu;
-    At at(Index j) const { return {g[j], mu[j]}; }
-};
-/// A_ij = q + q correction, q = t keep_j - w_i mix_j; w_i += t f_j, t the old A_ij, i <= j.
-template <class T>
-struct SweepCarlson : OverTriangle<T> {
-    struct At {
-        T f, keep, mix;
-    };
-    T const *f, *keep, *mix;
-    T correction;
-    At at(Index j) const { return {f[j], keep[j], mix[j]}; }
-};
-/// (w_i, A_ij) = (c_j w_i + s_j q, c_j q - s_j w_i), q = t + t correction, t the old A_ij, i <= j.
-template <class T>
-struct SweepRotations : OverTriangle<T> {
-    struct At {
-        T c, s;
-    };
-    T const *c, *s;
-    T correction;
-    At at(Index j) const { return {c[j], s[j]}; }
-};
-template <class K>
-concept ByRows = requires { K::registers; };
-template <class K>
-concept Sweep = ByRows<K> && requires { K::starts; };
-
-// --- panels of a lower triangle ------------------------------------------------------------------------------------------
-
-// A row of R = L' is a column of L. Rows go from the first to the last; each acts on the new row x to the right of its diagonal.
-//   writes     L is changed
-//   corners    the rows within a block depend on one another: its corner on the diagonal is computed in scalars first
-
-/// x_j -= x_i L_ji for i = 0, 1, ... and j > i. L is unit lower triangular; its diagonal is not read.
-template <class T>
-struct Eliminate {
-    static constexpr bool writes = false, corners = true;
-    Index d, ld;
-    T const* L;
-    T* x;
-};
-/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
-template <class T>
-struct SweepGentleman {
-    static constexpr bool writes = true;
-    Index d, ld;
-    T *L, *x;
-    T const *c, *s, *e;
-};
-/// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs (root_lambda L_ji, x_j)
-/// for j > i and (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is overwritten.
-template <class T>
-struct RotateIn {
-    static constexpr bool writes = true, corners = true;
-    Index d, ld;
-    T *L, *x, *z, *eta, *c, *s;
-    T root_lambda;
-};
-/// The same by reflections with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
-///   a = tau_i (weight L_ji + v_i x_j),   L_ji = weight L_ji - a,   x_j -= a v_i       for j > i, and for (z_i, *eta) alike
-template <class T>
-struct ReflectIn {
-    static constexpr bool writes = true, corners = true;
-    Index d, ld;
-    T *L, *x, *z, *eta, *tau, *ratio;
-    T weight;
-};
-template <class K>
-concept ByPanels = requires { K::corners; };
-
-// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding ---------------------------------
-
-/// *sum = v'v, a dot product in eight lanes.
-template <class T>
-struct SumOfSquares {
-    Index rows;
-    T const* v;
-    T* sum;
-};
-/// v_k /= pivot.
-template <class T>
-struct Division {
-    Index rows;
-    T* v;
-    T pivot;
-};
-/// For each of the `columns` columns a of A: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in the row of R that is above A:
-/// above[0], above[1], ..., but *last for the last column (the right-hand side).
-template <class T>
-struct Reflection {
-    Index rows, columns;  // of A
-    T const* v;
-    T tau;
-    T *A, *above, *last;
-};
-template <class K>
-concept OnColumns = requires(K k) { k.rows; };
+inline constexpr Index one_pass_from<SubtractMirrored<T>> = 128;
 
 }  // namespace rlslab::kernels
 
+// --- the texts, compiled for each instruction set --------------------------------------------------------------------------
+
 // GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller comes too late, so the
-// whole text is compiled under each target.
+// whole text is compiled under each target. What a translation unit is compiled for needs no text of its own.
 namespace rlslab::kernels::portable {
 #include <rlslab/linalg/isa/all.hpp>
 }
-#if defined(__x86_64__) && !defined(__AVX2__)
+#ifdef __x86_64__
+#ifdef __AVX2__
+namespace rlslab::kernels {
+namespace avx2 = portable;
+}
+#else
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
 #else
@@ -300,29 +84,60 @@ namespace rlslab::kernels::avx2 {
 #pragma GCC pop_options
 #endif
 #endif
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+namespace rlslab::kernels {
+namespace avx512 = portable;
+}
+#else
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512vl")
+#pragma GCC optimize("fp-contract=off")
+#endif
+namespace rlslab::kernels::avx512 {
+#include <rlslab/linalg/isa/all.hpp>
+}
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+#endif
 
 namespace rlslab {
 
-enum class Isa { baseline, avx2 };
+/// The instruction sets for which the kernels are compiled, each containing those before it. avx512: AVX-512 F, DQ and VL.
+enum class Isa { baseline, avx2, avx512 };
 
 namespace kernels {
+/// The last one that both the processor and the operating system (which must keep the registers of each thread) offer.
+inline Isa best_isa() {
 #ifdef __x86_64__
-inline bool has_avx2() {
     __builtin_cpu_init();
-    return __builtin_cpu_supports("avx2");
-}
-#else
-constexpr bool has_avx2() { return false; }
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return Isa::avx512;
+    if (__builtin_cpu_supports("avx2")) return Isa::avx2;
 #endif
-/// The instruction set that the kernels use: baseline until this variable is initialised. A test may change it; the bits stay the same.
-inline Isa isa = has_avx2() ? Isa::avx2 : Isa::baseline;
+    return Isa::baseline;
+}
+/// The instruction set that the kernels use: baseline until this variable is initialised. A test may choose an earlier one; the bits stay
+/// the same.
+inline Isa isa = best_isa();
 
-/// Bytes of a register of the instruction set for which this translation unit is compiled.
+/// Bytes of a register in the kernels that are inlined. Those of AVX-512 are not used there: at these sizes they are slower.
 #ifdef __AVX2__
 inline constexpr int register_bytes = 32;
 #else
 inline constexpr int register_bytes = 16;
 #endif
+
+/// Whether ThenMultiply<Pass> is faster than the pass and a product after it.
+template <class Pass>
+bool one_pass_is_faster(Index d) {
+    return d >= (isa >= Isa::avx512 ? std::min(wide<ThenMultiply<Pass>>.from, one_pass_from<Pass>) : one_pass_from<Pass>);
+}
 }  // namespace kernels
 
 /// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large part of their time.
@@ -340,8 +155,12 @@ template <class T, int N, class Kernel>
             if (kernel.d <= 4) return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
-#if defined(__x86_64__) && !defined(__AVX2__)
-        if (isa == Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
+#ifdef __x86_64__
+        if constexpr (!OnColumns<Kernel>)
+            if constexpr (wide<Kernel>.from != Wide{}.from)
+                if (isa >= Isa::avx512 && kernel.d >= wide<Kernel>.from)
+                    return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
+        if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
         portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
     }

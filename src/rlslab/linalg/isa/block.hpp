@@ -8,10 +8,11 @@ template <class T>
 struct ScalarRow {
     using scalar = T;
     static constexpr int rows = 1, registers = 2;  // as many as fit if T is a Pack
-    static constexpr bool padded = false;
+    static constexpr bool padded = false, wide = false;
     Accumulator<T> x;
 
     [[gnu::always_inline]] void zero() { x = T(0); }
+    [[gnu::always_inline]] void empty_sum() { x = -T(0); }
     [[gnu::always_inline]] void load(T const* from) { x = *from; }
     [[gnu::always_inline]] void store(T* to) const { *to = x; }
     [[gnu::always_inline]] void scale(T const& a) { x *= a; }
@@ -36,16 +37,24 @@ struct SimdBlock {
     typedef Word Mask __attribute__((vector_size(Bytes)));
     typedef Word MaskAnywhere __attribute__((vector_size(Bytes), aligned(alignof(Word)), may_alias));
     static constexpr int rows = Rows, W = Bytes / int(sizeof(T)), registers = Rows / W;
-    static constexpr bool padded = true;
+    static constexpr bool padded = true, wide = Bytes == 64;
+    static_assert(Rows % W == 0);
     V v[registers];
 
     [[gnu::always_inline]] void zero() {
+#pragma GCC unroll 16
         for (V& r : v) r = V{};
     }
+    [[gnu::always_inline]] void empty_sum() {
+#pragma GCC unroll 16
+        for (V& r : v) r = -V{};
+    }
     [[gnu::always_inline]] void load(T const* from) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = *reinterpret_cast<Anywhere const*>(from + m * W);
     }
     [[gnu::always_inline]] void load_unpadded(T const* from, RowRange p) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             Index const left = p.last - m * W;
             T const* const at = from + m * W;
@@ -53,6 +62,8 @@ struct SimdBlock {
             if (left >= W) {
                 v[m] = *reinterpret_cast<Anywhere const*>(at);
 #ifdef __x86_64__  // not through an array: narrow stores do not forward to a wide load, which would wait
+            } else if constexpr (Bytes == 64) {
+                v[m] = V(_mm512_maskz_loadu_pd(first_lanes(left), at));
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
                 v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
@@ -66,10 +77,12 @@ struct SimdBlock {
         }
     }
     [[gnu::always_inline]] void store(T* to) const {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) *reinterpret_cast<Anywhere*>(to + m * W) = v[m];
     }
     /// Writes the rows in p; the others keep their values in memory.
     [[gnu::always_inline]] void store_present(T* to, RowRange p) const {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             auto* const there = reinterpret_cast<Anywhere*>(to + m * W);
             Mask const here = mask(p.last, m) & ~mask(p.first, m);
@@ -78,21 +91,27 @@ struct SimdBlock {
     }
     [[gnu::always_inline]] void take(SimdBlock const& a) { *this = a; }
     [[gnu::always_inline]] void scale(T a) {
+#pragma GCC unroll 16
         for (V& r : v) r = r * a;
     }
     [[gnu::always_inline]] void divide(T a) {
+#pragma GCC unroll 16
         for (V& r : v) r = r / a;
     }
     [[gnu::always_inline]] void scale(SimdBlock const& a) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] * a.v[m];
     }
     [[gnu::always_inline]] void divide(SimdBlock const& a) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] / a.v[m];
     }
     [[gnu::always_inline]] void subtract(SimdBlock const& a) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m];
     }
     [[gnu::always_inline]] void add(SimdBlock const& a) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
     }
     /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}, s = the last after. The vectors are built in registers, because narrow
@@ -100,13 +119,16 @@ struct SimdBlock {
     [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
         T here[Rows + 1];
         here[0] = T(0);
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             V term = v[m];
             if (p.last < Rows) leave_out(term, p.last, m);
+#pragma GCC unroll 16
             for (int i = 0; i < W; ++i) here[m * W + i + 1] = m + i > 0 ? here[m * W + i] + term[i] : term[i];
         }
         before.put_together(here);
         after.put_together(here + 1);
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             before.v[m] = s + before.v[m];
             after.v[m] = s + after.v[m];
@@ -114,12 +136,15 @@ struct SimdBlock {
         s += here[Rows];
     }
     [[gnu::always_inline]] void take_root() {
+#pragma GCC unroll 16
         for (V& r : v) root(r);
     }
     [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b;
     }
     [[gnu::always_inline]] void subtract_product(SimdBlock const& a, T b) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b;
     }
     /// Subtracts a b from the rows before `first`, and c d from the other rows.
@@ -131,6 +156,7 @@ struct SimdBlock {
     }
     /// Adds x - x in the rows of p: zero for a number, NaN for an infinity or a NaN.
     [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             V difference = x.v[m] - x.v[m];
             if (p.last < Rows) leave_out(difference, p.last, m);
@@ -139,9 +165,11 @@ struct SimdBlock {
     }
     [[gnu::always_inline]] bool all_zero() const {
         V sum = v[0];
+#pragma GCC unroll 16
         for (int m = 1; m < registers; ++m) sum = sum + v[m];
         Mask const zero = sum == V{};
 #ifdef __x86_64__
+        if constexpr (Bytes == 64) return _mm512_cmp_pd_mask(__m512d(sum), __m512d(V{}), _CMP_EQ_OQ) == 255;
         if constexpr (Bytes == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(zero)) == 15;
         if constexpr (Bytes == 32 && sizeof(T) == 4) return _mm256_movemask_ps(__m256(zero)) == 255;
         if constexpr (Bytes == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(zero)) == 3;
@@ -154,16 +182,20 @@ struct SimdBlock {
     /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The functions "_all" are for
     /// blocks without padding.
     [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void start_sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
         start_sum_all(a, b);
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) leave_out(v[m], p.last, m);
     }
     [[gnu::always_inline]] void sum_all(SimdBlock const& a, SimdBlock const& b) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] void sum(SimdBlock const& a, SimdBlock const& b, RowRange p) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             V product = a.v[m] * b.v[m];
             leave_out(product, p.last, m);
@@ -174,11 +206,13 @@ struct SimdBlock {
     [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out) {
         if constexpr (W == 2) {
             V pair[4];
+#pragma GCC unroll 16
             for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
                 if constexpr (Rows == 8) pair[c] = (r[0] + r[2]) + (r[1] + r[3]);
                 else pair[c] = r[0] + r[1];
             }
+#pragma GCC unroll 16
             for (int c = 0; c < 4; c += 2)
                 *reinterpret_cast<Anywhere*>(out + c) =
                     __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) + __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
@@ -186,6 +220,7 @@ struct SimdBlock {
             typedef T Four __attribute__((vector_size(4 * sizeof(T))));
             typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
             Four h[4];
+#pragma GCC unroll 16
             for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
                 if constexpr (W == 8)
@@ -202,6 +237,7 @@ struct SimdBlock {
 
 private:
     [[gnu::always_inline]] void put_together(T const* x) {
+#pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             T const* const a = x + m * W;
             if constexpr (W == 2) v[m] = V{a[0], a[1]};
@@ -226,13 +262,16 @@ private:
         alignas(64) static constexpr Word table[16] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
         return *reinterpret_cast<MaskAnywhere const*>(table + 8 - count + m * W);
     }
+    /// The same for the only register of eight rows, as AVX-512 has it: a bit a row.
+    [[gnu::always_inline]] static std::uint8_t first_lanes(Index count) { return std::uint8_t(255u >> (8 - count)); }
     [[gnu::always_inline]] static void leave_out(V& product, Index count, int m) {
         Mask const here = mask(count, m);
         product = V((here & Mask(product)) | (~here & Mask(-V{})));
     }
     [[gnu::always_inline]] static void root(V& x) {
 #ifdef __x86_64__
-        if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
+        if constexpr (Bytes == 64) x = V(_mm512_maskz_sqrt_pd(255, __m512d(x)));  // of _mm512_sqrt_pd g++ 12 warns
+        else if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
         else if constexpr (Bytes == 32) x = V(_mm256_sqrt_ps(__m256(x)));
         else if constexpr (sizeof(T) == 8) x = V(_mm_sqrt_pd(__m128d(x)));
         else x = V(_mm_sqrt_ps(__m128(x)));

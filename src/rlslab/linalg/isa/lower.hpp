@@ -63,6 +63,7 @@ template <class B, class T>
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
+#pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
 /// (a, b) = (c a + s b, c b - s a).
@@ -79,6 +80,7 @@ template <class T>
     row[i] = turn.r;
     s.c[i0 + i] = turn.c;
     s.s[i0 + i] = turn.s;
+#pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) {
         T t = s.root_lambda * row[j];
         rotate(turn, t, x[j]);
@@ -107,10 +109,12 @@ template <class T>
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
     if (all(turn.tau == T(0))) {
+#pragma GCC unroll 8
         for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
         s.z[i0 + i] *= s.weight;
         return;
     }
+#pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
     reflect(turn.tau, v, s.weight, s.z[i0 + i], *s.eta);
 }
@@ -123,8 +127,10 @@ template <int i, int m, class S, class T>
 template <int m, class S, class T>
 [[gnu::always_inline]] inline void whole_corner(S const& s, Index i0, T* x) {
     T copy[m];
+#pragma GCC unroll 8
     for (Index i = 0; i < m; ++i) copy[i] = x[i];
     finish_corner_rows<0, m>(s, i0, copy);
+#pragma GCC unroll 8
     for (Index i = 0; i < m; ++i) x[i] = copy[i];
 }
 
@@ -147,6 +153,7 @@ template <class B, class T>
             B x;
             Index const m = rows_of<B>(i0, s.d).last;
             x.load(s.x + i0);
+#pragma GCC unroll 8
             for (Index i = 0; i < m; ++i) {
                 T* const column = s.L + (i0 + i) * s.ld + i0;
                 B t;

@@ -54,6 +54,7 @@ template <int P, class B, int K, class S>
     for (Index j = j0; j < j1; ++j) {
         auto* const column = s.A + j * s.ld + i0;
         auto const at = s.at(j);
+#pragma GCC unroll 16
         for (int m = 0; m < P; ++m) {
             B t;
             t.load(column + m * B::rows);
@@ -75,6 +76,7 @@ template <class B, int K, Sweep S>
 [[gnu::always_inline]] inline void rows(S const& s, Index i0) {
     B w[K];
     Index j0 = 0;
+#pragma GCC unroll 16
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
         if constexpr (S::starts == Start::column) {
@@ -90,56 +92,112 @@ template <class B, int K, Sweep S>
     if constexpr (S::upper) staircase<1>(s, w, i0);
     else columns<K>(s, w, i0, j0, s.d);
     if constexpr (S::starts != Start::column)
+#pragma GCC unroll 16
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
+}
+
+// What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that ThenMultiply asks for.
+// The sums start from -0, to which the first product is added without a change.
+struct NothingElse {
+    template <class B>
+    [[gnu::always_inline]] void add(int, B const&, Index) {}
+};
+template <class B, int K, class T>
+struct SumOfColumns {
+    B sum[K];
+    T const* x;
+    [[gnu::always_inline]] explicit SumOfColumns(T const* from) : x(from) {
+        for (B& s : sum) s.empty_sum();
+    }
+    [[gnu::always_inline]] void add(int m, B const& t, Index j) { sum[m].add_product(t, x[j]); }
+    [[gnu::always_inline]] void store(T* to) const {
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) sum[m].store(to + m * B::rows);
+    }
+};
+
+template <class B, int K, Sweep S>
+[[gnu::always_inline]] inline void rows(ThenMultiply<S> const& s, Index i0) {
+    B w[K];
+    SumOfColumns<B, K, typename B::scalar> product(s.x);
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) w[m].load(s.w + i0 + m * B::rows);
+    for (Index j = 0; j < s.d; ++j) {
+        auto* const column = s.A + j * s.ld + i0;
+#pragma GCC unroll 16
+        for (int m = 0; m < K; ++m) {
+            B t;
+            t.load(column + m * B::rows);
+            step(s, s.at(j), t, w[m]);
+            t.store(column + m * B::rows);
+            product.add(m, t, j);
+        }
+    }
+    product.store(s.out + i0);
 }
 
 // A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j.
 // `running` holds f for blocks whose diagonal is still to come and w for the others. A block multiplies its running vector by f_j if it
 // is above the diagonal of column j, by w_j if it is below. Block p holds the diagonal, in its column c: its rows up to c use the
 // product of w with f_j, the rows below use that of f with w_j.
-template <int m, int p, int c, class B, int K, class T>
-[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here, T f, T w) {
+template <int m, int p, int c, class B, int K, class T, class Also>
+[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0, Index j) {
     Index const i = i0 + m * B::rows;
+    T* const here = s.A + j * s.ld + i;
     B t;
-    t.load(here + m * B::rows);
-    if constexpr (m < p) t.subtract_product(running[m], f);
-    else if constexpr (m > p) t.subtract_product(running[m], w);
-    else t.template subtract_either<c + 1>(block_of<B>(s.w, i), f, running[m], w);
+    t.load(here);
+    if constexpr (m < p) t.subtract_product(running[m], s.f[j]);
+    else if constexpr (m > p) t.subtract_product(running[m], s.w[j]);
+    else t.template subtract_either<c + 1>(block_of<B>(s.w, i), s.f[j], running[m], s.w[j]);
     t.add_product(t, s.correction);
-    t.store(here + m * B::rows);
-    if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, i0, here, f, w);
+    t.store(here);
+    also.add(m, t, j);
+    if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, also, i0, j);
 }
-template <int p, int c, class B, int K, class T>
-[[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Index i0, T* here) {
+template <int p, int c, class B, int K, class T, class Also>
+[[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0) {
     Index const j = i0 + p * B::rows + c;
-    mirrored<0, p, c>(s, running, i0, here, s.f[j], s.w[j]);
+    mirrored<0, p, c>(s, running, also, i0, j);
     if constexpr (c + 1 < B::rows)
-        if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, i0, here + s.ld);
+        if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, also, i0);
 }
 /// The columns whose diagonal is in block p, then those of the next block, and last the columns behind all blocks.
-template <int p, class B, int K, class T>
-[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Index i0) {
+template <int p, class B, int K, class T, class Also>
+[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Also& also, Index i0) {
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
-        on_diagonal<p, 0>(s, running, i0, s.A + j0 * s.ld + i0);
+        on_diagonal<p, 0>(s, running, also, i0);
         running[p] = block_of<B>(s.w, j0);
-        from_diagonal<p + 1>(s, running, i0);
+        from_diagonal<p + 1>(s, running, also, i0);
     } else {
-        for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
+        for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, also, i0, j);
     }
+}
+template <class B, int K, class T, class Also>
+[[gnu::always_inline]] inline void mirrored_rows(SubtractMirrored<T> const& s, Also& also, Index i0) {
+    B running[K];
+#pragma GCC unroll 16
+    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
+    for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, also, i0, j);
+    from_diagonal<0>(s, running, also, i0);
 }
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
-    B running[K];
-    for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
-    for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, i0, s.A + j * s.ld + i0, s.f[j], s.w[j]);
-    from_diagonal<0>(s, running, i0);
+    NothingElse nothing;
+    mirrored_rows<B, K>(s, nothing, i0);
+}
+template <class B, int K, class T>
+[[gnu::always_inline]] inline void rows(ThenMultiply<SubtractMirrored<T>> const& s, Index i0) {
+    SumOfColumns<B, K, T> product(s.x);
+    mirrored_rows<B, K>(static_cast<SubtractMirrored<T> const&>(s), product, i0);
+    product.store(s.out + i0);
 }
 
 // P = (P - (K g' + g K')) / lambda, with two running vectors.
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractRankTwo<T> const& s, Index i0) {
     B x[K], g[K];
+#pragma GCC unroll 16
     for (int m = 0; m < K; ++m) {
         Index const i = i0 + m * B::rows;
         x[m].load(s.x + i);
@@ -147,6 +205,7 @@ template <class B, int K, class T>
     }
     for (Index j = 0; j < s.d; ++j) {
         T const xj = s.x[j], gj = s.g[j];
+#pragma GCC unroll 16
         for (int m = 0; m < K; ++m) {
             T* const here = s.A + j * s.ld + i0 + m * B::rows;
             B t, both = x[m];
@@ -179,5 +238,14 @@ template <class B, class T>
 
 template <class B, ByRows S>
 [[gnu::always_inline]] inline void evaluate(S const& s) {
-    groups<B, S::registers <= B::registers ? 1 : S::registers / B::registers>(s, 0);
+    constexpr int together = B::wide ? wide<S>.registers : S::registers;
+    groups<B, together <= B::registers ? 1 : together / B::registers>(s, 0);
+}
+
+/// For single rows: one pass, then the other.
+template <class B, class S>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(ThenMultiply<S> const& s) {
+    evaluate<B>(static_cast<S const&>(s));
+    evaluate<B>(Multiply<typename B::scalar>{s.d, s.ld, s.A, s.out, s.x});
 }

@@ -1,0 +1,60 @@
+// fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and bytes of state moved.
+#include "bench/rows.hpp"
+
+#include <rlslab/adapt/fleet.hpp>
+#include <rlslab/variants/conventional.hpp>
+#include <rlslab/variants/ud.hpp>
+
+namespace rlslab::bench {
+namespace {
+
+constexpr Index million = 1'000'000;
+
+/// Every filter on the scenario's rows: what a row costs does not depend on its numbers. A timed stretch is one row of each filter.
+template <class F>
+void run_fleet(benchmark::State& state, Index size, unsigned threads) {
+    using T = typename F::scalar::lane_type;
+    Scenario const& scenario = tapped_delay_line(size);
+    Fleet<F> fleet(million, problem_in<T>(scenario.problem));
+    Matrix<T> psi(million, size);
+    Vector<T> y(million);
+    auto const next = [&, k = Index(0)]() mutable {
+        for (Index i = 0; i < size; ++i) psi.col(i).setConstant(T(scenario.records.psi(i, k)));
+        y.setConstant(T(scenario.records.y[k]));
+        ++k;
+    };
+    for (Index k = 0; k < scenario.scored; ++k) {
+        next();
+        fleet.update(psi, y, std::thread::hardware_concurrency());
+    }
+    Vector<double> const theta = fleet.theta(million - 1).template cast<double>();
+    Stopwatch watch(state, million);
+    Index k = scenario.scored;
+    for (auto _ : state)
+        watch.add(
+            [&] {
+                if (k++ < scenario.records.rows()) next();
+            },
+            [&] { return nanoseconds_of([&] { fleet.update(psi, y, threads); }); });
+    watch.finish({digits(scenario.exact, theta, std::numeric_limits<T>::digits), fleet.theta(million - 1).allFinite()});
+    double const bytes = double(sizeof(F)) / F::scalar::lanes * 2 + double(size + 1) * sizeof(T);  // read and written; the row
+    state.counters["GB_per_s"] = bytes / double(state.counters["ns_per_update"]);
+}
+
+template <class F>
+void add(std::string const& arithmetic, Index size) {
+    for (unsigned const threads : {1u, 2u})
+        add_row("fleet/" + std::string(F::name) + (threads > 1 ? "_2_threads" : "") + "/" + arithmetic + "/" + std::to_string(size),
+                [=](benchmark::State& state) { run_fleet<F>(state, size, threads); });
+}
+
+[[maybe_unused]] bool const added = [] {
+    add<Ud<Pack<double, 8>, 4>>("double8", 4);
+    add<Ud<Pack<float, 16>, 4>>("float16", 4);
+    add<Conventional<Pack<double, 8>, 4>>("double8", 4);
+    add<Conventional<Pack<float, 16>, 4>>("float16", 4);
+    return true;
+}();
+
+}  // namespace
+}  // namespace rlslab::bench

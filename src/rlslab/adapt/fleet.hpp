@@ -1,0 +1,166 @@
+// Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
+#pragma once
+
+#include <rlslab/adapt/state.hpp>
+#include <rlslab/arithmetic/pack.hpp>
+
+#include <cstring>
+#include <thread>
+
+namespace rlslab {
+
+namespace detail {
+/// Every number that a filter over packs keeps, in the order of its state.
+template <class P>
+struct NumbersOfLanes : Silent {
+    P* to;
+    explicit NumbersOfLanes(P* first) : to(first) {}
+    void number(P const& x) { *to++ = x; }
+    template <class X>
+    void number(X const&) {}
+};
+/// Puts them back in the lanes of the mask.
+template <class P>
+struct LanesPutBack : Silent {
+    P const* from;
+    typename P::Mask mask;
+    LanesPutBack(P const* first, typename P::Mask const& lanes) : from(first), mask(lanes) {}
+    void number(P& x) {
+        x = select(mask, *from, x);
+        ++from;
+    }
+    template <class X>
+    void number(X&) {}
+};
+template <class P>
+struct CountedLanes : Silent {
+    Index count = 0;
+    void number(P const&) { ++count; }
+    template <class X>
+    void number(X const&) {}
+};
+}  // namespace detail
+
+/// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem. Each keeps the bits
+/// of the scalar variant on its own rows.
+///
+/// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A sample with a number
+/// that is not finite is missing: its filter stays as it was, and no other filter notices. Time does not pass for it; update it with
+/// psi = 0 and y = 0 where it should.
+///
+/// Memory: that of F for each P::lanes filters; an update allocates the numbers of two such F. A row moves the state of all through the
+/// processor once. Source: layout as in arrays of structures of arrays; folklore.
+template <class F>
+    requires(requires { F::scalar::lanes; }) && NamesItsState<F>
+class Fleet {
+public:
+    using pack = typename F::scalar;
+    using number = typename pack::lane_type;
+    static constexpr int lanes = pack::lanes;
+
+    /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
+    Fleet(Index filters, Problem<number> const& problem)
+        : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
+          packs_(size_t((filters + lanes - 1) / lanes), fresh_), health_(packs_.size()) {
+        detail::CountedLanes<pack> counted;
+        detail::walk(counted, fresh_);
+        numbers_ = counted.count;
+    }
+
+    Index filters() const { return filters_; }  ///< M
+    Index parameters() const { return size_; }  ///< d
+
+    /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided; no bit depends
+    /// on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
+    Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, unsigned threads = 1) {
+        expects(psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
+                "psi: filters x parameters; y: a number for each filter");
+        Index const all = Index(packs_.size()), shares = std::clamp<Index>(Index(threads), 1, all);
+        std::vector<Index> missing(size_t(shares), 0);
+        auto const work = [&](Index share) {
+            missing[size_t(share)] = update_packs(psi, y, all * share / shares, all * (share + 1) / shares);
+        };
+        {
+            std::vector<std::jthread> others;
+            for (Index share = 1; share < shares; ++share) others.emplace_back(work, share);
+            work(0);
+        }
+        Index out = 0;
+        for (Index const m : missing) out += m;
+        return out;
+    }
+
+    /// The d parameters of filter i; the worst health of its steps since it began. i < M is not checked.
+    Vector<number> theta(Index i) const {
+        return packs_[size_t(i / lanes)].theta().unaryExpr([lane = int(i % lanes)](pack const& x) { return x[lane]; });
+    }
+    Health health(Index i) const { return health_[size_t(i / lanes)][int(i % lanes)]; }
+
+    /// Filter i begins anew.
+    void reset(Index i) {
+        std::vector<pack> numbers(size_t(numbers_), pack{});
+        detail::NumbersOfLanes<pack> reading(numbers.data());
+        detail::walk(reading, fresh_);
+        pack chosen;
+        chosen.set(int(i % lanes), number(1));
+        detail::LanesPutBack<pack> back(numbers.data(), chosen == pack(number(1)));
+        detail::walk(back, packs_[size_t(i / lanes)]);
+        health_[size_t(i / lanes)].value[size_t(i % lanes)] = Health::sound;
+    }
+
+private:
+    static Index checked_count(Index filters) {
+        expects(filters >= 1, "at least one filter");
+        return filters;
+    }
+    static Problem<pack> in_packs(Problem<number> const& problem) {
+        return problem.template mapped<pack>([](number x) { return pack(x); });
+    }
+    /// The numbers of `count` filters in a row, NaN behind the last.
+    static pack loaded(number const* from, Index count) {
+        pack out(std::numeric_limits<number>::quiet_NaN());
+        if (count >= lanes) std::memcpy(&out.v, from, sizeof out.v);
+        else
+            for (int i = 0; i < count; ++i) out.set(i, from[i]);
+        return out;
+    }
+
+    Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
+        std::vector<pack> before(size_t(numbers_), pack{});
+        std::vector<pack> numbers_of_row(size_t(size_), pack{});
+        Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);
+        Index missing = 0;
+        for (Index g = first; g < last; ++g) {
+            Index const at = g * lanes, here = std::min<Index>(lanes, filters_ - at);
+            pack const output = loaded(y.data() + at, here);
+            typename pack::Mask present = isfinite(output);
+            for (Index i = 0; i < size_; ++i) {
+                row[i] = loaded(psi.col(i).data() + at, here);
+                present = present && isfinite(row[i]);
+            }
+            F& filter = packs_[size_t(g)];
+            if (all(present)) {
+                health_[size_t(g)] = worse(health_[size_t(g)], filter.update(row, output).health);
+                continue;
+            }
+            for (int lane = 0; lane < here; ++lane) missing += !present[lane];
+            if (!any(present)) continue;
+            detail::NumbersOfLanes<pack> reading(before.data());
+            detail::walk(reading, filter);
+            for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
+            auto const step = filter.update(row, select(present, output, pack()));
+            detail::LanesPutBack<pack> back(before.data(), !present);
+            detail::walk(back, filter);
+            health_[size_t(g)] = worse(health_[size_t(g)], select(present, step.health, Lanes<Health, lanes>(Health::sound)));
+        }
+        return missing;
+    }
+
+    Index filters_;
+    F fresh_;
+    Index size_, numbers_ = 0;
+    std::vector<F> packs_;
+    std::vector<Lanes<Health, lanes>> health_;
+};
+
+}  // namespace rlslab

@@ -1,0 +1,93 @@
+// Rows of different variance, and rows whose output is missing.
+#pragma once
+
+#include <rlslab/adapt/time_update.hpp>
+
+#include <tuple>
+
+namespace rlslab {
+
+/// F with a weight for each row: minimises sum_i lambda^(k-i) w_i (y_i - psi_i'theta)^2 in place of F's sum, the prior as it is. w = 1/v
+/// where the row's noise has v times the variance that P is in units of.
+///
+///   (1) F takes the row (sqrt(w) psi, sqrt(w) y); innovation and residual are divided by sqrt(w), the gain multiplied: all in y's unit.
+///       gamma = lambda / (lambda + w psi'P psi)
+///   (2) in a field without roots: P -> w P (lambda/w) / lambda, that is F's row with lambda/w for lambda, then discount(w)
+///   (3) missing output: time passes and nothing is learnt, P -> P / lambda. That is F's row with psi = 0, and w = 0. A theta that is
+///       stored keeps its bits; one that is solved for moves by rounding
+///
+/// (2) is exact, and therefore for exact fields alone: rounding makes an error of u/w in it.
+/// psi         may be the gain's own numbers                      w = 1     F's own bits
+/// w           < 0, infinite or NaN: nothing changes, and health is nonfinite
+/// F           a variant, or what is around one: Weighted<Guarded<Windowed<Ud<float, 5>>>> keeps the scaled rows, and tests the scaled
+///             innovation, whose variance is the same in all rows. A guard learns nothing of the noise from (3)
+/// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and a root.
+/// Source: folklore; derived (docs/theory.md 63).
+template <RecursiveLeastSquares F>
+    requires std::same_as<Truth<typename F::scalar>, bool> && (Real<typename F::scalar> || TimeUpdates<F>)
+class Weighted {
+    using T = typename F::scalar;
+    F filter_;
+    StateVector<T, detail::size_of<F>> psi_;
+    T lambda_, by_ = T(1);  // what the gain is multiplied by
+
+public:
+    using scalar = T;
+    static constexpr std::string_view name = F::name;
+    static constexpr bool departs = true;  ///< from the problem's J
+
+    explicit Weighted(Problem<T> const& problem) : Weighted(F(problem), problem.forgetting) {}
+    /// Around a filter that was made with options of its own. `forgetting` is the problem's.
+    Weighted(F const& filter, T const& forgetting) : filter_(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
+
+    Step<T> update(Regressor<T> psi, T y) {
+        by_ = T(1);
+        return filter_.update(psi, y);
+    }
+    Step<T> update(Regressor<T> psi, T const& y, T const& w) {
+        keep_regressor(psi, psi_);
+        if (!(T(0) <= w) || !is_finite(w)) return {undefined<T>(), undefined<T>(), undefined<T>(), Health::nonfinite};
+        if (w == T(0)) return missing();  // (3)
+        if constexpr (Real<T>) {          // (1)
+            by_ = square_root(w);
+            scale(psi_, by_, psi_);
+            Step<T> step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), by_ * y);
+            step.innovation /= by_;
+            step.residual /= by_;
+            return step;
+        } else {  // (2)
+            Step<T> const step = measure(filter_, Regressor<T>(psi_.data(), psi_.size()), y, T(lambda_ / w), lambda_);
+            discount(filter_, w);
+            by_ = ReportsInformation<F> ? w : T(1);  // these solve for P psi on request
+            return step;
+        }
+    }
+    /// (3). Its step has no innovation and no residual.
+    Step<T> missing() {
+        by_ = T(1);
+        Step<T> step{};
+        if constexpr (requires { filter_.pass_time(); }) {
+            step = filter_.pass_time();
+        } else {
+            for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
+            step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), T(0));
+        }
+        return {undefined<T>(), undefined<T>(), step.gamma, step.health};
+    }
+
+    auto theta() const { return filter_.theta(); }
+    Vector<T, detail::size_of<F>> gain() const {
+        Vector<T, detail::size_of<F>> K = filter_.gain();
+        for (T& x : K) x *= by_;
+        return K;
+    }
+    Stored<T> stored() const { return filter_.stored(); }
+    /// Of the filter inside.
+    friend T variance(Weighted& f, Index j) { return variance(f.filter_, j); }
+    friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }
+
+    F const& filter() const { return filter_; }
+    static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
+};
+
+}  // namespace rlslab

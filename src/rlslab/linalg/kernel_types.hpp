@@ -1,0 +1,282 @@
+// The dense kernels by name: what each computes. Their texts are in isa/*.hpp; dispatch.hpp compiles and runs them.
+//
+// A kernel is a struct that holds its arguments. d: numbers of a vector, and order of a matrix; ld: numbers from one column of a matrix to
+// the next, padded as in storage.hpp. Pointers are to the first number. Nothing is checked, allocated or thrown. An output may be an input
+// only where the struct says so. For float and double all vectors must be padded as StateVector is, except those marked "d numbers": the
+// padding is read and overwritten, but enters no result.
+#pragma once
+
+#include <rlslab/linalg/dot.hpp>
+#include <rlslab/linalg/reflector.hpp>
+#include <rlslab/linalg/storage.hpp>
+
+#include <type_traits>
+
+namespace rlslab::kernels {
+
+/// The rows [first, last) of a block: those that exist. The other rows are padding.
+struct RowRange {
+    Index first, last;
+};
+
+// --- elementwise: out = x ... over d numbers --------------------------------------------------------------------------
+
+/// What elementwise kernels have in common: they read x, write out, and go from the first number to the last. out may be x or any other
+/// operand.
+template <class T>
+struct OverColumn {
+    Index d;
+    T const* x;
+    T* out;
+};
+/// out_i = x_i / s.
+template <class T>
+struct DivideByOne : OverColumn<T> {
+    T s;
+};
+/// out_i = x_i / y_i.
+template <class T>
+struct Divide : OverColumn<T> {
+    T const* y;
+};
+/// out_i = x_i y_i.
+template <class T>
+struct Scale : OverColumn<T> {
+    T const* y;
+};
+/// out_i = sqrt(x_i); NaN for x_i < 0.
+template <class T>
+struct TakeRoots : OverColumn<T> {};
+/// out_i = x_i + a y_i.
+template <class T>
+struct AddScaled : OverColumn<T> {
+    T a;
+    T const* y;
+};
+/// out_i = a x_i.
+template <class T>
+struct ScaleByOne : OverColumn<T> {
+    T a;
+};
+/// out_i = x_i + y_i.
+template <class T>
+struct Add : OverColumn<T> {
+    T const* y;
+};
+/// out_i = x_i + y_i z_i.
+template <class T>
+struct AddProduct : OverColumn<T> {
+    T const *y, *z;
+};
+/// before_j = *s, *s += x_j, out_j = *s, summed within blocks of eight first. before must not be out.
+template <class T>
+struct PrefixSums : OverColumn<T> {
+    T* before;
+    T* s;
+};
+/// *finite = whether every x_i is finite. out is not used.
+template <class T>
+struct AllFinite : OverColumn<T> {
+    Truth<T>* finite;
+};
+template <class K>
+concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
+
+// --- products -----------------------------------------------------------------------------------------------------------
+
+enum class Shape { full, upper };
+
+/// out_j = sum_i A_ij x_i, over all i or, for an upper triangle, over i <= j: a dot product in eight lanes. x: d numbers.
+template <class T, Shape>
+struct MultiplyTransposed {
+    Index d, ld;
+    T const *A, *x;
+    T* out;
+};
+/// out_ij = sum_n A_in B_nj, n ascending, where B_nj = B[n row + j column]: the strides (1, ld) give A B, (ld, 1) give A B'.
+template <class T>
+struct MultiplySquares {
+    static constexpr int registers = 8;
+    Index d, ld;
+    T const *A, *B;
+    Index row, column;  // strides of B
+    T* out;
+};
+
+// --- sweeps over columns ---------------------------------------------------------------------------------------------------
+
+/// A sweep goes through the columns j of A and keeps a block of a vector w, which runs along the rows, in registers.
+///   registers    how many registers' worth of rows go through the columns together
+///   upper        A is an upper triangle: column j has the rows i <= j
+///   writes       A is changed
+///   starts       the first value of w: zero, the vector w itself, or the product of column 0 with x_0
+///   at(j)        the scalars that step j needs
+enum class Start { zero, column, first_product };
+
+/// w_i = sum_j A_ij x_j, j ascending. x: d numbers.
+template <class T>
+struct Multiply {
+    static constexpr int registers = 8;
+    static constexpr bool upper = false, writes = false;
+    static constexpr Start starts = Start::first_product;
+    Index d, ld;
+    T const* A;
+    T* w;
+    T const* x;
+    T const& at(Index j) const { return x[j]; }
+};
+/// A_ij = t + t correction, t = A_ij - w_i f_j; correction = (1 - r) / r divides by r (DivisorNearOne). w is only read.
+template <class T>
+struct SubtractRankOne {
+    static constexpr int registers = 8;
+    static constexpr bool upper = false, writes = true;
+    static constexpr Start starts = Start::column;
+    Index d, ld;
+    T* A;
+    T const *w, *f;
+    T correction;
+    T at(Index j) const { return f[j]; }
+};
+/// A_ij = A_ji = t + t correction, t = A_ij - w_i f_j, for i <= j; A is symmetric.
+template <class T>
+struct SubtractMirrored {
+    static constexpr int registers = 4;
+    Index d, ld;
+    T* A;
+    T const *w, *f;
+    T correction;
+};
+/// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is the
+/// product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
+template <class S>
+struct ThenMultiply : S {
+    static constexpr int registers = 4;
+    using T = std::remove_const_t<std::remove_pointer_t<decltype(S::A)>>;
+    T const* x;
+    T* out;
+};
+/// A_ij = t + t correction, t = A_ij - (x_i g_j + g_i x_j); A is symmetric.
+template <class T>
+struct SubtractRankTwo {
+    static constexpr int registers = 4;
+    Index d, ld;
+    T* A;
+    T const *x, *g;
+    T correction;
+};
+/// What sweeps over an upper triangle A have in common: w is an output and starts from zero. The zeros of A below the diagonal, as far as
+/// blocks of rows reach, are written again as zeros.
+template <class T>
+struct OverTriangle {
+    static constexpr int registers = 4;
+    static constexpr bool upper = true, writes = true;
+    static constexpr Start starts = Start::zero;
+    Index d, ld;
+    T *A, *w;
+};
+/// A_ij = t - w_i mu_j, w_i += t g_j, t the old A_ij, i <= j.
+template <class T>
+struct SweepUd : OverTriangle<T> {
+    struct At {
+        T g, mu;
+    };
+    T const *g, *mu;
+    At at(Index j) const { return {g[j], mu[j]}; }
+};
+/// A_ij = q + q correction, q = t keep_j - w_i mix_j; w_i += t f_j, t the old A_ij, i <= j.
+template <class T>
+struct SweepCarlson : OverTriangle<T> {
+    struct At {
+        T f, keep, mix;
+    };
+    T const *f, *keep, *mix;
+    T correction;
+    At at(Index j) const { return {f[j], keep[j], mix[j]}; }
+};
+/// (w_i, A_ij) = (c_j w_i + s_j q, c_j q - s_j w_i), q = t + t correction, t the old A_ij, i <= j.
+template <class T>
+struct SweepRotations : OverTriangle<T> {
+    struct At {
+        T c, s;
+    };
+    T const *c, *s;
+    T correction;
+    At at(Index j) const { return {c[j], s[j]}; }
+};
+template <class K>
+concept ByRows = requires { K::registers; };
+template <class K>
+concept Sweep = ByRows<K> && requires { K::starts; };
+
+// --- panels of a lower triangle ------------------------------------------------------------------------------------------
+
+// A row of R = L' is a column of L. Rows go from the first to the last; each acts on the new row x to the right of its diagonal.
+//   writes     L is changed
+//   corners    the rows within a block depend on one another: its corner on the diagonal is computed in scalars first
+
+/// x_j -= x_i L_ji for i = 0, 1, ... and j > i. L is unit lower triangular; its diagonal is not read.
+template <class T>
+struct Eliminate {
+    static constexpr bool writes = false, corners = true;
+    Index d, ld;
+    T const* L;
+    T* x;
+};
+/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
+template <class T>
+struct SweepGentleman {
+    static constexpr bool writes = true;
+    Index d, ld;
+    T *L, *x;
+    T const *c, *s, *e;
+};
+/// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs (root_lambda L_ji, x_j)
+/// for j > i and (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is overwritten.
+template <class T>
+struct RotateIn {
+    static constexpr bool writes = true, corners = true;
+    Index d, ld;
+    T *L, *x, *z, *eta, *c, *s;
+    T root_lambda;
+};
+/// The same by reflections with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
+///   a = tau_i (weight L_ji + v_i x_j),   L_ji = weight L_ji - a,   x_j -= a v_i       for j > i, and for (z_i, *eta) alike
+template <class T>
+struct ReflectIn {
+    static constexpr bool writes = true, corners = true;
+    Index d, ld;
+    T *L, *x, *z, *eta, *tau, *ratio;
+    T weight;
+};
+template <class K>
+concept ByPanels = requires { K::corners; };
+
+// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding ---------------------------------
+
+/// *sum = v'v, a dot product in eight lanes.
+template <class T>
+struct SumOfSquares {
+    Index rows;
+    T const* v;
+    T* sum;
+};
+/// v_k /= pivot.
+template <class T>
+struct Division {
+    Index rows;
+    T* v;
+    T pivot;
+};
+/// For each of the `columns` columns a of A: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in the row of R that is above A:
+/// above[0], above[1], ..., but *last for the last column (the right-hand side).
+template <class T>
+struct Reflection {
+    Index rows, columns;  // of A
+    T const* v;
+    T tau;
+    T *A, *above, *last;
+};
+template <class K>
+concept OnColumns = requires(K k) { k.rows; };
+
+}  // namespace rlslab::kernels

@@ -1,0 +1,14 @@
+// Variants in significands that round at random, behind the erased boundary.
+#pragma once
+
+#include "studies/definiteness/random_rounding.hpp"
+
+#include <rlslab/lab/any_filter.hpp>
+
+namespace rlslab {
+
+/// symmetric, joseph, joseph_rank_two, ud, carlson, inverse_qr, qr, rounded as the RandomRoundingScope of the calling thread says while
+/// the filter is made and fed. Throws std::logic_error for another variant.
+Entry const& randomly_rounded(std::string_view variant);
+
+}  // namespace rlslab

@@ -1,0 +1,262 @@
+// Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the text for single rows,
+// at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
+#include <rlslab/core/random.hpp>
+#include <rlslab/linalg/kernels.hpp>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+namespace rlslab {
+namespace {
+
+using namespace kernels;
+
+/// What the numbers are: ordinary; with zeros of both signs and of every magnitude; with infinities and NaN besides.
+enum class Kind { ordinary, scaled, special };
+
+template <class T>
+T number(Seed& seed, Kind kind) {
+    T const x = T(seed.bell());
+    auto const chance = seed.next() % 16;
+    if (kind == Kind::ordinary) return x;
+    if (chance == 0) return T(0);
+    if (chance == 1) return -T(0);
+    if (chance < 6) return std::ldexp(x, int(seed.next() % 600) * (sizeof(T) == 8 ? 3 : 1) / 3 - (sizeof(T) == 8 ? 300 : 100));
+    if (chance == 6) return std::numeric_limits<T>::denorm_min() * T(1 + seed.next() % 9);
+    if (kind == Kind::special && seed.next() % 64 == 0) {
+        T const bad[] = {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()};
+        return bad[seed.next() % 3];
+    }
+    return x;
+}
+
+/// Which numbers of the matrix a kernel reads and leaves defined.
+enum class Part { full, symmetric, upper, lower };
+
+/// The operands of a kernel, padded, with numbers behind each end that no result may depend on.
+template <class T>
+struct Operands {
+    Index d, ld;
+    Part part;
+    std::vector<T, detail::Aligned<T>> A, B, v[8];
+    T scalar, sum;
+    bool flag = false;
+    int overwritten = -1;  // the v that the kernel leaves undefined
+
+    Operands(Index size, Part p, Kind kind, Seed seed) : d(size), ld(padded<T, Dynamic>(size)), part(p), A(size_t(ld * d)), B(A) {
+        for (T& x : A) x = number<T>(seed, kind);
+        for (T& x : B) x = number<T>(seed, kind);
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i < ld; ++i) {
+                if (part == Part::upper && i > j) A[size_t(j * ld + i)] = T(0);
+                if (part == Part::symmetric && i < j) A[size_t(j * ld + i)] = A[size_t(i * ld + j)];
+            }
+        for (auto& column : v) {
+            column.resize(size_t(ld));
+            for (T& x : column) x = number<T>(seed, kind);
+        }
+        scalar = number<T>(seed, Kind::ordinary);
+        sum = std::abs(number<T>(seed, Kind::ordinary));
+    }
+    std::vector<T> results() const {
+        std::vector<T> out{sum, T(flag)};
+        for (int i = 0; i < 8; ++i)
+            if (i != overwritten) out.insert(out.end(), v[i].begin(), v[i].begin() + d);
+        for (Index j = 0; j < d; ++j)
+            for (Index i = part == Part::lower ? j : 0; i < (part == Part::upper ? j + 1 : d); ++i) out.push_back(A[size_t(j * ld + i)]);
+        return out;
+    }
+};
+
+/// The first place where two results differ in a bit; -1 for none. A NaN is a NaN.
+template <class T>
+long difference(std::vector<T> const& a, std::vector<T> const& b) {
+    using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+    for (size_t i = 0; i < a.size(); ++i)
+        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i]))) return long(i);
+    return -1;
+}
+
+/// run(kernel) on a copy of the operands from which make(operands) takes the kernel.
+template <class T, class Make, class Run>
+std::vector<T> after(Operands<T> operands, Make make, Run run) {
+    auto const kernel = make(operands);
+    run(kernel);
+    return operands.results();
+}
+
+/// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal times an infinity are NaN,
+/// which single rows never compute. (The filter is broken down then, and says so.)
+template <class T, class Make>
+void check_one(char const* name, Operands<T> const& operands, Kind kind, Make make) {
+    auto const narrow = after(operands, make, [](auto const& k) {
+        using K = std::remove_cvref_t<decltype(k)>;
+        portable::run_outlined<portable::InRegisters<K, T, 16>>(k);
+    });
+    auto const same = [&](char const* set, std::vector<T> const& other) {
+        long const at = difference(narrow, other);
+        EXPECT_EQ(at, -1) << name << " on " << set << ", " << operands.d << " parameters: " << narrow[size_t(std::max(at, 0L))] << " and "
+                          << other[size_t(std::max(at, 0L))];
+    };
+    if (kind != Kind::special)
+        same("single rows", after(operands, make, [](auto const& k) {
+                 using K = std::remove_cvref_t<decltype(k)>;
+                 portable::evaluate<portable::Any<K, T>>(k);
+             }));
+#ifdef __x86_64__
+    if (best_isa() >= Isa::avx2)
+        same("AVX2", after(operands, make, [](auto const& k) {
+                 using K = std::remove_cvref_t<decltype(k)>;
+                 avx2::run_outlined<avx2::InRegisters<K, T, 32>>(k);
+             }));
+    if constexpr (sizeof(T) == 8)
+        if (best_isa() >= Isa::avx512)
+            same("AVX-512", after(operands, make, [](auto const& k) {
+                     using K = std::remove_cvref_t<decltype(k)>;
+                     avx512::run_outlined<avx512::InRegisters<K, T, 64>>(k);
+                 }));
+#endif
+}
+
+/// make(operands) at every size, with numbers of every kind.
+template <class T, class Make>
+void check(char const* name, Part part, Make make, Index cubic_up_to = 130) {
+    for (Index d = 1; d <= 130; ++d) {
+        if (d > cubic_up_to && d != 64 && d < 129) continue;
+        for (Kind kind : {Kind::ordinary, Kind::scaled, Kind::special})
+            check_one(name, Operands<T>(d, part, kind, Seed{std::uint64_t(d)}), kind, make);
+        if (testing::Test::HasFailure()) return;  // one size tells enough
+    }
+}
+
+template <class T>
+class KernelBits : public testing::Test {};
+using HardwareArithmetics = testing::Types<float, double>;
+TYPED_TEST_SUITE(KernelBits, HardwareArithmetics);
+
+TYPED_TEST(KernelBits, OfElementwiseKernelsAreTheSame) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    auto const over = [](O& o) { return OverColumn<T>{o.d, o.v[0].data(), o.v[1].data()}; };
+    check<T>("DivideByOne", Part::full, [=](O& o) { return DivideByOne<T>{over(o), o.scalar}; });
+    check<T>("Divide", Part::full, [=](O& o) { return Divide<T>{over(o), o.v[2].data()}; });
+    check<T>("Scale", Part::full, [=](O& o) { return Scale<T>{over(o), o.v[2].data()}; });
+    check<T>("TakeRoots", Part::full, [=](O& o) { return TakeRoots<T>{over(o)}; });
+    check<T>("AddScaled", Part::full, [=](O& o) { return AddScaled<T>{over(o), o.scalar, o.v[2].data()}; });
+    check<T>("ScaleByOne", Part::full, [=](O& o) { return ScaleByOne<T>{over(o), o.scalar}; });
+    check<T>("Add", Part::full, [=](O& o) { return Add<T>{over(o), o.v[2].data()}; });
+    check<T>("AddProduct", Part::full, [=](O& o) { return AddProduct<T>{over(o), o.v[2].data(), o.v[3].data()}; });
+    check<T>("PrefixSums", Part::full, [=](O& o) { return PrefixSums<T>{over(o), o.v[2].data(), &o.sum}; });
+    check<T>("AllFinite", Part::full, [=](O& o) { return AllFinite<T>{over(o), &o.flag}; });
+}
+
+TYPED_TEST(KernelBits, OfProductsAreTheSame) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    check<T>("Multiply", Part::full, [](O& o) { return Multiply<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()}; });
+    check<T>("MultiplyTransposed", Part::full, [](O& o) {
+        return MultiplyTransposed<T, Shape::full>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
+    });
+    check<T>("MultiplyTransposed, upper", Part::upper, [](O& o) {
+        return MultiplyTransposed<T, Shape::upper>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
+    });
+    check<T>(
+        "MultiplySquares", Part::full, [](O& o) { return MultiplySquares<T>{o.d, o.ld, o.B.data(), o.B.data(), o.ld, 1, o.A.data()}; }, 33);
+}
+
+TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    auto const rank_one = [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
+    auto const symmetric = [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
+    check<T>("SubtractRankOne", Part::full, rank_one);
+    check<T>("SubtractMirrored", Part::symmetric, symmetric);
+    check<T>("SubtractRankOne and the product", Part::full, [=](O& o) {
+        return ThenMultiply<SubtractRankOne<T>>{rank_one(o), o.v[2].data(), o.v[3].data()};
+    });
+    check<T>("SubtractMirrored and the product", Part::symmetric, [=](O& o) {
+        return ThenMultiply<SubtractMirrored<T>>{symmetric(o), o.v[2].data(), o.v[3].data()};
+    });
+    check<T>("SubtractRankTwo", Part::symmetric,
+             [](O& o) { return SubtractRankTwo<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
+    auto const over = [](O& o) { return OverTriangle<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; };
+    check<T>("SweepUd", Part::upper, [=](O& o) { return SweepUd<T>{over(o), o.v[1].data(), o.v[2].data()}; });
+    check<T>("SweepCarlson", Part::upper, [=](O& o) {
+        return SweepCarlson<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.scalar};
+    });
+    check<T>("SweepRotations", Part::upper, [=](O& o) {
+        for (T& c : o.v[1]) c = std::abs(c);  // as cosines are here
+        return SweepRotations<T>{over(o), o.v[1].data(), o.v[2].data(), o.scalar};
+    });
+}
+
+TYPED_TEST(KernelBits, OfLowerTrianglesAreTheSame) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    check<T>("Eliminate", Part::lower, [](O& o) { return Eliminate<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
+    check<T>("SweepGentleman", Part::lower, [](O& o) {
+        o.overwritten = 0;
+        return SweepGentleman<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.v[2].data(), o.v[3].data()};
+    });
+    check<T>("RotateIn", Part::lower, [](O& o) {
+        return RotateIn<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), &o.sum, o.v[2].data(), o.v[3].data(), std::abs(o.scalar)};
+    });
+    check<T>("ReflectIn", Part::lower, [](O& o) {
+        return ReflectIn<T>{o.d,    o.ld,          o.A.data(),      o.v[0].data(),     o.v[1].data(),
+                            &o.sum, o.v[2].data(), &o.v[3].front(), std::abs(o.scalar)};
+    });
+}
+
+TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    check<T>("SumOfSquares", Part::full, [](O& o) { return SumOfSquares<T>{o.d, o.v[0].data(), &o.sum}; });
+    check<T>("Division", Part::full, [](O& o) { return Division<T>{o.d, o.v[0].data(), o.scalar}; });
+    check<T>("Reflection", Part::full, [](O& o) {  // columns without padding: as many as there are numbers for
+        return Reflection<T>{o.d, o.d, o.v[0].data(), o.scalar, o.A.data(), o.v[1].data(), &o.sum};
+    });
+}
+
+/// Two saboteurs: lanes added from the first to the last, and a product that is not rounded before it is subtracted.
+template <class T>
+struct FirstToLast : portable::SimdBlock<T, 16> {
+    static void sums(FirstToLast (&a)[4], T* out) {
+        for (int c = 0; c < 4; ++c) {
+            T lane[8], sum = T(0);
+            a[c].store(lane);
+            for (T const& x : lane) sum += x;
+            out[c] = sum;
+        }
+    }
+};
+template <class T>
+struct Fused : portable::SimdBlock<T, 16> {
+    void subtract_product(Fused const& a, T b) {
+        T x[8], y[8];
+        this->store(x), a.store(y);
+        for (int i = 0; i < 8; ++i) x[i] = std::fma(-y[i], b, x[i]);
+        this->load(x);
+    }
+};
+
+TYPED_TEST(KernelBits, DifferIfLanesAreAddedInAnotherOrderOrAProductIsFused) {
+    using T = TypeParam;
+    using O = Operands<T>;
+    O const operands(21, Part::full, Kind::ordinary, Seed{1});
+    auto const differs = [&](auto make, auto run) {
+        auto const right = [](auto const& k) { portable::evaluate<portable::SimdBlock<T, 16>>(k); };
+        return difference(after(operands, make, right), after(operands, make, run)) != -1;
+    };
+    EXPECT_TRUE(differs(
+        [](O& o) {
+            return MultiplyTransposed<T, Shape::full>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
+        },
+        [](auto const& k) { portable::evaluate<FirstToLast<T>>(k); }));
+    EXPECT_TRUE(differs([](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; },
+                        [](auto const& k) { portable::evaluate<Fused<T>>(k); }));
+}
+
+}  // namespace
+}  // namespace rlslab

@@ -1,0 +1,153 @@
+// Rows that are known in advance leave the bits of one update after another: theta, gain, P, and the last step.
+#include <rlslab/arithmetic/chopped.hpp>
+#include <rlslab/core/process.hpp>
+#include <rlslab/core/random.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace rlslab {
+namespace {
+
+/// Noise, with zeros of both signs and numbers of other scales.
+template <class T>
+Matrix<T> noise(Index rows, Index columns, Seed seed) {
+    Matrix<T> out(rows, columns);
+    for (T& x : out.reshaped()) {
+        auto const kind = seed.next() % 16;
+        x = kind == 0 ? T(0) : kind == 1 ? -T(0) : std::ldexp(T(seed.bell()), kind == 2 ? 20 : kind == 3 ? -20 : 0);
+    }
+    return out;
+}
+
+template <class F>
+std::vector<double> reported(F const& filter, Step<typename F::scalar> const& step) {
+    std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma), double(int(step.health))};
+    auto const add = [&](auto const& numbers) {
+        for (auto const& x : numbers.reshaped()) out.push_back(double(x));
+    };
+    add(Vector<typename F::scalar>(filter.theta()));
+    add(Vector<typename F::scalar>(filter.gain()));
+    add(Matrix<typename F::scalar>(filter.covariance()));
+    return out;
+}
+
+bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
+    return std::ranges::equal(a, b, [](double x, double y) {
+        return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || (std::isnan(x) && std::isnan(y));
+    });
+}
+
+template <class F>
+F started(Index size) {
+    using T = typename F::scalar;
+    return F(Problem<T>{.size = size, .forgetting = T(0.984375)});
+}
+
+/// Blocks of `block` rows against single rows, and single rows again after them: nothing of a block is left behind.
+template <class F>
+bool equal(Index size, Index block, Index blocks = 2) {
+    using T = typename F::scalar;
+    Matrix<T> const psi = noise<T>(size, blocks * block + 1, Seed{std::uint64_t(size)});
+    Vector<T> const y = noise<T>(blocks * block + 1, 1, Seed{7});
+    F single = started<F>(size), at_once = single;
+    Step<T> step{}, last{};
+    for (Index k = 0; k < blocks * block; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
+    for (Index k = 0; k < blocks; ++k) last = at_once.update_block(psi.middleCols(k * block, block), y.segment(k * block, block));
+    if (!same_bits(reported(single, step), reported(at_once, last))) return false;
+    Regressor<T> const next(psi.col(blocks * block).data(), size);
+    step = single.update(next, y[blocks * block]), last = at_once.update(next, y[blocks * block]);
+    return same_bits(reported(single, step), reported(at_once, last));
+}
+
+template <template <class, int> class F, class T>
+void check() {
+    Isa const best = kernels::isa;
+    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+        if (isa > best) break;
+        kernels::isa = isa;
+        for (Index size = 1; size <= 130; ++size)
+            for (Index block : {1, 2, 7}) EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
+        EXPECT_TRUE((equal<F<T, Dynamic>>(200, 5))) << "200 parameters";
+        EXPECT_TRUE((equal<F<T, Dynamic>>(20, 64))) << "64 rows";
+        EXPECT_TRUE((equal<F<T, 4>>(4, 7) && equal<F<T, 8>>(8, 7) && equal<F<T, 20>>(20, 7))) << "fixed sizes";
+    }
+    kernels::isa = best;
+}
+
+TEST(RowsAtOnce, LeaveConventionalTheBitsOfSingleRowsInDouble) { check<Conventional, double>(); }
+TEST(RowsAtOnce, LeaveConventionalTheBitsOfSingleRowsInFloat) { check<Conventional, float>(); }
+TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInDouble) { check<Symmetric, double>(); }
+TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInFloat) { check<Symmetric, float>(); }
+
+/// Rounding at random draws a number at each operation: another order of operations would draw others.
+TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
+    using T = Chopped<binary16, Rounding::stochastic>;
+    auto const run = [](Index block) {
+        Seed draws{1};
+        StochasticStream const stream(draws);
+        Conventional<T> filter = started<Conventional<T>>(5);
+        Seed seed{2};
+        Matrix<T> const psi = Matrix<T>::NullaryExpr(5, 12, [&] { return T(seed.bell()); });
+        Vector<T> const y = Vector<T>::NullaryExpr(12, [&] { return T(seed.bell()); });
+        Step<T> step{};
+        for (Index k = 0; k < 12; k += block) step = filter.update_block(psi.middleCols(k, block), y.segment(k, block));
+        return reported(filter, step);
+    };
+    EXPECT_EQ(run(1), run(12));
+}
+
+TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
+    Matrix<double> const psi = noise<double>(100, 150, Seed{1});
+    Vector<double> const y = noise<double>(150, 1, Seed{2});
+    auto single = started<Conventional<double>>(100), processed = single;
+    Step<double> step{};
+    for (Index k = 0; k < 150; ++k) step = single.update({psi.col(k).data(), 100}, y[k]);
+    EXPECT_TRUE(same_bits(reported(single, step), reported(processed, process(processed, psi, y))));
+    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> && !TakesRowsAtOnce<QrBlock<double>>);
+}
+
+TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
+    auto filter = started<Conventional<double>>(20);
+    std::vector<double> const before = reported(filter, {});
+    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(19, 3), Vector<double>::Ones(3)), std::invalid_argument);
+    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(20, 3), Vector<double>::Ones(2)), std::invalid_argument);
+    EXPECT_THROW(filter.update_block(Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
+    EXPECT_TRUE(same_bits(before, reported(filter, {})));
+}
+
+/// A NaN in a row that is still to come does not reach the rows before it; the report of its own row says so.
+TEST(RowsAtOnce, ANanOfTheNextRowComesWithThatRow) {
+    Matrix<double> psi = noise<double>(100, 3, Seed{1});
+    psi(50, 2) = std::numeric_limits<double>::quiet_NaN();
+    auto filter = started<Conventional<double>>(100), two = filter;
+    EXPECT_EQ(two.update_block(psi.leftCols(2), Vector<double>::Ones(2)).health, Health::sound);
+    EXPECT_EQ(filter.update_block(psi, Vector<double>::Ones(3)).health, Health::nonfinite);
+}
+
+/// The saboteur multiplies by the matrix as it was before the change.
+TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
+    Index const d = 20;
+    StateMatrix<double> A(d);
+    StateVector<double> x(d), f(d), right(d), wrong(d);
+    Seed seed{5};
+    for (Index j = 0; j < d; ++j) {
+        x[j] = seed.bell(), f[j] = seed.bell();
+        for (Index i = 0; i < d; ++i) A(i, j) = seed.bell();
+    }
+    DivisorNearOne<double> const by_r(0.875);
+    multiply(A, x.data(), wrong);
+    NextRow<double, Dynamic> next(d);
+    next.announce(x.data());
+    subtract_rank_one(A, x, f, by_r, next);
+    multiply(A, x.data(), right);
+    StateVector<double> ahead(d);
+    EXPECT_TRUE(next.take(ahead) && !next.take(ahead));
+    EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
+    EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
+}
+
+}  // namespace
+}  // namespace rlslab
