@@ -1,5 +1,5 @@
 // Backward errors of theta and P: against the eigenvalue and the trace formula, against changes of the data, and broken on purpose.
-#include "studies/accuracy/backward_errors.hpp"
+#include "studies/engine/backward_errors.hpp"
 
 #include "studies/engine/scenarios.hpp"
 
@@ -186,6 +186,7 @@ TEST(BackwardErrors, AreInfiniteForAnAnswerOfNoProblem) {
     EXPECT_THROW((void)exact.theta_backward_error(Vector<Reference>::Zero(size + 1)), std::invalid_argument);
     EXPECT_THROW((void)exact.covariance_backward_error(as_covariance(Numbers::Identity(2, 2))), std::invalid_argument);
     EXPECT_THROW(GivenProblem({.size = size + 1}, data_of(1)), std::invalid_argument);
+    EXPECT_THROW(GivenProblem({.size = 0}, Records{}), std::invalid_argument);
     Records rank_two = data_of(1);
     rank_two.psi.row(1) = rank_two.psi.row(0);
     EXPECT_THROW(GivenProblem({.size = size, .prior = std::nullopt}, rank_two), std::invalid_argument);

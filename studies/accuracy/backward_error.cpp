@@ -1,5 +1,5 @@
 // Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition and prior.
-#include "studies/accuracy/backward_errors.hpp"
+#include "studies/engine/backward_errors.hpp"
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
@@ -154,10 +154,10 @@ Study const backward_error{
     .source =
         "Walden, Karlson & Sun 1995 (cited, not read), Grcar, Saunders & Su 2007, Bhatia, Jain & Lim 2019 (abstracts read); "
         "the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
-    .formula = R"tex(\begin{aligned} \eta_\theta &= \min\{\lVert\delta A\rVert_F / \lVert A\rVert_F : \hat\theta
-\text{ minimises } \lVert(A + \delta A)x - b\rVert\} \\
-\eta_P &= \min\{\lVert\delta A\rVert_F / \lVert A\rVert_F : (A + \delta A)'(A + \delta A) = \hat P^{-1}\}
-= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
+    .formula = R"tex(\begin{aligned} \eta_\theta &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad
+\text{such that } \hat\theta \text{ minimises } \lVert(A + \delta A)x - b\rVert \\
+\eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad \text{such that } (A + \delta A)'(A + \delta A) = \hat P^{-1} \\
+&= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
     .interpretation =
         "Backward errors in units of u. qr and gentleman solve a problem near the given one, in theta and in P, whatever kappa, P0 "
         "and the spectrum: within 10 sqrt(N/60) u, but for one run in hundreds that has 12. carlson, ud and inverse_qr do so in theta "

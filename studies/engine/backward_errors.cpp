@@ -1,5 +1,5 @@
 // Backward errors of theta and P, by the inner products of the data and in 257 bits.
-#include "studies/accuracy/backward_errors.hpp"
+#include "studies/engine/backward_errors.hpp"
 
 #include <rlslab/core/rounding.hpp>
 
@@ -57,7 +57,7 @@ Procrustes::Procrustes(Matrix<Reference> const& R, Matrix<Reference> const& othe
 
 GivenProblem::GivenProblem(Problem<double> const& problem, Records const& data, bool by_lengths) {
     Index const d = problem.size;
-    expects(data.parameters() == d && data.y.size() == data.rows(), "data of the problem's size");
+    expects(d > 0 && data.parameters() == d && data.y.size() == data.rows(), "data of the problem's size");
     expects(!problem.prior || (!problem.prior->covariance && !problem.prior->stored), "a prior of c^2 I, or none");
     M_ = Numbers::Zero(d, d);
     b_ = Vector<Reference>::Zero(d);
