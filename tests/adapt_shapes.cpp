@@ -320,14 +320,14 @@ TEST(MultiOutput, RefusesWhatMakesNoSense) {
 
 // --- states ------------------------------------------------------------------------------------------------------------------------
 
-template <class F, class Feed>
-void check_state(Feed feed) {
+template <class F, class Give>
+void check_state(Give give) {
     F f = made<F>(64, 0.9375), g = made<F>(4, 0.5);
-    feed(f, 40, 1u);
+    give(f, 40, 1u);
     auto const bytes = state_of(f);
     ASSERT_EQ(load(g, std::span<std::byte const>(bytes)), StateFault::none);
-    feed(f, 60, 2u);
-    feed(g, 60, 2u);
+    give(f, 60, 2u);
+    give(g, 60, 2u);
     EXPECT_EQ(state_of(f), state_of(g));
     for (size_t i = 0; i < 8 * bytes.size(); ++i) {
         auto wrong = bytes;

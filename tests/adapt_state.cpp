@@ -111,8 +111,8 @@ TEST(State, OfARuleContinuesBitForBit) {
     check<Guarded<Forgetting<Ud<float, 3>, RotatingRidge<float>>>>("guarded ridge");
 }
 
-/// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one coordinate corrects,
-/// or what counts, is not among them.
+/// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one coordinate
+/// corrects, or what counts, is not among them.
 template <class F, size_t i>
 bool is_missed() {
     for (int before : {20, 250}) {

@@ -1,7 +1,11 @@
 // Fixed-size filters never touch the heap; dynamic ones only when they are made.
+#include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/state.hpp>
+#include <rlslab/adapt/weighted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -86,6 +90,22 @@ TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
     EXPECT_GT(window.first, 0);
     EXPECT_EQ(window.second, 0);
     EXPECT_EQ((allocations_of<RowsOf<20, Qr<double, 4>>>().second), 0);
+    none(allocations_of<Weighted<Assessed<Guarded<Ud<double, 4>>>>>(), "weighted, assessed, guarded");
+    none(allocations_of<Guarded<Relay<Symmetric<double, 4>, Ud<double, 4>>, handing_over>>(), "a relay that does not hand over");
+    EXPECT_EQ((allocations_of<Guarded<RowsOf<20, Ud<double>>>>().second), 0);
+}
+
+TEST(Allocation, NoneByOutputsWhoseNumberIsFixed) {
+    double const psi[4] = {1, 2, 3, 4};
+    long const before = allocations;
+    MultiOutput<Ud<double, 4>, 3> f({});
+    f.update(psi, {1.0, 2.0, 3.0});
+    EXPECT_EQ(allocations, before);
+    MultiOutput<Ud<double>> dynamic({.size = 4}, 3);
+    long const made = allocations;
+    EXPECT_GT(made, before);
+    dynamic.update(psi, {1.0, 2.0, 3.0});
+    EXPECT_EQ(allocations, made);
 }
 
 TEST(Allocation, NoneForTheStateOfADenseFilter) {

@@ -91,9 +91,9 @@ private:
     }
 };
 
-/// F, a Ud<float, 5> or a type around it, over so many rows. After each row every number of theta, D and U is looked at. Five memory lengths
-/// after each disturbance theta is compared with that of a Ud<double, 5> that started where the disturbance ended, and whether P is positive
-/// definite is decided exactly. `told(rows, survived)` every `interval` rows.
+/// F, a Ud<float, 5> or a type around it, over so many rows. After each row every number of theta, D and U is looked at. Five memory
+/// lengths after each disturbance theta is compared with that of a Ud<double, 5> that started where the disturbance ended, and whether P
+/// is positive definite is decided exactly. `told(rows, survived)` every `interval` rows.
 template <class F, class Told>
 Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
     Survived out;
