@@ -16,8 +16,8 @@ inline constexpr int d = 5, recovery = 5 * 50, good = 400;  // rows from a distu
 inline constexpr std::array names{"burst",          "silence",         "collinear",    "outlier of 1e6", "not finite",
                                   "constant input", "1 outlier in 20", "out of scale", "true change"};
 
-/// The disturbances in turn, each after a stretch of good rows: psi white, y = psi'theta + noise of deviation 0.1, theta = (1, -2, 3, -4, 5)
-/// until the next true change, which negates it.
+/// The disturbances in turn, each after a stretch of good rows: psi white, y = psi'theta + noise of deviation 0.1, theta =
+/// (1, -2, 3, -4, 5) until the next true change, which negates it.
 ///   burst             20 rows times 1000               outlier of 1e6     one
 ///   silence           3000 rows, psi = 0               not finite         7 rows with NaN, infinities
 ///   collinear         2000 rows, all of psi alike      1 outlier in 20    300 rows, of deviation 10
