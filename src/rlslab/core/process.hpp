@@ -4,6 +4,7 @@
 #include <rlslab/core/concept.hpp>
 
 #include <algorithm>
+#include <concepts>
 
 namespace rlslab {
 
@@ -21,8 +22,9 @@ Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen:
             Index const rows = std::min<Index>(F::block, y.size() - k);
             step.health = f.update_block(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
         }
-    } else if constexpr (TakesRowsAtOnce<F>) {
-        constexpr Index at_once = 64;  // of which the last is not followed by one that is known
+    } else if constexpr (TakesRowsAtOnce<F> && std::floating_point<T>) {
+        // A conversion may draw a random number in other arithmetics: there, each row is converted when its turn comes.
+        constexpr Index at_once = 64;
         for (Index k = 0; k < y.size(); k += at_once) {
             Index const rows = std::min<Index>(at_once, y.size() - k);
             step = f.update_block(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
