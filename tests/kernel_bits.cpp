@@ -87,8 +87,8 @@ std::vector<T> after(Operands<T> operands, Make make, Run run) {
     return operands.results();
 }
 
-/// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal times an infinity are NaN,
-/// which single rows never compute. (The filter is broken down then, and says so.)
+/// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal times an infinity are
+/// NaN, which single rows never compute. (The filter is broken down then, and says so.)
 template <class T, class Make>
 void check_one(char const* name, Operands<T> const& operands, Kind kind, Make make) {
     auto const narrow = after(operands, make, [](auto const& k) {

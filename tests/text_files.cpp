@@ -19,7 +19,7 @@ constexpr long width = 140;  // as in .clang-format and .editorconfig
 bool written(fs::path const& path) {
     std::string const name = path.filename(), kind = path.extension();
     if (path.string().find("/corpus/") != std::string::npos) return false;
-    static constexpr std::string_view kinds[] = {".hpp", ".cpp", ".h", ".md", ".cmake", ".css", ".js", ".py", ".in", ".yml"};
+    static constexpr std::string_view kinds[] = {".hpp", ".cpp", ".h", ".md", ".cmake", ".css", ".js", ".py", ".in", ".yml", ".sh", ".tex"};
     return std::ranges::count(kinds, std::string_view(kind)) > 0 || name == "CMakeLists.txt" || name == "CMakePresets.json" ||
            name == "lab" || name == "run";
 }

@@ -94,7 +94,8 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
     std::string out = head(options);
     out +=
         "\\makeatletter\n"
-        "\\newcommand{\\measured}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}\\typeout{missing: #1, claim #2}}{\\csname rls@#1@#2\\endcsname}}\n"
+        "\\newcommand{\\measured}[3]{\\@ifundefined{rls@#1@#2}"
+        "{\\textbf{??}\\typeout{missing: #1, claim #2}}{\\csname rls@#1@#2\\endcsname}}\n"
         "\\newcommand{\\verdict}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@v@#1@#2\\endcsname}}\n"
         "\\newcommand{\\claimed}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@c@#1@#2\\endcsname}}\n"
         "\\newcommand{\\runcount}[2]{\\csname rls@count@#1@#2\\endcsname}\n";

@@ -9,14 +9,15 @@ board=$tree/examples/microcontroller/board
 measure() {    # measure MACHINE FLAGS...: text bytes and instructions of 1000 updates
   local machine=$1
   shift
-  arm-none-eabi-g++ -std=c++20 -ffp-contract=off -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections -fdata-sections -DNDEBUG \
-    -mthumb "$@" -I "$tree/src" -isystem /usr/include/eigen3 -I "$board" "$tree/tests/embedded/cost.cpp" "$board/cortex_m.cpp" \
-    --specs=nano.specs -nostartfiles -T "$board/mps2.ld" -Wl,--gc-sections -o "$work/app.elf"
+  arm-none-eabi-g++ -std=c++20 -ffp-contract=off -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections \
+    -fdata-sections -DNDEBUG -mthumb "$@" -I "$tree/src" -isystem /usr/include/eigen3 -I "$board" \
+    "$tree/tests/embedded/cost.cpp" "$board/cortex_m.cpp" --specs=nano.specs -nostartfiles -T "$board/mps2.ld" -Wl,--gc-sections -o "$work/app.elf"
   text=$(arm-none-eabi-size "$work/app.elf" | awk 'NR == 2 { print $1 }')
   instructions=$((5 * $(qemu-system-arm -M "$machine" -nographic -icount shift=3 -semihosting-config enable=on,target=native \
     -kernel "$work/app.elf" </dev/null 2>&1)))
 }
-printf '| filter | option | M3: instructions | code | M4F: instructions | code | M7: instructions | code |\n|---|---|---|---|---|---|---|---|\n'
+printf '| filter | option | M3: instructions | code | M4F: instructions | code | M7: instructions | code |\n'
+printf '|---|---|---|---|---|---|---|---|\n'
 for filter in "Ud<float, 3>" "Ud<float, 5>" "Ud<float, 10>" "Ud<double, 5>" "Carlson<float, 5>" "Qr<float, 5>" "Conventional<float, 5>"; do
   size=${filter//[^0-9]/}
   for option in -Os -O2 -O3; do

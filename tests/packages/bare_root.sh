@@ -37,7 +37,8 @@ cmake --build built --target with_headers with_core
 built/with_headers
 built/with_core
 apt-get remove -y rlslab librlslab-dev
-test -z "$(find / -xdev -name '*rlslab*' -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
+test -z "$(find / -xdev -name '*rlslab*' \
+  -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
 END
 mmdebstrap --variant=apt --include=g++,clang,cmake,ninja-build,pkg-config --format=null \
   --customize-hook="copy-in $given /" --customize-hook="mv \"\$1/$(basename "$given")\" \"\$1/given\"" \

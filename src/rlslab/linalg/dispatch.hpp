@@ -47,8 +47,8 @@ inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
 
-/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows need
-/// many registers: SubtractRankOne is not faster with 16 of them.
+/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows
+/// need many registers: SubtractRankOne is not faster with 16 of them.
 template <class Pass>
 inline constexpr Index one_pass_from = std::numeric_limits<Index>::max();
 template <class T>

@@ -146,8 +146,8 @@ struct SubtractMirrored {
     T const *w, *f;
     T correction;
 };
-/// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is the
-/// product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
+/// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is
+/// the product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
 template <class S>
 struct ThenMultiply : S {
     static constexpr int registers = 4;
