@@ -11,7 +11,8 @@ measure() {    # measure MACHINE FLAGS...: text bytes and instructions of 1000 u
   shift
   arm-none-eabi-g++ -std=c++20 -ffp-contract=off -fno-exceptions -fno-rtti -fno-threadsafe-statics -ffunction-sections \
     -fdata-sections -DNDEBUG -mthumb "$@" -I "$tree/src" -isystem /usr/include/eigen3 -I "$board" \
-    "$tree/tests/embedded/cost.cpp" "$board/cortex_m.cpp" --specs=nano.specs -nostartfiles -T "$board/mps2.ld" -Wl,--gc-sections -o "$work/app.elf"
+    "$tree/tests/embedded/cost.cpp" "$board/cortex_m.cpp" \
+    --specs=nano.specs -nostartfiles -T "$board/mps2.ld" -Wl,--gc-sections -o "$work/app.elf"
   text=$(arm-none-eabi-size "$work/app.elf" | awk 'NR == 2 { print $1 }')
   instructions=$((5 * $(qemu-system-arm -M "$machine" -nographic -icount shift=3 -semihosting-config enable=on,target=native \
     -kernel "$work/app.elf" </dev/null 2>&1)))
