@@ -64,6 +64,17 @@ std::string run_json(StudyArguments const& a) {
     return nlohmann::ordered_json{{"studies", names}, {"budget", a.budget}, {"seed", a.options.seed}}.dump(1) + '\n';
 }
 
+/// The text of DIR/.trials/run.json; "" if there is none. Throws InputError for what is no file of its size.
+std::string run_of(std::string const& folder) {
+    std::filesystem::path const path = std::filesystem::path(folder) / ".trials" / "run.json";
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return "";
+    if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
+        throw InputError(fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
 int study_part(StudyArguments const& a) {
     auto const chosen = chosen_studies(a);
     if (a.fresh) throw InputError("--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
@@ -72,7 +83,12 @@ int study_part(StudyArguments const& a) {
     FolderLock const lock(a.options.out, a.part);
     when_stopped(
         fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
-    replace_file(a.options.out / ".trials" / "run.json", run_json(a));
+    std::string const before = run_of(a.out), run = run_json(a);
+    if (!before.empty() && before != run)
+        throw InputError(
+            fmt::format("{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
+                        printable(a.out, 200)));
+    replace_file(a.options.out / ".trials" / "run.json", run);
     Share const share = run_part(chosen, a.options, a.part, progress_after_a_second("studying"));
     tell(
         fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without --part (or rlslab merge) "
@@ -94,6 +110,7 @@ int study_whole(StudyArguments const& a) {
     if (a.fresh)
         for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
     std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
+    std::filesystem::remove(a.options.out / ".trials" / "run.json", error);  // its parts are in this run now
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
             replace_file(a.options.out / "figures" / (figure.name + ".svg"), svg(figure));
@@ -118,19 +135,36 @@ int study_whole(StudyArguments const& a) {
     return changed.empty() && broken.empty() ? 0 : 1;
 }
 
-int run_study(StudyArguments& a) {
+void set_options(StudyArguments& a) {
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
+}
+int run_study(StudyArguments& a) {
+    set_options(a);
     return a.part.whole() ? study_whole(a) : study_part(a);
 }
 
+StudyArguments arguments_of(std::string const& run, std::string const& folder) {
+    StudyArguments out;
+    try {
+        auto const said = nlohmann::json::parse(run);
+        auto const& seed = said.at("seed");
+        said.at("studies").get_to(out.names);
+        said.at("budget").get_to(out.budget);
+        seed.get_to(out.options.seed);
+        if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) throw InputError("");
+        chosen_studies(out);
+    } catch (std::exception const&) {
+        throw InputError(fmt::format("{}/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them",
+                                     printable(folder, 200)));
+    }
+    return out;
+}
+
 int run_merge(MergeArguments const& m) {
-    std::vector<std::filesystem::path> from;
     std::string run;
     for (std::string const& folder : m.from) {
-        from.push_back(std::filesystem::path(folder) / ".trials");
-        std::ifstream file(from.back() / "run.json", std::ios::binary);
-        std::string const text{std::istreambuf_iterator<char>(file), {}};
+        std::string const text = run_of(folder);
         if (text.empty())
             throw InputError(fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
                                          printable(folder, 200)));
@@ -139,23 +173,10 @@ int run_merge(MergeArguments const& m) {
             throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
                                          printable(folder, 200), printable(m.from.front(), 200)));
     }
-    StudyArguments a;
-    try {
-        auto const said = nlohmann::json::parse(run);
-        said.at("studies").get_to(a.names);
-        said.at("budget").get_to(a.budget);
-        said.at("seed").get_to(a.options.seed);
-    } catch (nlohmann::json::exception const&) {
-        throw InputError(fmt::format("{}: expected studies, budget and seed as rlslab study --part writes them",
-                                     printable((from.front() / "run.json").string(), 200)));
-    }
+    StudyArguments a = arguments_of(run, m.from.front());
     a.out = m.out;
-    a.options.finished_only = true;
-    create_folder(std::filesystem::path(m.out) / ".trials");
-    {
-        FolderLock const lock(m.out);
-        merge_journals(from, std::filesystem::path(m.out) / ".trials");
-    }
+    set_options(a);
+    merge_parts(chosen_studies(a), a.options, {m.from.begin(), m.from.end()});
     return run_study(a);
 }
 
@@ -187,6 +208,7 @@ Command study_command(CLI::App& app) {
         ->check(whole(1, 4096))
         ->type_name("N");
     studying->add_option("--out", st->out, "folder for tables, figures and the report; default: out")
+        ->check(named("a folder"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("DIR");
     studying->add_option("--record", st->record, "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
@@ -215,8 +237,9 @@ Command merge_command(CLI::App& app) {
         "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without --part makes the "
         "tables there.\n\n"
         "Exit code: as of rlslab study; 2 if a trial is missing, or the parts are of different programs, studies, budgets or seeds.");
-    merging->add_option("DIR", mt->from, "the --out folders of the parts")->required()->type_name("");
+    merging->add_option("DIR", mt->from, "the --out folders of the parts")->required()->check(named("folders"))->type_name("");
     merging->add_option("--out", mt->out, "folder for tables, figures and the report; default: out")
+        ->check(named("a folder"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("DIR");
     return {merging, [mt] { return run_merge(*mt); }};

@@ -200,5 +200,27 @@ TEST(State, OfAnAssessedFilterContinues) {
     EXPECT_EQ(f.interval(1).high, g.interval(1).high);
 }
 
+/// A missing output was taken for a residual of 0, which made s2 smaller.
+TEST(Assessed, LearnsNothingOfTheNoiseWhereAnOutputIsMissing) {
+    auto const check = []<class F>(std::type_identity<F>) {
+        Weighted<Assessed<F>> f({.size = 4, .forgetting = 0.96875});
+        Seed rows{5};
+        double psi[4];
+        for (int k = 0; k < 40; ++k) {
+            double const y = draw(rows, psi);
+            f.update(psi, y);
+        }
+        double const s2 = f.filter().noise_variance();
+        Index const degrees = f.filter().degrees();
+        for (int k = 0; k < 5; ++k) f.missing();
+        EXPECT_EQ(f.filter().noise_variance(), s2) << F::name;
+        EXPECT_EQ(f.filter().degrees(), degrees) << F::name;
+        EXPECT_GT(s2, 0) << F::name;
+    };
+    check(std::type_identity<Ud<double>>{});
+    check(std::type_identity<Qr<double, 4>>{});
+    check(std::type_identity<Guarded<Ud<double>>>{});
+}
+
 }  // namespace
 }  // namespace rlslab

@@ -121,7 +121,8 @@ TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
     EXPECT_EQ(half.out, "");
     Outcome const early = shell("rlslab merge a --out merged");
     EXPECT_EQ(early.code, 2);
-    EXPECT_THAT(early.err, HasSubstr("trials are not finished, the first of gain_identities"));
+    EXPECT_THAT(early.err, HasSubstr("trials are missing, the first of gain_identities"));
+    EXPECT_FALSE(fs::exists(folder / "merged")) << "nothing is written before all are there";
     ASSERT_EQ(run("--part 2/2 --out b").code, 0);
     Outcome const merged = shell("rlslab merge a b --out merged");
     EXPECT_EQ(merged.code, 0) << merged.err;
@@ -141,8 +142,39 @@ TEST_F(Parts, RefuseWhatDoesNotFit) {
     ASSERT_EQ(shell("rlslab study gain_identities --part 1/2 --out a").code, 0);
     ASSERT_EQ(shell("rlslab study gain_identities --part 2/2 --seed 2 --out b").code, 0);
     refused("merge a b --out c", "b: expected parts of the same run as a: the same studies, budget and seed");
-    write("a/.trials/run.json", "{}");
-    refused("merge a --out c", "run.json: expected studies, budget and seed as rlslab study --part writes them");
+    std::string const run = read(folder / "a" / ".trials" / "run.json");
+    for (std::string const bad :
+         {R"({})", R"([1])", R"({"studies": [1], "budget": "quick", "seed": 1})", R"({"studies": [], "budget": "quick", "seed": 1})",
+          R"({"studies": ["../../x"], "budget": "quick", "seed": 1})", R"({"studies": ["bierman"], "budget": "x", "seed": 1})",
+          R"({"studies": ["bierman"], "budget": "quick", "seed": -1})", R"({"studies": ["bierman"], "budget": "quick", "seed": 1.5})"}) {
+        write("a/.trials/run.json", bad);
+        refused("merge a --out c", "a/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them");
+    }
+    fs::remove(folder / "a" / ".trials" / "run.json");
+    fs::create_directory(folder / "a" / ".trials" / "run.json");
+    refused("merge a --out c", "a/.trials/run.json: expected the file that rlslab study --part writes");
+    fs::remove(folder / "a" / ".trials" / "run.json");
+    write("a/.trials/run.json", run);
+    refused("study gain_identities --part 2/2 --seed 3 --out a", "a: holds parts of other studies, another budget or seed");
+    refused("merge a --out \"\"", "--out: expected a folder");
+    EXPECT_FALSE(fs::exists(folder / "c"));
+}
+
+/// Trials of another program look like those of another seed: what no run of this program can use is refused, and stays.
+TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
+    for (std::string const part : {"1", "2"}) ASSERT_EQ(shell("rlslab study gain_identities --part " + part + "/2 --out p" + part).code, 0);
+    auto const with_seed_2 = [&](std::string const& file) {
+        std::string text = read(folder / file);
+        text.replace(text.find("\"seed\": 1"), 9, "\"seed\": 2");
+        write(file, text);
+    };
+    with_seed_2("p1/.trials/run.json");
+    with_seed_2("p2/.trials/run.json");
+    std::string const before = read(folder / "p1" / ".trials" / "gain_identities.1-of-2");
+    refused("merge p1 p2 --out p1", "p1/.trials/gain_identities.1-of-2: expected trials of this program");
+    EXPECT_EQ(read(folder / "p1" / ".trials" / "gain_identities.1-of-2"), before);
+    ASSERT_EQ(shell("rlslab study gain_identities --seed 2 --out p2").code, 0);
+    EXPECT_TRUE(fs::exists(folder / "p2" / ".trials" / "gain_identities.2-of-2")) << "a part of another run is not removed";
 }
 
 #ifdef RLSLAB_MPI

@@ -264,7 +264,7 @@ Study const stochastic_definiteness{
                      fmt::format("; {:.3g} steps: a hazard below {:.2g}", steps, proportion_interval(0, size_t(steps), claim_risk).high);
                  return out;
              },
-             finding("docs/theory.md 34, set before the run")},
+             verification("docs/theory.md 34")},
             {"joseph_rank_two in 8 bits loses it at least ten times as often stochastically as to nearest",
              [](Table const& t) {
                  std::vector<Finding> out;

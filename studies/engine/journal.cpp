@@ -53,6 +53,8 @@ std::string text_of(std::string const& head, Trials const& finished) {
     return out;
 }
 
+std::string head_of(std::string const& key) { return fmt::format("{:016x}", hash(key)); }
+
 /// The study of a journal's file: NAME of NAME and of NAME.2-of-8; "" of any other file.
 std::string study_of(std::filesystem::path const& path) {
     std::string const file = path.filename().string();
@@ -96,14 +98,14 @@ FolderLock::~FolderLock() {
 
 Journal::Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part)
     : path_(folder / (part.whole() ? name : fmt::format("{}.{}", name, name_of(part)))) {
-    std::string const head = fmt::format("{:016x}", hash(key));
+    std::string const head = head_of(key);
     std::vector<std::filesystem::path> parts;
     Trials own;
     for (auto const& path : journals(folder)) {
         if (study_of(path) != name) continue;
-        if (path != path_) parts.push_back(path);
         Trials finished;
         if (read_file(path, finished) != head) continue;
+        if (path != path_) parts.push_back(path);
         if (path == path_) own = finished;
         finished_.merge(std::move(finished));
     }
@@ -119,26 +121,24 @@ void Journal::add(size_t trial, std::vector<std::string> const& lines) {
     if (!file_) cannot_write(path_);
 }
 
-void merge_journals(std::vector<std::filesystem::path> const& from, std::filesystem::path const& into) {
-    struct Merged {
-        std::string head;
-        std::filesystem::path first;
-        Trials finished;
-    };
-    std::map<std::string, Merged> studies;
-    std::vector<std::filesystem::path> folders = from;
-    folders.push_back(into);
+std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
+                                                           std::string const& key) {
+    Trials out;
     for (auto const& folder : folders)
         for (auto const& path : journals(folder)) {
+            if (study_of(path) != name) continue;
             Trials finished;
-            std::string const head = read_file(path, finished);
-            auto const [at, fresh] = studies.try_emplace(study_of(path), Merged{head, path, {}});
-            if (head != at->second.head)
-                throw InputError(fmt::format("{}: expected trials of the same program, studies, budget and seed as in {}",
-                                             printable(path.string(), 200), printable(at->second.first.string(), 200)));
-            at->second.finished.merge(std::move(finished));
+            if (read_file(path, finished) != head_of(key))
+                throw InputError(fmt::format("{}: expected trials of this program, of the budget and the seed that the parts have",
+                                             printable(path.string(), 200)));
+            out.merge(std::move(finished));
         }
-    for (auto const& [study, merged] : studies) replace_file(into / study, text_of(merged.head, merged.finished));
+    return out;
+}
+
+void write_journal(std::filesystem::path const& folder, std::string const& name, std::string const& key,
+                   std::map<size_t, std::vector<std::string>> const& finished) {
+    replace_file(folder / name, text_of(head_of(key), finished));
 }
 
 }  // namespace rlslab

@@ -35,7 +35,7 @@ class Journal {
 
 public:
     /// Reads what the whole and every part have finished. A part rewrites its own file alone, the whole takes the files of the parts into
-    /// its own and removes them. Throws InputError when a file cannot be written.
+    /// its own and removes them; files of another key stay, but for its own. Throws InputError when a file cannot be written.
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
@@ -43,9 +43,12 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
-/// Takes the journals of the folders `from` into `into`: one file for each study, with every trial that one of them, or `into`, has
-/// finished. Throws InputError when two of them have different keys, or a file cannot be written.
-void merge_journals(std::vector<std::filesystem::path> const& from, std::filesystem::path const& into);
+/// What the folders' journals of one study have finished. Throws InputError for a journal of another key.
+std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
+                                                           std::string const& key);
+/// Writes the journal of a whole run. Throws InputError.
+void write_journal(std::filesystem::path const& folder, std::string const& name, std::string const& key,
+                   std::map<size_t, std::vector<std::string>> const& finished);
 
 /// A lock that allows one whole run at a time in a folder, or any number of parts that differ. It is released when this object is destroyed
 /// or the process ends in any way. On a file system without locks it has no effect.

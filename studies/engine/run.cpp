@@ -87,7 +87,8 @@ std::vector<std::vector<Cell>> combinations(std::vector<Factor> const& factors) 
     return out;
 }
 
-void start(Running& run, RunOptions const& options, Part part) {
+/// The trials; returns the journal's key.
+std::string prepare(Running& run, RunOptions const& options) {
     Study const& study = *run.study;
     run.factors = study.factors(options.budget);
     for (auto& values : combinations(run.factors)) {
@@ -98,7 +99,12 @@ void start(Running& run, RunOptions const& options, Part part) {
     run.done.assign(run.trials.size(), false);
     std::string key = fmt::format("{} {} {:016x}", run.trials.size(), fmt::join(provenance(study, options), "\n"), identity());
     for (Entry const& e : *options.entries) key += fmt::format(" {}/{}", e.variant, e.arithmetic->name);
-    run.journal = std::make_unique<Journal>(options.out / ".trials", study.name, key, part);
+    return key;
+}
+
+void start(Running& run, RunOptions const& options, Part part) {
+    std::string const key = prepare(run, options);
+    run.journal = std::make_unique<Journal>(options.out / ".trials", run.study->name, key, part);
     for (auto const& [trial, lines] : run.journal->finished())
         if (trial < run.trials.size()) {
             run.lines[trial] = lines;
@@ -185,11 +191,7 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
 
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress) {
     std::vector<Running> running = started(chosen, options, {});
-    std::vector<Work> const all = all_trials(running), work = unfinished(all);
-    if (options.finished_only && !work.empty())
-        throw InputError(fmt::format("{}: {} of {} trials are not finished, the first of {}", printable(options.out.string(), 200),
-                                     work.size(), all.size(), work.front().first->study->name));
-    run_trials(work, options, progress);
+    run_trials(unfinished(all_trials(running)), options, progress);
     std::vector<Outcome> out;
     for (Running const& run : running) out.push_back(finish(run, options));
     return out;
@@ -200,6 +202,33 @@ Share run_part(std::vector<Study const*> const& chosen, RunOptions const& option
     std::vector<Work> const all = all_trials(running), own = dealt(all, part), work = unfinished(own);
     run_trials(work, options, progress);
     return {all.size(), own.size(), own.size() - work.size()};
+}
+
+void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders) {
+    struct Merged {
+        std::string name, key;
+        std::map<size_t, std::vector<std::string>> finished;
+    };
+    std::vector<std::filesystem::path> from;
+    for (auto const& folder : folders) from.push_back(folder / ".trials");
+    from.push_back(options.out / ".trials");
+    std::vector<Merged> all;
+    size_t trials = 0, missing = 0;
+    std::string first;
+    for (Study const* study : chosen) {
+        Running run;
+        run.study = study;
+        std::string const key = prepare(run, options);
+        all.push_back({study->name, key, finished_trials(from, study->name, key)});
+        size_t found = 0;
+        for (auto const& [trial, lines] : all.back().finished) found += trial < run.trials.size();
+        trials += run.trials.size();
+        missing += run.trials.size() - found;
+        if (first.empty() && found < run.trials.size()) first = study->name;
+    }
+    if (missing > 0) throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
+    create_folder(options.out / ".trials");
+    for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);
 }
 
 }  // namespace rlslab

@@ -13,9 +13,8 @@ namespace rlslab {
 struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
-    int threads = 0;             ///< 0: all cores
-    std::filesystem::path out;   ///< where tables, verdicts, figures and the report go; created if missing
-    bool finished_only = false;  ///< throws InputError instead of running a trial
+    int threads = 0;            ///< 0: all cores
+    std::filesystem::path out;  ///< where tables, verdicts, figures and the report go; created if missing
     std::vector<Entry> const* entries = &catalogue();
 };
 
@@ -42,5 +41,9 @@ struct Share {
 /// all trials are sorted by a hash of study and number and dealt in turn. So the parts differ by one trial at most, and trials that take
 /// long are spread.
 Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress);
+
+/// Takes the trials that the parts in these folders, and options.out, have finished into options.out, where run_studies then finds them.
+/// Throws InputError, before anything is written, when a trial is missing or a folder's trials are of another program, budget or seed.
+void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders);
 
 }  // namespace rlslab

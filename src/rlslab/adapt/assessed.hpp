@@ -99,6 +99,18 @@ public:
         grow();
         return step;
     }
+    /// Time passes and nothing is learnt, of the noise neither.
+    Step<T> pass_time() {
+        Step<T> step{};
+        if constexpr (requires { filter_.pass_time(); }) {
+            step = filter_.pass_time();
+        } else {
+            Vector<T, detail::size_of<F>> const zero = Vector<T, detail::size_of<F>>::Zero(filter_.theta().size());
+            step = filter_.update(zero, T(0));
+        }
+        grow();
+        return step;
+    }
     auto theta() const { return filter_.theta(); }
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }

@@ -5,6 +5,7 @@
 #include <rlslab/arithmetic/pack.hpp>
 
 #include <cstring>
+#include <system_error>
 #include <thread>
 
 namespace rlslab {
@@ -82,8 +83,12 @@ public:
         };
         {
             std::vector<std::jthread> others;
-            for (Index share = 1; share < shares; ++share) others.emplace_back(work, share);
+            Index started = 1;
+            try {
+                for (; started < shares; ++started) others.emplace_back(work, started);
+            } catch (std::system_error const&) {}  // the system gives no more threads: this one does the rest
             work(0);
+            for (Index share = started; share < shares; ++share) work(share);
         }
         Index out = 0;
         for (Index const m : missing) out += m;

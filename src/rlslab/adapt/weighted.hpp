@@ -41,8 +41,9 @@ public:
     Weighted(F const& filter, T const& forgetting) : filter_(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
 
     Step<T> update(Regressor<T> psi, T y) {
+        Step<T> const step = filter_.update(psi, y);
         by_ = T(1);
-        return filter_.update(psi, y);
+        return step;
     }
     Step<T> update(Regressor<T> psi, T const& y, T const& w) {
         keep_regressor(psi, psi_);
