@@ -1,6 +1,7 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
 #pragma once
 
+#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/adapt/state.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 
@@ -82,10 +83,10 @@ public:
             missing[size_t(share)] = update_packs(psi, y, all * share / shares, all * (share + 1) / shares);
         };
         {
-            std::vector<std::jthread> others;
+            detail::Joined others;
             Index started = 1;
             try {
-                for (; started < shares; ++started) others.emplace_back(work, started);
+                for (; started < shares; ++started) others.threads.emplace_back(work, started);
             } catch (std::system_error const&) {}  // the system gives no more threads: this one does the rest
             work(0);
             for (Index share = started; share < shares; ++share) work(share);
