@@ -115,8 +115,7 @@ TEST(FoldRanks, WhatIsNoStateIsRefused) {
 TEST_F(Program, RanksOfAnMpiJobFoldToTheSameBits) {
     std::string one;
     for (int const ranks : {1, 2, 3, 4}) {
-        ::Outcome const run = shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n " +
-                                    std::to_string(ranks) + " " RLSLAB_MPI_FOLD);
+        ::Outcome const run = shell(on_ranks(ranks, RLSLAB_MPI_FOLD));
         ASSERT_EQ(run.code, 0) << run.err;
         EXPECT_GT(run.out.size(), 2 * StateHeader::size);
         if (one.empty()) one = run.out;

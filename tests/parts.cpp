@@ -160,6 +160,16 @@ TEST_F(Parts, RefuseWhatDoesNotFit) {
     EXPECT_FALSE(fs::exists(folder / "c"));
 }
 
+TEST_F(Parts, AreNotMergedIntoAFolderThatAnotherRunIsWriting) {
+    run_part(both, into("a"), {1, 2}, {});
+    run_part(both, into("a"), {2, 2}, {});
+    fs::create_directory(folder / "busy");
+    FolderLock const other(folder / "busy");
+    EXPECT_THROW(rlslab::merge_parts(both, into("busy"), {folder / "a"}), rlslab::InputError);
+    EXPECT_FALSE(fs::exists(folder / "busy" / ".trials"));
+    EXPECT_NO_THROW(rlslab::merge_parts(both, into("free"), {folder / "a"}));
+}
+
 /// Trials of another program look like those of another seed: what no run of this program can use is refused, and stays.
 TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
     for (std::string const part : {"1", "2"}) ASSERT_EQ(shell("rlslab study gain_identities --part " + part + "/2 --out p" + part).code, 0);
@@ -180,10 +190,7 @@ TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
 #ifdef RLSLAB_MPI
 /// Ranks that share the folder, started again with another number of them after one was killed.
 TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
-    auto const ranks = [&](int number, std::string const& words) {
-        return shell("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n " +
-                     std::to_string(number) + " " RLSLAB_MPI " " + words);
-    };
+    auto const ranks = [&](int number, std::string const& words) { return shell(on_ranks(number, RLSLAB_MPI " " + words)); };
     ASSERT_EQ(shell("rlslab study gain_identities --out whole").code, 0);
     std::string const whole = read(folder / "whole" / "gain_identities.csv");
     for (int const number : {1, 2, 3, 4}) {
@@ -192,11 +199,10 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
         EXPECT_EQ(run.code, 0) << run.err;
         EXPECT_EQ(read(folder / out / "gain_identities.csv"), whole) << number;
     }
-    EXPECT_NE(
-        shell("(sleep 0.5; pkill -KILL -n -f \"study gain_error --out killed\") & OMPI_ALLOW_RUN_AS_ROOT=1 "
-              "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n 2 " RLSLAB_MPI " study gain_error --out killed")
-            .code,
-        0);
+    EXPECT_NE(shell("(sleep 0.5; pkill -KILL -n -f \"study gain_error --out killed\") & " +
+                    on_ranks(2, RLSLAB_MPI " study gain_error --out killed"))
+                  .code,
+              0);
     EXPECT_EQ(ranks(3, "study gain_error --out killed").code, 0);
     ASSERT_EQ(shell("rlslab study gain_error --out other").code, 0);
     EXPECT_EQ(read(folder / "killed" / "gain_error.csv"), read(folder / "other" / "gain_error.csv"));

@@ -19,6 +19,12 @@ inline std::string read(fs::path const& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// The command on so many ranks of an MPI job, more of them than cores if need be.
+inline std::string on_ranks(int number, std::string const& command) {
+    return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n " + std::to_string(number) +
+           " " + command;
+}
+
 struct Outcome {
     int code;
     std::string out, err;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <sstream>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
@@ -209,6 +210,8 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
         std::string name, key;
         std::map<size_t, std::vector<std::string>> finished;
     };
+    std::optional<FolderLock> lock;  // before anything is read; what is not there yet nobody else is writing
+    if (std::filesystem::is_directory(options.out)) lock.emplace(options.out);
     std::vector<std::filesystem::path> from;
     for (auto const& folder : folders) from.push_back(folder / ".trials");
     from.push_back(options.out / ".trials");
@@ -228,6 +231,7 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
     }
     if (missing > 0) throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
     create_folder(options.out / ".trials");
+    if (!lock) lock.emplace(options.out);
     for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);
 }
 

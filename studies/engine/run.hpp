@@ -43,7 +43,8 @@ struct Share {
 Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress);
 
 /// Takes the trials that the parts in these folders, and options.out, have finished into options.out, where run_studies then finds them.
-/// Throws InputError, before anything is written, when a trial is missing or a folder's trials are of another program, budget or seed.
+/// Throws InputError, before anything is written, when a trial is missing, a folder's trials are of another program, budget or
+/// seed, or another run is writing into options.out.
 void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders);
 
 }  // namespace rlslab
