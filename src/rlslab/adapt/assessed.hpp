@@ -7,7 +7,6 @@
 
 namespace rlslab {
 
-template <Field T>
 struct AssessedOptions {
     Index noise_memory = 1000;  ///< rows that the noise's variance is averaged over, >= 1
 };
@@ -34,18 +33,16 @@ constexpr bool has_a_rule() {
         return has_a_rule<std::remove_cvref_t<decltype(std::declval<F const&>().filter())>>();
     else return false;
 }
-/// What a guard says of the last row.
+/// The guard that f is, or is around; or none, which never did anything.
 template <class F>
-bool set_aside(F const& f) {
-    if constexpr (requires { f.set_aside(); }) return f.set_aside();
-    else if constexpr (requires { f.filter(); }) return set_aside(f.filter());
-    else return false;
-}
-template <class F>
-bool started_over(F const& f) {
-    if constexpr (requires { f.started_over(); }) return f.started_over();
-    else if constexpr (requires { f.filter(); }) return started_over(f.filter());
-    else return false;
+auto const& guard_of(F const& f) {
+    static constexpr struct {
+        bool set_aside() const { return false; }
+        bool started_over() const { return false; }
+    } none;
+    if constexpr (requires { f.set_aside(), f.started_over(); }) return f;
+    else if constexpr (requires { f.filter(); }) return guard_of(f.filter());
+    else return none;
 }
 }  // namespace detail
 
@@ -70,7 +67,8 @@ template <RecursiveLeastSquares F>
 class Assessed {
     using T = typename F::scalar;
     F filter_;
-    AssessedOptions<T> options_;
+    StateVector<T, detail::size_of<F>> scratch_;
+    AssessedOptions options_;
     T lambda_, power_ = T(1), s2_ = T(0);  // lambda^n
     Index learnt_ = 0, in_power_ = 0;      // rows of s2; n, where there is a window
 
@@ -79,11 +77,10 @@ public:
     static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< nothing goes around it but weights
 
-    explicit Assessed(Problem<T> const& problem, AssessedOptions<T> const& options = {})
-        : Assessed(F(problem), problem.forgetting, options) {}
+    explicit Assessed(Problem<T> const& problem, AssessedOptions const& options = {}) : Assessed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own. `forgetting` is the problem's.
-    Assessed(F const& filter, T const& forgetting, AssessedOptions<T> const& options = {})
-        : filter_(filter), options_(options), lambda_(forgetting) {
+    Assessed(F const& filter, T const& forgetting, AssessedOptions const& options = {})
+        : filter_(filter), scratch_(filter.theta().size()), options_(options), lambda_(forgetting) {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         expects(options.noise_memory >= 1, "a noise memory of >= 1 row");
     }
@@ -92,7 +89,8 @@ public:
         T const r = share();
         Step<T> const step = filter_.update(psi, y);
         T const square = step.innovation * step.residual, expected = step.gamma + r * lambda_ * (T(1) - step.gamma);
-        if (step.health == Health::sound && !detail::set_aside(filter_) && T(0) <= square && is_finite(square) && T(0.001) < step.gamma) {
+        if (step.health == Health::sound && !detail::guard_of(filter_).set_aside() && T(0) <= square && is_finite(square) &&
+            T(0.001) < step.gamma) {
             if (learnt_ < options_.noise_memory) ++learnt_;
             s2_ += (square / expected - s2_) / T(double(learnt_));  // (2)
         }
@@ -101,13 +99,7 @@ public:
     }
     /// Time passes and nothing is learnt, of the noise neither.
     Step<T> pass_time() {
-        Step<T> step{};
-        if constexpr (requires { filter_.pass_time(); }) {
-            step = filter_.pass_time();
-        } else {
-            Vector<T, detail::size_of<F>> const zero = Vector<T, detail::size_of<F>>::Zero(filter_.theta().size());
-            step = filter_.update(zero, T(0));
-        }
+        Step<T> const step = detail::pass_time(filter_, scratch_);
         grow();
         return step;
     }
@@ -138,7 +130,7 @@ private:
     void grow() {
         Index const rows = detail::window_rows(filter_);
         if (rows < 0) {
-            power_ = detail::started_over(filter_) ? T(1) : T(power_ * lambda_);
+            power_ = detail::guard_of(filter_).started_over() ? T(1) : T(power_ * lambda_);
             return;
         }
         if (rows < in_power_) power_ = T(1), in_power_ = 0;

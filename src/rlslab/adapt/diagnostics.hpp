@@ -51,6 +51,16 @@ T sum_over(StateVector<T, N> const& x, StateVector<T, N> const& D, Index j) {
     }
     return sum;
 }
+/// x'A x, A symmetric: the sum of x_j times column j's product with x.
+template <class T, int N>
+T quadratic_form(StateMatrix<T, N> const& A, StateVector<T, N> const& x) {
+    T sum = T(0);
+    for (Index j = 0; j < x.size(); ++j) {
+        T const along = dot(A.column(j), x.data(), x.size()), term = x[j] * along;
+        sum += term;
+    }
+    return sum;
+}
 }  // namespace detail
 template <class T, int N>
 T variance(RootInformation<T, N> f, Index j) {
@@ -97,12 +107,7 @@ typename F::scalar trace(F& f) {
 template <class T, int N>
 T variance_along(PlainCovariance<T, N> f, Regressor<T> psi) {
     keep_regressor(psi, f.f);
-    T sum = T(0);
-    for (Index j = 0; j < psi.size(); ++j) {
-        T const along = dot(f.P.column(j), f.f.data(), psi.size()), term = f.f[j] * along;
-        sum += term;
-    }
-    return sum;
+    return detail::quadratic_form(f.P, f.f);
 }
 template <class T, int N, bool upper>
 T variance_along(RootCovariance<T, N, upper> f, Regressor<T> psi) {
@@ -176,12 +181,7 @@ T information_along(UnitInformation<T, N> f, Regressor<T> psi) {
 template <class T, int N>
 T information_along(NormalEquations<T, N> f, Regressor<T> psi) {
     keep_regressor(psi, f.f);
-    T sum = T(0);
-    for (Index j = 0; j < psi.size(); ++j) {
-        T const along = dot(f.X.column(j), f.f.data(), psi.size()), term = f.f[j] * along;
-        sum += term;
-    }
-    return sum;
+    return detail::quadratic_form(f.X, f.f);
 }
 
 template <class F>

@@ -1,23 +1,21 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
 #pragma once
 
-#include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/adapt/state.hpp>
+#include <rlslab/adapt/threads.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 
 #include <cstring>
-#include <system_error>
-#include <thread>
 
 namespace rlslab {
 
 namespace detail {
-/// Every number that a filter over packs keeps, in the order of its state.
+/// Appends every number that a filter over packs keeps, in the order of its state.
 template <class P>
 struct NumbersOfLanes : Silent {
-    P* to;
-    explicit NumbersOfLanes(P* first) : to(first) {}
-    void number(P const& x) { *to++ = x; }
+    std::vector<P>* to;
+    explicit NumbersOfLanes(std::vector<P>& numbers) : to(&numbers) {}
+    void number(P const& x) { to->push_back(x); }
     template <class X>
     void number(X const&) {}
 };
@@ -26,20 +24,13 @@ template <class P>
 struct LanesPutBack : Silent {
     P const* from;
     typename P::Mask mask;
-    LanesPutBack(P const* first, typename P::Mask const& lanes) : from(first), mask(lanes) {}
+    LanesPutBack(std::vector<P> const& numbers, typename P::Mask const& lanes) : from(numbers.data()), mask(lanes) {}
     void number(P& x) {
         x = select(mask, *from, x);
         ++from;
     }
     template <class X>
     void number(X&) {}
-};
-template <class P>
-struct CountedLanes : Silent {
-    Index count = 0;
-    void number(P const&) { ++count; }
-    template <class X>
-    void number(X const&) {}
 };
 }  // namespace detail
 
@@ -63,11 +54,7 @@ public:
     /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
     Fleet(Index filters, Problem<number> const& problem)
         : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(size_t((filters + lanes - 1) / lanes), fresh_), health_(packs_.size()) {
-        detail::CountedLanes<pack> counted;
-        detail::walk(counted, fresh_);
-        numbers_ = counted.count;
-    }
+          packs_(size_t((filters + lanes - 1) / lanes), fresh_), health_(packs_.size()) {}
 
     Index filters() const { return filters_; }  ///< M
     Index parameters() const { return size_; }  ///< d
@@ -82,15 +69,7 @@ public:
         auto const work = [&](Index share) {
             missing[size_t(share)] = update_packs(psi, y, all * share / shares, all * (share + 1) / shares);
         };
-        {
-            detail::Joined others;
-            Index started = 1;
-            try {
-                for (; started < shares; ++started) others.threads.emplace_back(work, started);
-            } catch (std::system_error const&) {}  // the system gives no more threads: this one does the rest
-            work(0);
-            for (Index share = started; share < shares; ++share) work(share);
-        }
+        detail::among_threads(shares, work);
         Index out = 0;
         for (Index const m : missing) out += m;
         return out;
@@ -104,12 +83,12 @@ public:
 
     /// Filter i begins anew.
     void reset(Index i) {
-        std::vector<pack> numbers(size_t(numbers_), pack{});
-        detail::NumbersOfLanes<pack> reading(numbers.data());
+        std::vector<pack> numbers;
+        detail::NumbersOfLanes<pack> reading(numbers);
         detail::walk(reading, fresh_);
         pack chosen;
         chosen.set(int(i % lanes), number(1));
-        detail::LanesPutBack<pack> back(numbers.data(), chosen == pack(number(1)));
+        detail::LanesPutBack<pack> back(numbers, chosen == pack(number(1)));
         detail::walk(back, packs_[size_t(i / lanes)]);
         health_[size_t(i / lanes)].value[size_t(i % lanes)] = Health::sound;
     }
@@ -132,7 +111,7 @@ private:
     }
 
     Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
-        std::vector<pack> before(size_t(numbers_), pack{});
+        std::vector<pack> before;  // the numbers of a filter of which some lanes stay as they were
         std::vector<pack> numbers_of_row(size_t(size_), pack{});
         Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);
         Index missing = 0;
@@ -151,11 +130,12 @@ private:
             }
             for (int lane = 0; lane < here; ++lane) missing += !present[lane];
             if (!any(present)) continue;
-            detail::NumbersOfLanes<pack> reading(before.data());
+            before.clear();
+            detail::NumbersOfLanes<pack> reading(before);
             detail::walk(reading, filter);
             for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
             auto const step = filter.update(row, select(present, output, pack()));
-            detail::LanesPutBack<pack> back(before.data(), !present);
+            detail::LanesPutBack<pack> back(before, !present);
             detail::walk(back, filter);
             health_[size_t(g)] = worse(health_[size_t(g)], select(present, step.health, Lanes<Health, lanes>(Health::sound)));
         }
@@ -164,7 +144,7 @@ private:
 
     Index filters_;
     F fresh_;
-    Index size_, numbers_ = 0;
+    Index size_;
     std::vector<F> packs_;
     std::vector<Lanes<Health, lanes>> health_;
 };

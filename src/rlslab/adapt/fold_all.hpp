@@ -2,6 +2,7 @@
 // in order.
 #pragma once
 
+#include <rlslab/adapt/threads.hpp>
 #include <rlslab/arithmetic/carried.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/records.hpp>
@@ -10,8 +11,6 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <system_error>
-#include <thread>
 
 namespace rlslab {
 
@@ -40,15 +39,6 @@ public:
         block.bottomRows(1) = records_->y.segment(first, block.cols()).transpose();
     }
 };
-
-namespace detail {
-struct Joined {
-    std::vector<std::thread> threads;
-    ~Joined() {
-        for (std::thread& t : threads) t.join();
-    }
-};
-}  // namespace detail
 
 /// Rows of a part: 1.3 MB at 40 parameters. Merging the d rows of a part's triangle then costs a hundredth of processing the part.
 inline constexpr Index rows_a_part = 4096;
@@ -99,13 +89,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
         }
     };
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-    {
-        detail::Joined others;
-        try {
-            for (unsigned t = 1; t < threads && Index(t) < parts; ++t) others.threads.emplace_back(work);
-        } catch (std::system_error const&) {}  // the system gives no more threads: those there are do all of it
-        work();
-    }
+    detail::among_threads(std::min(Index(threads), parts), [&](Index) { work(); });
     if (failure) std::rethrow_exception(failure);
     return whole;
 }

@@ -268,6 +268,17 @@ namespace detail {
 /// N of a filter of fixed size, else Dynamic.
 template <class F>
 inline constexpr int size_of = std::remove_cvref_t<decltype(std::declval<F const&>().theta())>::SizeAtCompileTime;
+
+/// A row that tells nothing: time passes, P -> P / lambda. `scratch` has d numbers.
+template <class F, class T, int N>
+Step<T> pass_time(F& f, StateVector<T, N>& scratch) {
+    if constexpr (requires { f.pass_time(); }) {
+        return f.pass_time();
+    } else {
+        fill(scratch, T(0));
+        return f.update(Regressor<T>(scratch.data(), scratch.size()), T(0));
+    }
+}
 }  // namespace detail
 
 // --- the abilities ----------------------------------------------------------------------------------------------------------

@@ -66,13 +66,7 @@ public:
     /// (3). Its step has no innovation and no residual.
     Step<T> missing() {
         by_ = T(1);
-        Step<T> step{};
-        if constexpr (requires { filter_.pass_time(); }) {
-            step = filter_.pass_time();
-        } else {
-            for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
-            step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), T(0));
-        }
+        Step<T> const step = detail::pass_time(filter_, psi_);
         return {undefined<T>(), undefined<T>(), step.gamma, step.health};
     }
 
