@@ -47,7 +47,7 @@ Study const stochastic_rows{
     .source =
         "Dexter et al. 2024 (abstract read: it lifts the smallest singular value of a tall matrix); the constant is derived "
         "(docs/theory.md 77)",
-    .formula = R"tex(\lambda_{\max}(P_N) \approx \frac{6}{\sum_k \mathrm{ulp}(x_k)^2} \le \frac{\mathrm{const}}{N u^2 \max\psi^2})tex",
+    .formula = R"tex(\lambda_{\max}(P_N) \approx \frac{6}{\sum_k \mathrm{ulp}(x_k)^2} \le \frac{6}{u^2 \sum_k x_k^2})tex",
     .interpretation =
         "Two equal columns stay equal to nearest, and P keeps the variance of the prior in the direction that they do not excite. "
         "Rounded stochastically they differ by noise, and the variance falls as 1/(N u^2). That is a regularisation by the data's "
