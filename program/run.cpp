@@ -1,0 +1,35 @@
+// A command line, from its words to the exit code.
+#include "program/run.hpp"
+
+#include "program/commands.hpp"
+
+#include <csignal>
+#include <cstdio>
+
+namespace rlslab {
+
+void prepare_process() {
+    sigset_t pipe;
+    sigemptyset(&pipe);
+    sigaddset(&pipe, SIGPIPE);
+    sigprocmask(SIG_UNBLOCK, &pipe, nullptr);
+    std::signal(SIGPIPE, SIG_DFL);
+    std::signal(SIGXFSZ, SIG_IGN);
+    when_stopped("");
+}
+
+int run(std::vector<std::string> const& words, int rank) {
+    bool understood = false;
+    try {
+        auto const command = parse(words);
+        understood = true;
+        return command();
+    } catch (std::bad_alloc const&) {
+        std::fputs("rlslab: out of memory\n", stderr);
+    } catch (std::exception const& error) {
+        if (understood || rank == 0) std::fprintf(stderr, "rlslab: %s\n", error.what());
+    }
+    return 2;
+}
+
+}  // namespace rlslab
