@@ -9,7 +9,7 @@ namespace {
 class OneLineEach : public benchmark::BenchmarkReporter {
 public:
     bool ReportContext(Context const&) override {
-        fmt::print("{:<44}{:>14}{:>9}{:>8}{:>12}\n", "", "ns/update", "digits", "finite", "ns/theta");
+        fmt::print("{:<44}{:>14}{:>9}{:>8}{:>12}{:>12}\n", "", "ns/update", "digits", "finite", "ns/theta", "longest");
         return true;
     }
     void ReportRuns(std::vector<Run> const& runs) override {
@@ -19,7 +19,7 @@ public:
             auto const counter = [&](char const* name) { return run.counters.at(name).value; };
             fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter("ns_per_update"), counter("digits"),
                        counter("finite") != 0 ? "yes" : "no");
-            if (run.counters.contains("ns_theta")) fmt::print("{:>12.1f}", counter("ns_theta"));
+            if (run.counters.contains("ns_theta")) fmt::print("{:>12.1f}{:>12.1f}", counter("ns_theta"), counter("ns_longest"));
             fmt::print("\n");
         }
         std::fflush(stdout);

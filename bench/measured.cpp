@@ -38,8 +38,10 @@ BenchRow measured(json const& row) {
                  .nanoseconds = row.at("ns_per_update"),
                  .digits = row.at("digits"),
                  .finite = row.at("finite") != 0,
-                 .theta_nanoseconds = {}};
+                 .theta_nanoseconds = {},
+                 .longest_nanoseconds = {}};
     if (row.contains("ns_theta")) out.theta_nanoseconds = row["ns_theta"].get<double>();
+    if (row.contains("ns_longest")) out.longest_nanoseconds = row["ns_longest"].get<double>();
     return out;
 }
 

@@ -14,7 +14,7 @@ struct BenchRow {
     double size;                                ///< parameters; a limit's are those whose d x d doubles have its bytes
     double nanoseconds, digits;
     bool finite;
-    std::optional<double> theta_nanoseconds;
+    std::optional<double> theta_nanoseconds, longest_nanoseconds;                    ///< longest: of single updates
     double answered() const { return nanoseconds + theta_nanoseconds.value_or(0); }  ///< the update and theta() after it
 };
 

@@ -92,6 +92,7 @@ std::string cell(BenchRow const* row, BenchRow const* base, bool least) {
     out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class=\"bad\">not finite</small>";
     if (row->theta_nanoseconds && *row->theta_nanoseconds > 5)
         out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
+    if (row->longest_nanoseconds) out += fmt::format("<small>longest {}</small>", time_for_people(*row->longest_nanoseconds));
     if (base) {
         double const ratio = row->answered() / base->answered();
         out += fmt::format("<small>{:.{}f} ×</small>", ratio, ratio < 10 ? 2 : 0);
@@ -105,8 +106,10 @@ std::string breakable(std::string name) {
     return name;
 }
 
-/// Names down, cases across; the variant with the least time to an answer in each column is shaded.
-std::string table(Rows const& rows, std::string const& base) {
+/// Names down, cases across; the variant with the least time to an answer in each column is shaded. base(name, case): the row that times
+/// are compared with, or null.
+template <class Base>
+std::string table(Rows const& rows, Base base) {
     auto const names = distinct(rows, std::mem_fn(&BenchRow::name)), cases = distinct(rows, std::mem_fn(&BenchRow::what));
     std::string out = "<div class=\"scroll\"><table><thead>\n<tr><th></th>";
     for (std::string const& what : cases) out += fmt::format("<th>{}</th>", what);
@@ -122,11 +125,14 @@ std::string table(Rows const& rows, std::string const& base) {
         out += fmt::format("\n<tr><th>{}</th>", breakable(name));
         for (size_t j = 0; j < cases.size(); ++j) {
             BenchRow const* const row = find(rows, name, cases[j]);
-            out += cell(row, find(rows, base, cases[j]), names.size() > 1 && row && row == least[j]);
+            out += cell(row, base(name, cases[j]), names.size() > 1 && row && row == least[j]);
         }
         out += "</tr>";
     }
     return out + "\n</tbody></table></div>\n";
+}
+std::string table(Rows const& rows, std::string const& base) {
+    return table(rows, [&](std::string const&, std::string const& what) { return find(rows, base, what); });
 }
 
 std::string title_of(std::string const& group, std::string const& arithmetic) {
@@ -137,10 +143,35 @@ std::string title_of(std::string const& group, std::string const& arithmetic) {
     return group + ", " + arithmetic;
 }
 
+struct AroundOne {
+    char const *group, *title, *text;
+};
+constexpr std::array around_one{AroundOne{"guard", "A guard around a filter, double", "Each row is looked at before and after it."},
+                                AroundOne{"window", "A filter over a sliding window, double", "Each row takes another one back."},
+                                AroundOne{"refactor", "A window factored anew, double, time of one of its rows",
+                                          "What a window does in one step on alarm or schedule: as many rows as it holds."},
+                                AroundOne{"state", "The state of a filter, double, saved and loaded again", "Bytes with a checksum."}};
+
+/// What is around a filter, against the filter alone.
+std::string around_filters(Rows const& rows) {
+    std::string out;
+    for (AroundOne const& around : around_one) {
+        Rows const mine = kept(rows, [&](BenchRow const& r) { return r.group == around.group; });
+        if (mine.empty()) continue;
+        Rows const alone = kept(rows, [](BenchRow const& r) { return r.group == "update" && r.arithmetic == "double"; });
+        out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{} × is against the filter alone.</p>\n{}</section>\n", around.title,
+                           around.text,
+                           table(mine, [&](std::string const& name, std::string const& what) { return find(alone, name, what); }));
+    }
+    return out;
+}
+
 /// Filters: one panel for each group and arithmetic, with the peers and, where it has its sizes, the machine's limit.
 std::string filters(Rows const& rows) {
     std::string out;
-    Rows const single = kept(rows, [](BenchRow const& r) { return !r.arithmetic.empty() && r.group != "peer"; });
+    Rows const single = kept(rows, [](BenchRow const& r) {
+        return !r.arithmetic.empty() && r.group != "peer" && std::ranges::find(around_one, r.group, &AroundOne::group) == around_one.end();
+    });
     auto const panel_of = [](BenchRow const& r) { return title_of(r.group, r.arithmetic); };
     for (std::string const& title : distinct(single, panel_of)) {
         Rows panel = kept(single, [&](BenchRow const& r) { return panel_of(r) == title; });
@@ -210,7 +241,7 @@ std::string page_of(Run const& run) {
         "faster), and in which variant is shaded as the fastest. information takes its rows without a report, whose innovation "
         "would have to solve for theta.</p>\n",
         escaped(run.machine));
-    return page("rlslab: the time of an update", head + filters(run.rows) + others(run.rows));
+    return page("rlslab: the time of an update", head + filters(run.rows) + around_filters(run.rows) + others(run.rows));
 }
 
 }  // namespace

@@ -7,8 +7,10 @@
 #include <rlslab/lab/timing.hpp>
 
 #include <benchmark/benchmark.h>
+#include <algorithm>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace rlslab::bench {
 
@@ -68,8 +70,23 @@ std::string family_of(F const& filter) {
     else return RecursiveLeastSquares<F> ? "information" : "peer";
 }
 
-/// F, a variant or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with the
-/// scored rows it gives its digits; every timed stretch starts from there.
+/// The longest of `steps` steps, in nanoseconds less those of the clock. Each step counts with its least time over several runs through
+/// all of them, so that other processes do not: what is long in each run is left. begin() comes before each run.
+template <class Begin, class Step>
+double longest_step(Index steps, Begin begin, Step step) {
+    constexpr int runs = 20;
+    double clock = std::numeric_limits<double>::infinity();
+    std::vector<double> least(size_t(steps), clock);
+    for (int run = 0; run < runs; ++run) {
+        begin();
+        clock = std::min(clock, nanoseconds_of([] {}));
+        for (Index k = 0; k < steps; ++k) least[size_t(k)] = std::min(least[size_t(k)], nanoseconds_of([&] { step(k); }));
+    }
+    return std::ranges::max(least) - clock;
+}
+
+/// F, a variant, what is around one, or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with
+/// the scored rows of the scenario it gives its digits; every timed stretch starts from there.
 template <class F>
 class FilterRow {
     using T = typename F::scalar;
@@ -98,8 +115,8 @@ class FilterRow {
     }
 
 public:
-    explicit FilterRow(Index size)
-        : scenario_(tapped_delay_line(size)), psi_(scenario_.records.psi.template cast<T>()), y_(scenario_.records.y.template cast<T>()),
+    explicit FilterRow(Scenario const& scenario)
+        : scenario_(scenario), psi_(scenario_.records.psi.template cast<T>()), y_(scenario_.records.y.template cast<T>()),
           scored_(problem_in<T>(scenario_.problem)) {
         stretch<Theta::unasked>(scored_, psi_, y_, 0, scenario_.scored);
         digits_ = digits(scenario_.exact, theta(scored_), std::numeric_limits<T>::digits);
@@ -112,17 +129,20 @@ public:
             watch.add([&] { filter = scored_; }, [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
         watch.finish({digits_, theta(filter).allFinite()});
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
+        state.counters["ns_longest"] = longest_step(
+            rows, [&] { filter = scored_; },
+            [&](Index k) { stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored + k, scenario_.scored + k + 1); });
         state.SetLabel(family_of(filter));
     }
 };
 
 /// group/NAME/ARITHMETIC/SIZE. Google Benchmark calls a row several times; its scored filter is made once.
 template <class F>
-void add_filter_row(std::string const& group, Index size) {
+void add_filter_row(std::string const& group, Index size, Scenario const& (*scenario)(Index) = tapped_delay_line) {
     std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
-    add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size), [size](benchmark::State& state) {
+    add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size), [=](benchmark::State& state) {
         static std::map<Index, FilterRow<F>> made;
-        made.try_emplace(size, size).first->second.run(state);
+        made.try_emplace(size, scenario(size)).first->second.run(state);
     });
 }
 

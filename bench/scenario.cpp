@@ -54,6 +54,19 @@ Scenario const& tapped_delay_line(Index size) {
     });
 }
 
+Scenario const& window_of_delay_line(Index size) {
+    static std::map<Index, Scenario> made;
+    return once(made, size, [size] {
+        Scenario out = tapped_delay_line(size);
+        Index const rows = window_rows(size), first = out.scored - rows;
+        Problem<double> problem = out.problem;
+        for (Index k = 0; k < first; ++k) problem.prior->variance /= problem.forgetting;
+        Records const kept{.psi = out.records.psi.middleCols(first, rows), .y = out.records.y.segment(first, rows), .names = {}};
+        out.exact = certified(problem, kept, {rows}).front();
+        return out;
+    });
+}
+
 Scenario const& batch(Index rows, Index size) {
     static std::map<std::pair<Index, Index>, Scenario> made;
     return once(made, {rows, size}, [=] {

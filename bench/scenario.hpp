@@ -19,6 +19,11 @@ struct Scenario {
 /// before the first row. lambda = 0.99 and P0 = 10 I, because liquid takes a delay line and has that P0 built in.
 Scenario const& tapped_delay_line(Index size);
 
+/// A window over the same rows: its solution is that of the last window_rows(size) of the scored rows, and of the prior, whose weight
+/// the rows before them have taken to variance 10 / lambda^20.
+Scenario const& window_of_delay_line(Index size);
+inline Index window_rows(Index size) { return 2 * size + 80; }
+
 /// The batches' scenario: the same regressors, so many rows, lambda = 1, no prior; all rows are scored.
 Scenario const& batch(Index rows, Index size);
 

@@ -1,0 +1,80 @@
+// Ratios from Google Benchmark's JSON, their file, and the comparison.
+#include "bench/baseline.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace rlslab::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Ratio spread(std::vector<double> ratios) {
+    std::ranges::sort(ratios);
+    return {ratios.front(), ratios[ratios.size() / 2], ratios.back()};
+}
+
+/// Four digits: more than a time has.
+Json rounded(double x) { return Json::parse(fmt::format("{:.4g}", x)); }
+
+}  // namespace
+
+Baseline baseline_of(std::string const& run_json) {
+    Json const run = Json::parse(run_json);
+    std::map<std::string, std::map<int, double>> times;  // of each row, by repetition
+    for (Json const& row : run.at("benchmarks"))
+        if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))
+            times[row.at("run_name")][row.at("repetition_index")] = row.at("ns_per_update");
+    auto const scale = times.find(yardstick);
+    if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", yardstick));
+    Baseline out{
+        fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"), run.at("context").value("compiler", "unknown compiler")),
+        int(scale->second.size()),
+        {}};
+    if (out.repetitions < 5) throw std::runtime_error("expected at least five repetitions of each row");
+    for (auto const& [name, of_repetition] : times) {
+        std::vector<double> ratios;
+        for (auto const& [repetition, time] : of_repetition) ratios.push_back(time / scale->second.at(repetition));
+        out.rows[name] = spread(std::move(ratios));
+    }
+    return out;
+}
+
+std::string written(Baseline const& baseline) {
+    std::string out = fmt::format("{{\n \"machine\": {},\n \"yardstick\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
+                                  Json(baseline.machine).dump(), yardstick, baseline.repetitions);
+    char const* between = "\n";
+    for (auto const& [name, ratio] : baseline.rows) {
+        Json const three{rounded(ratio.least), rounded(ratio.middle), rounded(ratio.greatest)};
+        out += fmt::format("{}  {}: {}", between, Json(name).dump(), three.dump());
+        between = ",\n";
+    }
+    return out + "\n }\n}\n";
+}
+
+Baseline read_baseline(std::string const& text) {
+    Json const all = Json::parse(text);
+    if (all.at("yardstick") != yardstick) throw std::runtime_error(fmt::format("expected times over {}", yardstick));
+    Baseline out{all.at("machine"), all.at("repetitions"), {}};
+    for (auto const& [name, three] : all.at("rows").items()) {
+        if (three.size() != 3) throw std::runtime_error(fmt::format("{}: expected three numbers", name));
+        out.rows[name] = {three[0], three[1], three[2]};
+    }
+    return out;
+}
+
+std::vector<Moved> moved(Baseline const& before, Baseline const& now) {
+    std::vector<Moved> out;
+    for (auto const& [name, ratio] : now.rows) {
+        auto const old = before.rows.find(name);
+        if (old == before.rows.end()) continue;
+        bool const apart = ratio.greatest < old->second.least || old->second.greatest < ratio.least;
+        double const factor = ratio.middle / old->second.middle;
+        if (apart && (factor > 1.05 || factor < 1 / 1.05)) out.push_back({name, old->second, ratio});
+    }
+    return out;
+}
+
+}  // namespace rlslab::bench

@@ -1,0 +1,40 @@
+// What a run of the benchmarks leaves for later ones: each row's time over a yardstick's, and what moved since.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace rlslab::bench {
+
+/// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.
+inline constexpr char yardstick[] = "limit/read_modify_write/8192";
+
+/// A row's time over the yardstick's, over the repetitions of a run; ratios are taken within a repetition.
+struct Ratio {
+    double least, middle, greatest;
+};
+struct Baseline {
+    std::string machine;  ///< processor and compiler
+    int repetitions = 0;
+    std::map<std::string, Ratio> rows;
+};
+
+/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or for fewer than five repetitions.
+Baseline baseline_of(std::string const& run_json);
+
+std::string written(Baseline const& baseline);
+/// Throws std::runtime_error for what written() does not write.
+Baseline read_baseline(std::string const& text);
+
+/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where nothing changed, n repetitions
+/// beside m do that with probability 2 n! m! / (n + m)!: 0.0006 for 7 beside 7.
+struct Moved {
+    std::string name;
+    Ratio before, now;
+    double factor() const { return now.middle / before.middle; }
+};
+/// In the order of names; rows that only one of the two has are no part of it.
+std::vector<Moved> moved(Baseline const& before, Baseline const& now);
+
+}  // namespace rlslab::bench

@@ -1,0 +1,52 @@
+// What moved since a baseline: a planted slowdown is told, scatter and another clock are not.
+#include "bench/baseline.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace rlslab::bench;
+
+/// A run of seven repetitions: the yardstick, and a row whose times are these, both on a clock of its own.
+std::string run(std::vector<double> const& times, double clock = 1) {
+    std::string rows;
+    for (size_t i = 0; i < times.size(); ++i)
+        for (auto const& [name, time] : {std::pair{std::string(yardstick), 10.0}, std::pair{std::string("update/ud/double/16"), times[i]}})
+            rows += fmt::format(R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
+                                rows.empty() ? "" : ",", name, i, time * clock);
+    return R"({"context": {"cpu": "a processor", "compiler": "a compiler"}, "benchmarks": [)" + rows + "]}";
+}
+std::vector<double> const quiet{100, 101, 102, 100, 103, 101, 102};
+
+TEST(BenchBaseline, TellsOfARowThatBecameSlower) {
+    Baseline const before = baseline_of(run(quiet)), now = baseline_of(run({115, 112, 111, 118, 113, 112, 114}));
+    auto const found = moved(before, now);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].name, "update/ud/double/16");
+    EXPECT_NEAR(found[0].factor(), 113.0 / 101, 1e-12);
+    EXPECT_LT(moved(now, before)[0].factor(), 1) << "and of one that became faster";
+}
+TEST(BenchBaseline, IsSilentAboutScatterAboutASmallStepAndAboutAnotherClock) {
+    Baseline const before = baseline_of(run(quiet));
+    EXPECT_TRUE(moved(before, baseline_of(run({115, 112, 101, 118, 113, 112, 114}))).empty()) << "one repetition among the old ones";
+    EXPECT_TRUE(moved(before, baseline_of(run({104, 104, 105, 104, 105, 104, 104}))).empty()) << "4 %";
+    EXPECT_TRUE(moved(before, baseline_of(run(quiet, 1.7))).empty());
+}
+TEST(BenchBaseline, IsReadBackAsItWasWritten) {
+    Baseline const made = baseline_of(run(quiet)), read = read_baseline(written(made));
+    EXPECT_EQ(read.machine, made.machine);
+    EXPECT_EQ(read.repetitions, 7);
+    ASSERT_EQ(read.rows.size(), 2u);
+    EXPECT_NEAR(read.rows.at("update/ud/double/16").greatest, 10.3, 1e-3);
+    EXPECT_EQ(written(read), written(made));
+}
+TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
+    EXPECT_THROW(baseline_of(run({100, 100, 100, 100})), std::runtime_error) << "four repetitions";
+    EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no yardstick";
+    EXPECT_THROW(baseline_of("not JSON"), std::exception);
+    EXPECT_THROW(read_baseline("{}"), std::exception);
+}
+
+}  // namespace
