@@ -100,11 +100,15 @@ std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
 
 std::string code(Comparison const& c) {
     Recommendation const* const r = coded(c);
-    if (!r) return "";
-    std::string const T = std::ranges::find(hardware, r->arithmetic, &std::pair<std::string, std::string>::first)->second,
-                      type = class_of(r->variant);
-    std::string out = fmt::format("#include <rlslab/variants/{}.hpp>\n\n", r->variant);
-    out += why_not_shorter(c, *r);
+    return r ? code(c, {.variant = r->variant, .arithmetic = r->arithmetic, .remarks = why_not_shorter(c, *r)}) : "";
+}
+
+std::string code(Comparison const& c, CodedFilter const& filter) {
+    auto const known = std::ranges::find(hardware, filter.arithmetic, &std::pair<std::string, std::string>::first);
+    if (known == hardware.end()) return "";
+    std::string const T = known->second;
+    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : "";
+    out += fmt::format("#include <rlslab/variants/{}.hpp>\n\n", filter.variant) + filter.remarks;
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
     out += comment("theta = ", c.names);
     std::vector<std::string> means;
@@ -121,9 +125,14 @@ std::string code(Comparison const& c) {
         prior = "{.covariance = P0.asDiagonal()}";
     }
     constexpr Index largest_fixed = 16;  // a fixed size keeps everything in the object: no heap after the start
-    out += fmt::format("rlslab::{}<{}{}> filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, T,
-                       c.size <= largest_fixed ? fmt::format(", {}", c.size) : "", c.size, c.options.forgetting, T, prior);
-    out += "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";
+    std::string type =
+        fmt::format("rlslab::{}<{}{}>", class_of(filter.variant), T, c.size <= largest_fixed ? fmt::format(", {}", c.size) : "");
+    if (filter.guarded) type = fmt::format("rlslab::Guarded<{}>", type);
+    out += fmt::format("{} filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, c.size, c.options.forgetting,
+                       T, prior);
+    out += filter.guarded
+               ? "// each row: filter.update(psi, y); filter.signal() tells what was met, filter.counts() how often\n"
+               : "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";
     return out;
 }
 

@@ -15,8 +15,16 @@ std::string verdict(Comparison const& comparison);
 /// component (the low end of its spread), otherwise the longest. null: none.
 Recommendation const* coded(Comparison const& comparison);
 
-/// A C++ file that defines the recommended filter as `filter`. Comments above it give the model and the order and signs of the regressors.
-/// It compiles as it stands. "" when coded() is null.
+/// A filter in C++ on the problem of a comparison.
+struct CodedFilter {
+    std::string variant, arithmetic;  ///< of the hardware: float, double or extended
+    bool guarded = false;
+    std::string remarks = "";  ///< lines of comment above it
+};
+/// A C++ file that defines it as `filter`. Comments above it give the model and the order and signs of the regressors. It compiles as it
+/// stands. "" for another arithmetic.
+std::string code(Comparison const& comparison, CodedFilter const& filter);
+/// Of the recommended one; "" when coded() is null.
 std::string code(Comparison const& comparison);
 
 }  // namespace rlslab

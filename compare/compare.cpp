@@ -123,7 +123,10 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
                         "over {} rows{}",
                         without.rank(), records.parameters(), rows, constants_text(records)));
     std::optional<DefaultPrior> scaled;
-    if (!options.p0) scaled = default_prior(records, options.forgetting);
+    if (!options.p0) {
+        scaled = default_prior(records, options.forgetting);
+        scaled->c *= options.prior_times;
+    }
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
     Vector<double> const scales = regressor_scales(records);
     CertifiedSolution const with = certified(problem, records, {rows}).front();

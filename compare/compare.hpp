@@ -19,6 +19,7 @@ inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 struct CompareOptions {
     double forgetting = 1;                      ///< lambda
     std::optional<double> p0 = {};              ///< c^2 of P0 = c^2 I; absent: the prior scaled to the data
+    double prior_times = 1;                     ///< c of that prior is multiplied by this power of two
     std::vector<std::string> variants = {};     ///< empty: all
     std::vector<std::string> arithmetics = {};  ///< empty: all
     std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows

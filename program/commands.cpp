@@ -38,6 +38,13 @@ void take_forgetting(CLI::App& command, double& forgetting) {
         ->type_name("LAMBDA");
 }
 
+void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help) {
+    command.add_option(name, into, help)->check(whole(least, most))->type_name("N");
+}
+void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help) {
+    command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+}
+
 CLI::Validator named(char const* expected) {
     return {[=](std::string& text) { return text.empty() ? fmt::format("expected {}", expected) : ""; }, ""};
 }

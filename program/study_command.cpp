@@ -21,8 +21,9 @@ struct StudyArguments {
     std::vector<std::string> names;
     bool all = false, fresh = false;
     std::string budget = "quick", out = "out", record;
-    RunOptions options;
     Part part;
+    RunOptions options;                // from budget and out
+    std::vector<Study const*> chosen;  // from names and all
 };
 struct MergeArguments {
     std::vector<std::string> from;
@@ -46,21 +47,22 @@ std::string listed(std::string_view head, std::vector<std::string> const& lines)
     return out.empty() ? "" : fmt::format("{}\n{}", head, out);
 }
 
-std::vector<Study const*> chosen_studies(StudyArguments const& a) {
-    std::vector<Study const*> out;
+/// Takes the words into what the engine asks for. Throws InputError for an unknown name, or none.
+void resolve(StudyArguments& a) {
+    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
+    a.options.out = a.out;
     std::vector<std::string_view> known;
     for (Study const* study : studies()) known.push_back(study->name);
     for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
     if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
     for (Study const* study : studies())
-        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) out.push_back(study);
-    return out;
+        if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) a.chosen.push_back(study);
 }
 
 /// What the parts of a run have in common, as `rlslab merge` reads it in DIR/.trials/run.json.
 std::string run_json(StudyArguments const& a) {
     std::vector<std::string> names;
-    for (Study const* study : chosen_studies(a)) names.push_back(study->name);
+    for (Study const* study : a.chosen) names.push_back(study->name);
     return nlohmann::ordered_json{{"studies", names}, {"budget", a.budget}, {"seed", a.options.seed}}.dump(1) + '\n';
 }
 
@@ -76,7 +78,6 @@ std::string run_of(std::string const& folder) {
 }
 
 int study_part(StudyArguments const& a) {
-    auto const chosen = chosen_studies(a);
     if (a.fresh) throw InputError("--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
     if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
     create_folder(a.options.out / ".trials");
@@ -89,7 +90,7 @@ int study_part(StudyArguments const& a) {
             fmt::format("{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
                         printable(a.out, 200)));
     replace_file(a.options.out / ".trials" / "run.json", run);
-    Share const share = run_part(chosen, a.options, a.part, progress_after_a_second("studying"));
+    Share const share = run_part(a.chosen, a.options, a.part, progress_after_a_second("studying"));
     tell(
         fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without --part (or rlslab merge) "
                     "makes the tables\n",
@@ -99,7 +100,6 @@ int study_part(StudyArguments const& a) {
 
 /// 1 if a verdict changed against the record, or a verification failed.
 int study_whole(StudyArguments const& a) {
-    auto const chosen = chosen_studies(a);
     create_folder(a.options.out / "figures");
     create_folder(a.options.out / "tables");
     FolderLock const lock(a.options.out);
@@ -108,8 +108,8 @@ int study_whole(StudyArguments const& a) {
         fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
     std::error_code error;
     if (a.fresh)
-        for (Study const* study : chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
-    std::vector<Outcome> const outcomes = run_studies(chosen, a.options, progress_after_a_second("studying"));
+        for (Study const* study : a.chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
+    std::vector<Outcome> const outcomes = run_studies(a.chosen, a.options, progress_after_a_second("studying"));
     std::filesystem::remove(a.options.out / ".trials" / "run.json", error);  // its parts are in this run now
     for (Outcome const& outcome : outcomes)
         for (Figure const& figure : figures(*outcome.study, outcome.table))
@@ -135,17 +135,15 @@ int study_whole(StudyArguments const& a) {
     return changed.empty() && broken.empty() ? 0 : 1;
 }
 
-void set_options(StudyArguments& a) {
-    a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
-    a.options.out = a.out;
-}
 int run_study(StudyArguments& a) {
-    set_options(a);
+    resolve(a);
     return a.part.whole() ? study_whole(a) : study_part(a);
 }
 
-StudyArguments arguments_of(std::string const& run, std::string const& folder) {
+/// What the parts of a run were asked for.
+StudyArguments arguments_of(std::string const& run, std::string const& folder, std::string const& out_folder) {
     StudyArguments out;
+    out.out = out_folder;
     try {
         auto const said = nlohmann::json::parse(run);
         auto const& seed = said.at("seed");
@@ -153,7 +151,7 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder) {
         said.at("budget").get_to(out.budget);
         seed.get_to(out.options.seed);
         if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) throw InputError("");
-        chosen_studies(out);
+        resolve(out);
     } catch (std::exception const&) {
         throw InputError(fmt::format("{}/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them",
                                      printable(folder, 200)));
@@ -173,11 +171,9 @@ int run_merge(MergeArguments const& m) {
             throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
                                          printable(folder, 200), printable(m.from.front(), 200)));
     }
-    StudyArguments a = arguments_of(run, m.from.front());
-    a.out = m.out;
-    set_options(a);
-    merge_parts(chosen_studies(a), a.options, {m.from.begin(), m.from.end()});
-    return run_study(a);
+    StudyArguments const a = arguments_of(run, m.from.front(), m.out);
+    merge_parts(a.chosen, a.options, {m.from.begin(), m.from.end()});
+    return study_whole(a);
 }
 
 }  // namespace

@@ -92,6 +92,16 @@ Records arx(char const* file, char const* u, char const* y, int order, bool inte
     return arx_records(read_columns(std::string(RLSLAB_SOURCE_DIR "/") + file, {u, y}), u, y, model);
 }
 
+/// On rows of which the guard has nothing to tell.
+TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
+    Records const records = arx("data/sales.csv", "lead", "sales", 2);
+    Comparison const c = compare(records, {.arithmetics = {"float"}, .timings = false});
+    ASSERT_NE(coded(c), nullptr);
+    std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true, .remarks = "// a remark\n"});
+    EXPECT_NE(text.find("rlslab::Guarded<"), text.npos);
+    EXPECT_TRUE(learnt_by(text, records) == learnt_by_the_catalogues(c, records)) << text;
+}
+
 struct Source {
     char const *file, *input, *output;
     int order;

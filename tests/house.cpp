@@ -103,6 +103,7 @@ std::vector<Folder> const house{
     {"catalogue", {"src/rlslab/lab", "variants"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
+    {"advise", {"compare"}},
     {"identify", {"catalogue", "report", "src/rlslab/model/doors"}},
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
@@ -112,7 +113,7 @@ std::vector<Folder> const house{
     {"studies/published", {"studies/engine"}},
     {"studies/theory", {"studies/engine"}},
     {"bench", {"catalogue", "report"}},
-    {"program", {"compare", "identify", "studies/engine"}},
+    {"program", {"advise", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"src/rlslab/lab", "variants"}},
     {"tests/consumer", {"src/rlslab/model", "variants"}},
@@ -127,7 +128,7 @@ std::vector<Folder> const house{
     {"tests/long_run", {"src/rlslab/lab", "variants"}},
     {"tests/fuzz", {"program"}},
     {"tests/mpi", {"src/rlslab/adapt", "variants"}},
-    {"tests", {"program", "tests/compilers", "tests/long_run", "studies/definiteness", "studies/published"}},
+    {"tests", {"bench", "program", "tests/compilers", "tests/long_run", "studies/definiteness", "studies/published"}},
 };
 
 /// What each folder stands on, itself included.

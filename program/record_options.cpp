@@ -1,0 +1,107 @@
+// FILE, columns, model: options, and the rows they describe.
+#include "program/record_options.hpp"
+
+#include <rlslab/model/doors/open.hpp>
+#include <rlslab/model/lags.hpp>
+#include <rlslab/model/regression.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rlslab {
+namespace {
+
+/// Takes the mean of what is there off each column.
+std::vector<std::pair<std::string, double>> take_means(Columns& columns) {
+    std::vector<std::pair<std::string, double>> out;
+    for (size_t j = 0; j < columns.names.size(); ++j) {
+        std::vector<double>& x = columns.values[j];
+        double sum = 0, there = 0;
+        for (double const v : x)
+            if (!std::isnan(v)) sum += v, ++there;
+        double const mean = there > 0 ? sum / there : 0;
+        for (double& v : x) v -= mean;
+        out.emplace_back(printable(columns.names[j]), mean);
+    }
+    return out;
+}
+
+}  // namespace
+
+void take_record(CLI::App& command, RecordArguments& a) {
+    command
+        .add_option("FILE", a.file,
+                    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing values")
+        ->required()
+        ->type_name("");
+    take_format(command, a.format);
+    command.add_option("--input", a.inputs, "column of the input u of an ARX model, or several")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("U[,V]");
+    command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
+    take_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
+    take_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
+    take_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
+    take_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
+    take_names(command, "--regressors", a.regressors,
+               "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order");
+    command.add_flag("--intercept", a.intercept, "a constant regressor besides");
+    command.add_flag("--detrend", a.detrend, "take the mean off each column first");
+}
+
+Question question_of(RecordArguments a) {
+    a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
+    if (a.file.empty()) throw InputError("FILE: expected the name of a file");
+    if (a.output.empty()) throw InputError("--output: expected the name of the output column");
+    std::vector<std::string> columns;
+    std::vector<Lagged> lagged;
+    auto const add = [&](std::string const& name) {
+        if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
+    };
+    if (!a.regressors.empty()) {
+        if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
+            throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+        lagged = lagged_of("--regressors", a.regressors, a.output);
+        for (Lagged const& r : lagged) add(r.column);
+    } else {
+        if (a.inputs.empty()) throw InputError("--input: expected the name of the input column, or several (or --regressors a,b,c)");
+        if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
+        if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+        for (std::string const& input : a.inputs) {
+            if (std::ranges::count(a.inputs, input) > 1)
+                throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
+            if (input == a.output) throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+            add(input);
+        }
+    }
+    add(a.output);
+    Columns data = read_data({a.file, a.format}, columns);
+    Question out;
+    out.model.file = printable(data.file, 200);
+    if (a.detrend) out.model.means = take_means(data);
+    auto const named = [&](std::string const& column) { return data.header ? column : "column " + column; };
+    out.model.output = text_of({named(a.output), 0});
+    if (!lagged.empty()) {
+        out.records = lagged_records(data, lagged, a.output, a.intercept);
+        if (a.intercept) out.model.regressors.push_back("1");
+        for (Lagged const& r : lagged)
+            out.model.regressors.push_back((r.column == a.output ? "-" : "") + text_of({named(r.column), r.lag}));
+        return out;
+    }
+    Arx model = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb};
+    model.delay = a.delay;
+    model.intercept = a.intercept;
+    model.inputs = int(a.inputs.size());
+    std::vector<std::span<double const>> inputs;
+    for (std::string const& input : a.inputs) inputs.emplace_back(data[input]);
+    out.records = arx_records(inputs, a.inputs, data[a.output], model, data.file);
+    for (int i = 1; i <= model.na; ++i) out.model.regressors.push_back("-" + text_of({named(a.output), i}));
+    for (std::string const& input : a.inputs)
+        for (int i = 0; i <= model.nb; ++i) out.model.regressors.push_back(text_of({named(input), model.delay + i}));
+    if (model.intercept) out.model.regressors.push_back("1");
+    return out;
+}
+
+}  // namespace rlslab

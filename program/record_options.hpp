@@ -1,0 +1,28 @@
+// The record that compare and advise work on: a file, its columns and a model.
+#pragma once
+
+#include "compare/compare.hpp"
+#include "program/commands.hpp"
+
+namespace rlslab {
+
+struct RecordArguments {
+    CsvFormat format;
+    std::string file, output;
+    std::vector<std::string> inputs, regressors;
+    int order = 0, na = -1, nb = -1, delay = 0;
+    bool intercept = false, detrend = false;
+};
+
+/// FILE and the options that name columns and a model. `arguments` outlives the command's run.
+void take_record(CLI::App& command, RecordArguments& arguments);
+
+/// Records, and what their parameters multiply.
+struct Question {
+    Records records;
+    ModelText model;
+};
+/// The records the options describe; reads the file once the options make sense. Throws InputError.
+Question question_of(RecordArguments arguments);
+
+}  // namespace rlslab
