@@ -10,6 +10,7 @@
 #include <array>
 #include <cfenv>
 #include <cstdio>
+#include <cstdlib>
 #include <sys/wait.h>
 #ifdef __x86_64__
 #include <immintrin.h>
@@ -110,6 +111,7 @@ TEST(Rounding, TellsOfContraction) {
     files::Folder const folder;
     std::string const app = folder.file(R"(#include <rlslab/core/rounding.hpp>
 #include <cstdio>
+#include <cstdlib>
 int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
 )",
                                         "app.cpp");
@@ -145,20 +147,32 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
     EXPECT_EQ(tried.code, 0) << tried.text;
 }
 
-TEST(Processors, AnotherOneLeavesTheSameBits) {
-    char const* const compiler = "aarch64-linux-gnu-g++";
-    if (!there_is(compiler) || !there_is("qemu-aarch64"))
-        GTEST_SKIP() << "needs the packages g++-aarch64-linux-gnu, libc6-dev-arm64-cross and qemu-user";
+/// Of another order of bytes, too (s390x). A minute each: all but the first are asked for.
+struct Processor {
+    char const *name, *packages;
+    bool asked_for;
+};
+class Processors : public testing::TestWithParam<Processor> {};
+TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
+    auto const [name, packages, asked_for] = GetParam();
+    if (asked_for && !std::getenv("RLSLAB_ALL_PROCESSORS")) GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
+    std::string const compiler = std::string(name) + "-linux-gnu-g++", emulator = std::string("qemu-") + name;
+    if (!there_is(compiler) || !there_is(emulator)) GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
     Outcome const built =
         shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp -o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
-    Outcome const there = shell("qemu-aarch64 " + out), here = shell(RLSLAB_DIGEST);
+    Outcome const there = shell(emulator + " " + out), here = shell(RLSLAB_DIGEST);
     EXPECT_EQ(there.code, 0);
     EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
     EXPECT_EQ(there.text, here.text);
 }
+INSTANTIATE_TEST_SUITE_P(Emulated, Processors,
+                         testing::Values(Processor{"aarch64", "g++-aarch64-linux-gnu, libc6-dev-arm64-cross", false},
+                                         Processor{"riscv64", "g++-riscv64-linux-gnu, libc6-dev-riscv64-cross", true},
+                                         Processor{"s390x", "g++-s390x-linux-gnu, libc6-dev-s390x-cross", true}),
+                         [](auto const& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace rlslab

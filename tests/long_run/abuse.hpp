@@ -91,14 +91,41 @@ private:
     }
 };
 
+/// theta beside that of a Ud<double, 5> that started where the last disturbance ended.
+class Beside {
+    std::optional<Ud<double, d>> fresh_;
+
+public:
+    /// After a filter has taken this row. Whether five memory lengths have passed since the disturbance: then theta(i) was compared.
+    template <class Theta>
+    bool compare(Abuse const& abuse, float const (&psi)[d], float y, Theta theta, Survived& out) {
+        if (!abuse.is_good() || !abuse.begun()) return false;
+        if (abuse.since() == 1) fresh_.emplace(Problem<double>{.forgetting = lambda, .prior = Prior<double>{.variance = 100}});
+        double const exact[d] = {psi[0], psi[1], psi[2], psi[3], psi[4]};
+        fresh_->update(exact, y);
+        if (abuse.since() != recovery) return false;
+        double ours = 0, free = 0;
+        for (int i = 0; i < d; ++i) {
+            double const a = double(theta(i)) - abuse.theta(i), b = fresh_->theta()[i] - abuse.theta(i);
+            ours += a * a;
+            free += b * b;
+        }
+        size_t const kind = size_t(abuse.kind());
+        ++out.compared[kind];
+        out.worse[kind] += !(ours <= 4 * free);
+        if (!(std::sqrt(ours / free) <= out.ratio[kind])) out.ratio[kind] = std::sqrt(ours / free);
+        return true;
+    }
+};
+
 /// F, a Ud<float, 5> or a type around it, over so many rows. After each row every number of theta, D and U is looked at. Five memory
-/// lengths after each disturbance theta is compared with that of a Ud<double, 5> that started where the disturbance ended, and whether P
-/// is positive definite is decided exactly. `told(rows, survived)` every `interval` rows.
+/// lengths after each disturbance theta is compared, and whether P is positive definite is decided exactly. `told(rows, survived)` every
+/// `interval` rows.
 template <class F, class Told>
 Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
     Survived out;
     Abuse abuse(seed);
-    std::optional<Ud<double, d>> fresh;
+    Beside beside;
     float psi[d];
     for (Index k = 1; k <= rows; ++k) {
         float const y = abuse.next(psi);
@@ -111,21 +138,9 @@ Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
         }
         out.not_finite += !(sum == 0);
         if (k % interval == 0) told(k, out);
-        if (!abuse.is_good() || !abuse.begun()) continue;
-        if (abuse.since() == 1) fresh.emplace(Problem<double>{.forgetting = lambda, .prior = Prior<double>{.variance = 100}});
-        double const exact[d] = {psi[0], psi[1], psi[2], psi[3], psi[4]};
-        fresh->update(exact, y);
-        if (abuse.since() != recovery) continue;
-        double ours = 0, free = 0;
-        for (int i = 0; i < d; ++i) {
-            double const a = double(state.theta[i]) - abuse.theta(i), b = fresh->theta()[i] - abuse.theta(i);
-            ours += a * a;
-            free += b * b;
-        }
-        size_t const kind = size_t(abuse.kind());
-        ++out.compared[kind];
-        out.worse[kind] += !(ours <= 4 * free);
-        if (!(std::sqrt(ours / free) <= out.ratio[kind])) out.ratio[kind] = std::sqrt(ours / free);
+        if (!beside.compare(
+                abuse, psi, y, [&state](int i) { return state.theta[i]; }, out))
+            continue;
         ++out.checked;
         bool const finite = sum == 0;
         out.not_definite +=
