@@ -4,6 +4,7 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/state.hpp>
 #include <rlslab/adapt/window.hpp>
+#include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/inverse_qr.hpp>

@@ -109,7 +109,7 @@ std::string breakable(std::string name) {
 /// Names down, cases across; the variant with the least time to an answer in each column is shaded. base(name, case): the row that times
 /// are compared with, or null.
 template <class Base>
-std::string table(Rows const& rows, Base base) {
+std::string table_against(Rows const& rows, Base base) {
     auto const names = distinct(rows, std::mem_fn(&BenchRow::name)), cases = distinct(rows, std::mem_fn(&BenchRow::what));
     std::string out = "<div class=\"scroll\"><table><thead>\n<tr><th></th>";
     for (std::string const& what : cases) out += fmt::format("<th>{}</th>", what);
@@ -132,7 +132,7 @@ std::string table(Rows const& rows, Base base) {
     return out + "\n</tbody></table></div>\n";
 }
 std::string table(Rows const& rows, std::string const& base) {
-    return table(rows, [&](std::string const&, std::string const& what) { return find(rows, base, what); });
+    return table_against(rows, [&](std::string const&, std::string const& what) { return find(rows, base, what); });
 }
 
 std::string title_of(std::string const& group, std::string const& arithmetic) {
@@ -161,7 +161,7 @@ std::string around_filters(Rows const& rows) {
         Rows const alone = kept(rows, [](BenchRow const& r) { return r.group == "update" && r.arithmetic == "double"; });
         out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{} × is against the filter alone.</p>\n{}</section>\n", around.title,
                            around.text,
-                           table(mine, [&](std::string const& name, std::string const& what) { return find(alone, name, what); }));
+                           table_against(mine, [&](std::string const& name, std::string const& what) { return find(alone, name, what); }));
     }
     return out;
 }

@@ -5,6 +5,7 @@
 #include <rlslab/adapt/state.hpp>
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
+#include <rlslab/lab/round_to.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -104,8 +105,8 @@ TEST(Threads, WorkInsideTheLibraryOnSharedRows) {
     Records const records = noise();
     Problem<double> without_prior = problem<double>();
     without_prior.prior.reset();
-    auto const one = bytes_of(fold_all<Qr<double>>(without_prior, RowsInMemory(records), 1, 8));
-    at_once([&](int) { EXPECT_EQ(bytes_of(fold_all<Qr<double>>(without_prior, RowsInMemory(records), 3, 8)), one); });
+    auto const one = bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 1, 8));
+    at_once([&](int) { EXPECT_EQ(bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 3, 8)), one); });
 
     using F = Ud<Pack<double, 4>, 3>;
     constexpr Index filters = 50;
