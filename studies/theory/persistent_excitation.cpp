@@ -128,14 +128,14 @@ extern Study const persistent_excitation;
 Study const persistent_excitation{
     .name = "persistent_excitation",
     .question = "Which inputs excite a model of any order, and does diagonal dominance tell?",
-    .source = "the lecture's condition, corrected (docs/theory.md 3, 4); Gershgorin 1931 (cited, not read)",
+    .source = "the lecture's condition, corrected (docs/theory.md 3, 4)",
     .formula = R"tex(R_u = (R(i-j)), \quad R(\tau) = a^{|\tau|}: \;
 \text{dominant at every order only for } \frac{2|a|}{1-|a|} \le 1, \quad
 u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
     .interpretation =
-        "White noise, coloured noise and a difference of white noise are exciting of every order: their matrices are definite at each number "
-        "of delays. Diagonal dominance, the sufficient condition that the lecture names, holds for white noise, and for coloured noise only "
-        "up to a = 1/3. The least eigenvalue of a coloured input is what the estimate pays for. The matrix of a record, and that of past "
+        "White noise, coloured noise and a difference of white noise are exciting of every order: their matrices are definite at each "
+        "number of delays. Diagonal dominance, the sufficient condition that the lecture names, holds for white noise, and for coloured "
+        "noise only up to a = 1/3. The least eigenvalue of a coloured input is what the estimate pays for. The matrix of a record, and that of past "
         "outputs and inputs together, tends to its limit as one over the root of the number of rows.",
     .data = "white, first-order coloured and differenced noise; a first-order system in white noise",
     .factors =
