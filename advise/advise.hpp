@@ -7,43 +7,57 @@
 namespace rlslab {
 
 struct AdviseOptions {
-    double digits = 3;                                        ///< of every parameter, (2)
+    double digits = 3;                                        ///< of every parameter, (1) and (2)
     double forgetting = 1;                                    ///< lambda
     std::vector<std::string> arithmetics{"float", "double"};  ///< tried in this order; the first that does is taken
     std::uint64_t seed = 1;                                   ///< of stochastic rounding, and of the orders of rows
     int threads = 0;                                          ///< 0: all cores; the results do not depend on it
 };
 
-/// One arithmetic, tried as `compare` does: all variants, checkpoints along the record, orders of its rows.
-struct Tried {
-    Comparison comparison;              ///< of the record as it was taken
-    Vector<double> scaling;             ///< column i was taken times this power of two; empty: as it is
-    double output_scaling = 1;          ///< likewise y
-    double from_prior, from_data;       ///< digits that the prior, and rounding the data, leave of the worst parameter and of theta
-    std::vector<Result const*> enough;  ///< variants that keep the digits, by preference (recommend.hpp)
-    Result const* nearest;              ///< of those that never broke down the one that keeps the most; null: all broke down
+/// The digits of the worst parameter that a variant keeps in an arithmetic:
+///   (1) along   what nine tenths of the counts reach: at checkpoints along each run, of the exact solution there for the prior and the data
+///               as stored, as `compare` counts them
+///   (2) at_end  after the last row, of the least-squares solution for the data as given: the least of all runs. Prior and rounding of the
+///               data are in it
+/// A run is an order of the rows, or a draw of the rounding. A parameter whose least-squares value is zero has no digits and is left
+/// out of (2).
+struct Kept {
+    Result const* result;
+    double along, at_end;
+    double both() const { return std::min(along, at_end); }
 };
 
-/// Digits of the worst parameter that a variant keeps:
-///   (1) along the record, in nine tenths of checkpoints and orders of rows, of the exact solution for the data and the prior as stored
-///   (2) of the least-squares solution for the data as given: (1), but no more than the prior and the rounding of the data leave
-double kept(Tried const& tried, Result const& result);
+/// One arithmetic, tried.
+struct Tried {
+    std::string arithmetic;
+    std::vector<int> exponents;  ///< regressor i was taken times 2^exponents[i]; empty: the columns as they are
+    int output_exponent = 0;     ///< likewise y
+    std::vector<bool> is_zero;   ///< parameters whose least-squares value is zero: below 1e-38 of the largest in units of the regressors
+    Comparison comparison;       ///< of the columns as they were taken
+    bool in_range;               ///< whether the stored prior and lambda are positive and finite there
+    std::vector<Kept> sound;     ///< the variants that never broke down, by preference (recommend.hpp)
+    double wanted;               ///< digits
+
+    Kept const* first_enough() const;  ///< the first that keeps what is wanted, or null
+    Kept const* most() const;          ///< the one that keeps the most, or null
+};
 
 struct Advice {
     AdviseOptions options;
     ModelText model;
-    std::vector<Tried> tried;         ///< where enough is empty in all of them, nothing does
+    std::vector<Tried> tried;         ///< the last one is the one that keeps the digits, if any does
     std::optional<GuardTrial> guard;  ///< around the chosen variant; absent where it cannot have one
-    Tried const* chosen() const { return !tried.empty() && !tried.back().enough.empty() ? &tried.back() : nullptr; }
-    Result const* choice() const { return chosen() ? tried.back().enough.front() : nullptr; }
+    Tried const* chosen() const { return !tried.empty() && tried.back().first_enough() ? &tried.back() : nullptr; }
+    Kept const* choice() const { return chosen() ? tried.back().first_enough() : nullptr; }
 };
 
 /// For each arithmetic in turn, until one has a variant that keeps the digits:
-///   (3) P0 is the default prior (default_prior.hpp) with c doubled until it leaves the digits, and a third of one more
-///   (4) the columns as they are; if nothing keeps the digits and the arithmetic's range is in the way, each column and y times a power of
-///       two that makes its root mean square about 1
+///   (3) the columns as they are; or, if the largest number of a column or of y is outside 2^-(e/4) ... 2^(e/4), e the arithmetic's largest
+///       exponent, each column and y times the power of two that makes its largest number at least 1 and less than 2
+///   (4) P0 is the default prior (default_prior.hpp) with c doubled until at the last row it leaves the wanted digits and a third of one more,
+///       or as many as the arithmetic has, or P0 would leave its range
 ///   (5) of the variants that keep the digits and never broke down the first by preference: factors, covariance forms, few operations
-/// Throws InputError as `compare` does.
+/// Throws InputError as `compare` does, and for an arithmetic that is not known or named twice.
 Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress = {});
 
 /// The advice as text, and as JSON.

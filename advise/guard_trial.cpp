@@ -12,12 +12,14 @@ GuardTrial tried(Problem<double> const& problem, Records const& records) {
     using T = typename F::scalar;
     F alone(problem_as<T>(problem));
     Guarded<F> guarded(problem_as<T>(problem));
+    bool same_bits = true;
     for (Index k = 0; k < records.rows(); ++k) {
         Vector<T> const psi = records.psi.col(k).unaryExpr(&round_to<T>);
         alone.update(psi, round_to<T>(records.y[k]));
         guarded.update(psi, round_to<T>(records.y[k]));
+        same_bits = same_bits && Vector<T>(alone.theta()) == Vector<T>(guarded.theta());
     }
-    return {guarded.counts(), Vector<T>(alone.theta()) == Vector<T>(guarded.theta())};
+    return {guarded.counts(), same_bits};
 }
 
 template <class T>

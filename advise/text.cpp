@@ -17,50 +17,69 @@ using Json = nlohmann::ordered_json;
 
 std::string bold(std::string const& text, bool colour) { return colour ? "\x1b[1m" + text + "\x1b[0m" : text; }
 
-std::string arithmetic_of(Tried const& t) { return t.comparison.options.arithmetics.front(); }
+/// Digits to a tenth, rounded down: none is promised that is not there.
+double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
+std::string digits_text(double digits) { return digits > 0 ? fmt::format("{:.1f}", tenth_below(digits)) : "no"; }
 
-/// "2^-3"
-std::string power(double scaling) { return fmt::format("2^{}", std::ilogb(scaling)); }
-
-/// What holds the digits down in this arithmetic.
-std::string limit(Tried const& t) {
-    if (!t.nearest) return "every variant broke down or kept nothing";
-    double const most = kept(t, *t.nearest);
-    std::string const found = fmt::format("at most {} digits ({})", tenths(most), t.nearest->entry->variant);
-    if (most == t.from_data) return found + ": rounding the data to it leaves no more";
-    if (most == t.from_prior) return found + ": the prior leaves no more, and a weaker one was not to be had";
-    return found;
+std::vector<std::string> zeros(Tried const& t) {
+    std::vector<std::string> out;
+    for (size_t i = 0; i < t.is_zero.size(); ++i)
+        if (t.is_zero[i]) out.push_back(t.comparison.names[i]);
+    return out;
 }
 
-std::string scaling_text(Advice const& a) {
-    Tried const& t = *a.chosen();
-    if (t.scaling.size() == 0) return "none is needed: P0 is scaled to the columns, and no number leaves the range";
+/// What an arithmetic came to that does not keep what is wanted.
+std::string failing(Tried const& t) {
+    std::string const where = t.exponents.empty() ? t.arithmetic : t.arithmetic + ", columns scaled";
+    if (!t.in_range) return where + ": P0 or lambda leaves its range";
+    Kept const* const most = t.most();
+    if (!most) return where + ": every variant broke down";
+    std::string out = fmt::format("{}: {} keeps {} digits along the record, {} of least squares at the end", where,
+                                  most->result->entry->variant, digits_text(most->along), digits_text(most->at_end));
+    for (Storage const& s : t.comparison.storage)
+        if (s.theta_digits && *s.theta_digits < t.wanted)
+            out += fmt::format("; rounding the data to it leaves {} of theta", digits_text(*s.theta_digits));
+    return out;
+}
+
+std::vector<double> diagonal(Tried const& t) {
+    Matrix<double> const P0 = *t.comparison.scaled_prior->prior().covariance;
+    std::vector<double> out;
+    for (Index i = 0; i < P0.rows(); ++i) out.push_back(P0(i, i));
+    return out;
+}
+
+std::string scaling_text(Tried const& t) {
+    if (t.exponents.empty()) return "none: P0 is scaled to the columns";
     std::vector<std::string> factors;
-    for (size_t i = 0; i < a.model.regressors.size(); ++i)
-        factors.push_back(fmt::format("{} times {}", a.model.regressors[i], power(t.scaling[Index(i)])));
-    return fmt::format("{}, {} times {}; theta_i of the columns as given is theta_i times the regressor's factor over the output's",
-                       fmt::join(factors, ", "), a.model.output, power(t.output_scaling));
+    for (int const e : t.exponents) factors.push_back(fmt::format("2^{}", e));
+    return fmt::format(
+        "regressors times {}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's factor times 2^{}",
+        fmt::join(factors, ", "), t.output_exponent, -t.output_exponent);
 }
 
 std::string guard_text(Advice const& a) {
-    if (!a.guard) return "none for this variant in this arithmetic";
+    if (!a.guard) return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant, a.chosen()->arithmetic);
     GuardCounts const& n = a.guard->counts;
-    if (a.guard->same_bits) return "Guarded<> with its default policy: on this record it changed no bit of theta";
+    std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
+                                        n.windups, n.breakdowns, n.unusable);
+    if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no bit of theta after any row ({})", met);
     return fmt::format(
-        "none: on this record the default policy met {} outliers, {} changes, {} windups and {} breakdowns, and changed theta", n.outliers,
-        n.changes, n.windups, n.breakdowns);
+        "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it around the "
+        "filter if that is what you want",
+        met);
 }
+bool guarded(Advice const& a) { return a.guard && a.guard->same_bits; }
 
 std::string paste(Advice const& a) {
-    Result const& r = *a.choice();
-    Comparison c = a.chosen()->comparison;
+    Tried const& t = *a.chosen();
+    Comparison c = t.comparison;
     c.model = a.model;
-    std::string remarks;
-    if (a.chosen()->scaling.size() > 0) remarks = "// the columns as the filter takes them: " + scaling_text(a) + "\n";
-    return code(c, {.variant = std::string(r.entry->variant),
-                    .arithmetic = std::string(r.entry->arithmetic->name),
-                    .guarded = a.guard && a.guard->same_bits,
-                    .remarks = remarks});
+    return code(c, {.variant = std::string(a.choice()->result->entry->variant),
+                    .arithmetic = t.arithmetic,
+                    .guarded = guarded(a),
+                    .exponents = t.exponents,
+                    .output_exponent = t.output_exponent});
 }
 
 std::string line(std::string const& head, std::string const& text) {
@@ -70,67 +89,84 @@ std::string line(std::string const& head, std::string const& text) {
 }  // namespace
 
 std::string as_text(Advice const& a, bool colour) {
-    Comparison const& first = a.tried.front().comparison;
-    std::string out = fmt::format("{}: {} rows, {} parameters, lambda {:g}; wanted: {} digits of every parameter\n\n", a.model.file,
-                                  first.rows, first.size, a.options.forgetting, tenths(a.options.digits));
+    Comparison const& last = a.tried.back().comparison;
+    std::string out = fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter\n", a.model.file,
+                                  last.rows, last.skipped > 0 ? fmt::format(" ({} with missing values left out)", last.skipped) : "",
+                                  last.size, last.size == 1 ? "" : "s", a.options.forgetting, a.options.digits);
+    out += wrapped(
+               "digits: those in which a filter agrees with the least-squares solution for these data; how well the data determine that is "
+               "another question",
+               0, 4, text_width) +
+           "\n";
+    for (std::string const& warning : warnings(last)) out += wrapped(warning, 0, 4, text_width) + "\n";
+    if (auto const none = zeros(a.tried.back()); !none.empty())
+        out += wrapped(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")), 0, 4, text_width) +
+               "\n";
+    out += "\n";
     for (Tried const& t : a.tried)
-        if (t.enough.empty())
-            out += wrapped(fmt::format("{}{}: {}", arithmetic_of(t), t.scaling.size() > 0 ? ", columns scaled" : "", limit(t)), 0, 4,
-                           text_width) +
-                   "\n";
+        if (!t.first_enough()) out += wrapped(failing(t), 0, 4, text_width) + "\n";
     Tried const* const t = a.chosen();
-    if (!t) {
-        out += fmt::format("\n{}\n", bold("nothing tried keeps them", colour));
-        return out + "what may: a longer arithmetic (--arithmetic), fewer or less dependent regressors, more rows\n";
-    }
-    Result const& r = *a.choice();
-    out += fmt::format("{}\n", bold(fmt::format("use {} in {}", r.entry->variant, arithmetic_of(*t)), colour));
-    out += line("keeps", fmt::format("{} digits of the worst parameter, in nine tenths of {} checkpoints along {}; never broke down",
-                                     tenths(kept(*t, r)), t->comparison.checkpoints.size(),
-                                     r.runs > 1 ? fmt::format("{} orders of the rows", r.runs) : "the record"));
-    out += line("of these", fmt::format("arithmetic {}, prior {}{}", tenths(r.spread->worst.low), tenths(t->from_prior),
-                                        t->from_data < 99 ? fmt::format(", rounding the data {}", tenths(t->from_data)) : ""));
-    out += line("costs", fmt::format("{} operations a row", *r.operations));
-    DefaultPrior const& prior = *t->comparison.scaled_prior;
-    out += line("prior", fmt::format("P0_ii = (c / s_i)^2, c = {:g}, s_i the size of regressor i", prior.c));
-    out += line("scaling", scaling_text(a));
+    if (!t)
+        return out + bold("nothing tried keeps them", colour) +
+               "; what may: a longer arithmetic (--arithmetic), less dependent regressors\n";
+    Kept const& k = *a.choice();
+    out += fmt::format("{}\n", bold(fmt::format("use {} in {}", k.result->entry->variant, t->arithmetic), colour));
+    out += line("keeps", fmt::format("{} digits of the worst parameter after the last row{}, against least squares for the data as given",
+                                     digits_text(k.at_end), k.result->runs > 1 ? fmt::format(" in each of {} runs", k.result->runs) : ""));
+    out += line("along",
+                fmt::format("{} digits at nine tenths of the checkpoints, against the solution there with this prior; never broke down",
+                            digits_text(k.along)));
+    if (k.result->runs > 1) out += line("runs", "orders of the rows, or draws of the rounding");
+    out += line("costs", fmt::format("{} operations a row", *k.result->operations));
+    out += line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal(*t), ", ")));
+    out += line("scaling", scaling_text(*t));
     out += line("guard", guard_text(a));
     std::vector<std::string> others;
-    for (Result const* other : t->enough)
-        if (other != &r) others.push_back(fmt::format("{} {} ({})", other->entry->variant, tenths(kept(*t, *other)), *other->operations));
+    for (Kept const& other : t->sound)
+        if (&other != &k && other.both() >= t->wanted)
+            others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()), *other.result->operations));
     out += line("also", others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
     std::string const text = paste(a);
-    return out + (text.empty() ? "" : "\n" + text);
+    return out + (text.empty() ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic) : "\n" + text);
 }
 
 std::string as_json(Advice const& a) {
-    auto const tenth = [](double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", x + 0.0)) : Json(nullptr); };
-    Json out{{"digits", a.options.digits}, {"forgetting", a.options.forgetting}, {"tried", Json::array()}};
+    auto const tenth = [](double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr); };
+    Comparison const& last = a.tried.back().comparison;
+    Json means = Json::object();
+    for (auto const& [column, mean] : a.model.means) means[column] = mean;
+    Json out{{"file", a.model.file},
+             {"rows", last.rows},
+             {"skipped", last.skipped},
+             {"parameters", last.names},
+             {"regressors", a.model.regressors},
+             {"output", a.model.output},
+             {"means", means},
+             {"digits", a.options.digits},
+             {"forgetting", a.options.forgetting},
+             {"warnings", warnings(last)},
+             {"zero_parameters", zeros(a.tried.back())},
+             {"tried", Json::array()}};
     for (Tried const& t : a.tried) {
-        Json one{{"arithmetic", arithmetic_of(t)},
-                 {"c", t.comparison.scaled_prior->c},
-                 {"digits_left_by_prior", tenth(t.from_prior)},
-                 {"digits_left_by_rounding_the_data", t.from_data < 99 ? tenth(t.from_data) : Json(nullptr)},
-                 {"column_scaling", std::vector<double>(t.scaling.begin(), t.scaling.end())},
-                 {"output_scaling", t.output_scaling},
-                 {"variants", Json::array()}};
-        for (Result const& r : t.comparison.results)
-            one["variants"].push_back({{"variant", r.entry->variant},
-                                       {"digits", r.spread ? tenth(kept(t, r)) : Json(nullptr)},
-                                       {"broken", r.broken},
-                                       {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
-                                       {"enough", std::ranges::find(t.enough, &r) != t.enough.end()}});
+        Json one{{"arithmetic", t.arithmetic},           {"in_range", t.in_range},   {"p0", diagonal(t)}, {"exponents", t.exponents},
+                 {"output_exponent", t.output_exponent}, {"variants", Json::array()}};
+        for (Kept const& k : t.sound)
+            one["variants"].push_back({{"variant", k.result->entry->variant},
+                                       {"digits_along", tenth(k.along)},
+                                       {"digits_at_end", tenth(k.at_end)},
+                                       {"operations", *k.result->operations},
+                                       {"enough", k.both() >= t.wanted}});
         out["tried"].push_back(std::move(one));
     }
     out["advice"] = nullptr;
-    if (Result const* const r = a.choice()) {
-        out["advice"] = {
-            {"variant", r->entry->variant}, {"arithmetic", r->entry->arithmetic->name}, {"guarded", a.guard && a.guard->same_bits}};
+    if (Kept const* const k = a.choice()) {
+        out["advice"] = {{"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", guarded(a)}};
         if (a.guard)
             out["advice"]["guard_met"] = {{"outliers", a.guard->counts.outliers},
                                           {"changes", a.guard->counts.changes},
                                           {"windups", a.guard->counts.windups},
-                                          {"breakdowns", a.guard->counts.breakdowns}};
+                                          {"breakdowns", a.guard->counts.breakdowns},
+                                          {"unusable", a.guard->counts.unusable}};
         out["advice"]["code"] = paste(a);
     }
     return out.dump(1) + "\n";

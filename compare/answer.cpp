@@ -114,6 +114,14 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     std::vector<std::string> means;
     for (auto const& [column, mean] : c.model.means) means.push_back(fmt::format("{} less {}", column, mean));
     if (!means.empty()) out += comment("the columns as the filter takes them: ", means);
+    if (!filter.exponents.empty()) {
+        std::vector<std::string> factors;
+        for (int const e : filter.exponents) factors.push_back(fmt::format("2^{}", e));
+        out += comment("then each regressor times ", factors);
+        out += fmt::format(
+            "// and the output times 2^{}; theta_i of the columns before that = theta_i times the regressor's factor times 2^{}\n",
+            filter.output_exponent, -filter.output_exponent);
+    }
     std::string prior = fmt::format("{{.variance = {:#}}}", c.options.p0.value_or(0));
     if (c.scaled_prior) {
         Matrix<double> const P0 = *c.scaled_prior->prior().covariance;

@@ -19,7 +19,9 @@ Recommendation const* coded(Comparison const& comparison);
 struct CodedFilter {
     std::string variant, arithmetic;  ///< of the hardware: float, double or extended
     bool guarded = false;
-    std::string remarks = "";  ///< lines of comment above it
+    std::string remarks = "";         ///< lines of comment above the model
+    std::vector<int> exponents = {};  ///< regressor i is taken times 2^exponents[i]; empty: as it is
+    int output_exponent = 0;          ///< likewise y
 };
 /// A C++ file that defines it as `filter`. Comments above it give the model and the order and signs of the regressors. It compiles as it
 /// stands. "" for another arithmetic.

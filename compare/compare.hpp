@@ -7,6 +7,7 @@
 #include <rlslab/model/default_prior.hpp>
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -59,6 +60,8 @@ struct Result {
     std::optional<Breakdown> breakdown = {};        ///< in the record's order
     bool factor = false;                            ///< propagates a factor, which no rounding makes indefinite
     std::vector<Digits> path = {};                  ///< at each of the comparison's checkpoints, in the record's order
+    double worst_low = -INFINITY;                   ///< spread->worst.low before it is rounded
+    std::vector<Vector<Reference>> ends = {};       ///< theta after the last row of each run
     std::optional<double> asymmetry = {};           ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};

@@ -35,6 +35,7 @@ struct Run {
     std::optional<Breakdown> breakdown;
     std::optional<double> asymmetry;
     bool factor;
+    Vector<Reference> theta;  ///< after the last row
 };
 
 Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, Seed seed) {
@@ -76,18 +77,27 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
     if (!out.breakdown && !is_finite(filter->theta())) out.breakdown = Breakdown{stored.records.rows(), "nonfinite"};
     out.asymmetry = asymmetry_of(last);
     out.factor = last.form == Stored<Reference>::Form::factor;
+    out.theta = filter->theta();
     return out;
 }
 
 }  // namespace
 
+namespace {
+std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
+    std::vector<double> out;
+    for (auto const& x : digits) out.push_back(x.value_or(-std::numeric_limits<double>::infinity()));
+    std::ranges::sort(out);
+    return out;
+}
+size_t lowest_tenth(size_t count) { return size_t(std::floor(0.1 * double(count - 1))); }
+}  // namespace
+
 Spread spread_of(std::vector<std::optional<double>> const& digits) {
-    std::vector<double> sorted;
-    for (auto const& x : digits) sorted.push_back(x.value_or(-std::numeric_limits<double>::infinity()));
-    std::ranges::sort(sorted);
-    double const last = double(sorted.size() - 1);
-    auto const at = [&](double rank) { return std::round(10 * sorted[size_t(rank)]) / 10; };
-    return {at(std::floor(0.1 * last)), at(std::floor(0.5 * last)), at(std::ceil(0.9 * last))};
+    std::vector<double> const all = sorted(digits);
+    double const last = double(all.size() - 1);
+    auto const at = [&](size_t rank) { return std::round(10 * all[rank]) / 10; };
+    return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
 }
 
 Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed) {
@@ -106,6 +116,7 @@ Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed
         Run const one = run(entry, stored, order, i == 0 ? Seed{seed} : Seed{draws.next()});
         ++result.runs;
         result.broken += one.breakdown.has_value();
+        result.ends.push_back(one.theta);
         for (size_t c = 0; c < one.digits.size(); ++c)
             if (checkpoints[c] >= settled)
                 for (size_t m = 0; m < 3; ++m) (all.*all.all()[m]).push_back(one.digits[c].*Digits::all()[m]);
@@ -118,6 +129,7 @@ Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed
     if (!result.path.empty()) {
         result.last = result.path.back();
         result.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
+        result.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
     }
     return result;
 }

@@ -32,9 +32,11 @@ Command advise_command(CLI::App& app) {
     CLI::App* const advising = app.add_subcommand("advise", "What keeps the wanted digits on a record, with the C++ for it.");
     advising->footer(
         "Three digits in float:  rlslab advise data.csv --input u --output y --order 4 --arithmetic float --digits 3\n\n"
-        "The digits are those of the worst parameter, of the least-squares solution for the data as given: in nine tenths of "
-        "checkpoints along the record and of orders of its rows. Several arithmetics are tried in turn.\n\n"
-        "Exit code: 0 something keeps the digits; 1 nothing tried does; 2 the question could not be asked.");
+        "The digits are those of the worst parameter: after the last row, of the least-squares solution for the data as given, in "
+        "every order of the rows that is tried; and at nine tenths of checkpoints along the record, of the solution there with the "
+        "filter's prior. They say how well a filter computes, not how well the data determine theta. Of several arithmetics the "
+        "first that keeps the digits is taken.\n\n"
+        "Exit code: 0 something keeps the digits; 1 nothing tried does; 2 no answer: wrong input, or it could not be written.");
     take_record(*advising, a->record);
     take_forgetting(*advising, a->options.forgetting);
     advising->add_option("--digits", a->options.digits, "wanted of every parameter, from 0.5 to 30; default 3")
