@@ -15,8 +15,8 @@ struct AdviseOptions {
 };
 
 /// The digits of the worst parameter that a variant keeps in an arithmetic:
-///   (1) along   what nine tenths of the counts reach: at checkpoints along each run, of the exact solution there for the prior and the data
-///               as stored, as `compare` counts them
+///   (1) along   what nine tenths of the counts reach: at checkpoints along each run, of the exact solution there for the prior and the
+///               data as stored, as `compare` counts them
 ///   (2) at_end  after the last row, of the least-squares solution for the data as given: the least of all runs. Prior and rounding of the
 ///               data are in it
 /// A run is an order of the rows, or a draw of the rounding. A parameter whose least-squares value is zero has no digits and is left
@@ -54,8 +54,8 @@ struct Advice {
 /// For each arithmetic in turn, until one has a variant that keeps the digits:
 ///   (3) the columns as they are; or, if the largest number of a column or of y is outside 2^-(e/4) ... 2^(e/4), e the arithmetic's largest
 ///       exponent, each column and y times the power of two that makes its largest number at least 1 and less than 2
-///   (4) P0 is the default prior (default_prior.hpp) with c doubled until at the last row it leaves the wanted digits and a third of one more,
-///       or as many as the arithmetic has, or P0 would leave its range
+///   (4) P0 is the default prior (default_prior.hpp) with c doubled until at the last row it leaves the wanted digits and a third of one
+///       more, or as many as the arithmetic has, or P0 would leave its range
 ///   (5) of the variants that keep the digits and never broke down the first by preference: factors, covariance forms, few operations
 /// Throws InputError as `compare` does, and for an arithmetic that is not known or named twice.
 Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress = {});
