@@ -2,7 +2,10 @@
 // behind it is reached.
 #include "tests/fuzz/fuzz.hpp"
 
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/state_file.hpp>
+#include <rlslab/adapt/weighted.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/quad.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -29,6 +32,11 @@ void offer(std::span<std::byte const> bytes) {
     auto const before = state_of(fixed);
     if (load(fixed, bytes) != StateFault::none) expect(state_of(fixed) == before, "a filter that is as it was where a state is refused");
 }
+/// Small enough for the longest input.
+struct OverThreeRows : Windowed<Ud<float>> {
+    explicit OverThreeRows(Problem<float> const& problem) : Windowed(problem, {.rows = 3}) {}
+};
+
 template <class... F>
 void offer_all(std::span<std::byte const> bytes) {
     (offer<F>(bytes), ...);
@@ -47,7 +55,8 @@ void take(std::string_view text) {
             sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
             detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
         }
-        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>>(bytes);
+        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>, Guarded<Ud<float>>, OverThreeRows,
+                  Guarded<OverThreeRows>, Forgetting<Ud<double>, Fortescue<double>>, Weighted<Ud<double>>>(bytes);
     }
 }
 

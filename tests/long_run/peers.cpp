@@ -16,7 +16,7 @@ using long_run::d;
 /// With the forgetting applied to C as well: the same recursion as ours, in double. P0 = 100 I.
 class Dlib {
     dlib::rls rls_{long_run::lambda, 100, true};
-    dlib::matrix<double, 0, 1> psi_{d};
+    dlib::matrix<double, 0, 1> psi_ = dlib::matrix<double, 0, 1>(d);  // braces would make one number of it
 
 public:
     static constexpr char name[] = "dlib::rls, double";
@@ -82,7 +82,7 @@ void run(Index rows, Seed seed, bool screened) {
     std::printf("; beyond 2x after %lld of %lld disturbances\n", (long long)survived.all_worse(), (long long)survived.all_compared());
     for (size_t i = 0; i < long_run::names.size(); ++i)
         std::printf("  %-16s %10lld %11lld %26.4g\n", long_run::names[i], (long long)survived.compared[i], (long long)survived.worse[i],
-                    survived.ratio[i]);
+                    std::abs(survived.ratio[i]));
 }
 
 }  // namespace
