@@ -55,8 +55,8 @@ void take(std::string_view text) {
             sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
             detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
         }
-        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>, Guarded<Ud<float>>, OverThreeRows,
-                  Guarded<OverThreeRows>, Forgetting<Ud<double>, Fortescue<double>>, Weighted<Ud<double>>>(bytes);
+        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>, Guarded<Ud<float>>,
+                  OverThreeRows, Guarded<OverThreeRows>, Forgetting<Ud<double>, Fortescue<double>>, Weighted<Ud<double>>>(bytes);
     }
 }
 

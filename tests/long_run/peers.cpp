@@ -79,7 +79,7 @@ void run(Index rows, Seed seed, bool screened) {
         std::printf("theta not finite from row %lld on (%s), after %lld of %lld rows", (long long)first, during,
                     (long long)survived.not_finite, (long long)rows);
     else std::printf("theta finite after all of %lld rows", (long long)rows);
-    std::printf("; beyond 2x after %lld of %lld disturbances\n", (long long)survived.all_worse(), (long long)survived.all_compared());
+    std::printf("\n    beyond 2x after %lld of %lld disturbances\n", (long long)survived.all_worse(), (long long)survived.all_compared());
     for (size_t i = 0; i < long_run::names.size(); ++i)
         std::printf("  %-16s %10lld %11lld %26.4g\n", long_run::names[i], (long long)survived.compared[i], (long long)survived.worse[i],
                     std::abs(survived.ratio[i]));
