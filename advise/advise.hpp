@@ -27,16 +27,20 @@ struct Kept {
     double both() const { return std::min(along, at_end); }
 };
 
-/// One arithmetic, tried.
+/// One arithmetic, tried. Moves, for results are pointed at.
 struct Tried {
+    Tried() = default;
+    Tried(Tried&&) = default;
+    Tried& operator=(Tried&&) = default;
+
     std::string arithmetic;
     std::vector<int> exponents;  ///< regressor i was taken times 2^exponents[i]; empty: the columns as they are
     int output_exponent = 0;     ///< likewise y
     std::vector<bool> is_zero;   ///< parameters whose least-squares value is zero: below 1e-38 of the largest in units of the regressors
-    Comparison comparison;       ///< of the columns as they were taken
-    bool in_range;               ///< whether the stored prior and lambda are positive and finite there
+    Comparison comparison{};     ///< of the columns as they were taken
+    bool in_range = true;        ///< whether the stored prior and lambda are positive and finite there
     std::vector<Kept> sound;     ///< the variants that never broke down, by preference (recommend.hpp)
-    double wanted;               ///< digits
+    double wanted = 0;           ///< digits
 
     Kept const* first_enough() const;  ///< the first that keeps what is wanted, or null
     Kept const* most() const;          ///< the one that keeps the most, or null
@@ -52,10 +56,10 @@ struct Advice {
 };
 
 /// For each arithmetic in turn, until one has a variant that keeps the digits:
-///   (3) the columns as they are; or, if the largest number of a column or of y is outside 2^-(e/4) ... 2^(e/4), e the arithmetic's largest
-///       exponent, each column and y times the power of two that makes its largest number at least 1 and less than 2
-///   (4) P0 is the default prior (default_prior.hpp) with c doubled until at the last row it leaves the wanted digits and a third of one
-///       more, or as many as the arithmetic has, or P0 would leave its range
+///   (3) the columns as they are; or, if the largest number of a column or of y has an exponent beyond -e/4 ... e/4, e the arithmetic's
+///       largest, each column and y times the power of two that makes its largest number at least 1 and less than 2
+///   (4) P0 is the default prior (default_prior.hpp) with c doubled until at the last row it leaves 0.3 digits more than are wanted, or
+///       than the arithmetic has, or P0 would leave its range
 ///   (5) of the variants that keep the digits and never broke down the first by preference: factors, covariance forms, few operations
 /// Throws InputError as `compare` does, and for an arithmetic that is not known or named twice.
 Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress = {});

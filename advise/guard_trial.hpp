@@ -12,7 +12,7 @@ namespace rlslab {
 /// Guarded<F> with its default options and the policy `resetting`, once through the record.
 struct GuardTrial {
     GuardCounts counts;
-    bool same_bits;  ///< after every row theta is, bit for bit, that of F alone
+    bool same_bits;  ///< after every row theta equals that of F alone, number for number
 };
 
 /// Data and prior are rounded to the arithmetic first. nullopt for an arithmetic other than float and double, and for variants that cannot

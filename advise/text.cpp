@@ -33,7 +33,7 @@ std::string failing(Tried const& t) {
     std::string const where = t.exponents.empty() ? t.arithmetic : t.arithmetic + ", columns scaled";
     if (!t.in_range) return where + ": P0 or lambda leaves its range";
     Kept const* const most = t.most();
-    if (!most) return where + ": every variant broke down";
+    if (!most) return where + ": every variant that takes single rows broke down";
     std::string out = fmt::format("{}: {} keeps {} digits along the record, {} of least squares at the end", where,
                                   most->result->entry->variant, digits_text(most->along), digits_text(most->at_end));
     for (Storage const& s : t.comparison.storage)
@@ -63,7 +63,7 @@ std::string guard_text(Advice const& a) {
     GuardCounts const& n = a.guard->counts;
     std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
                                         n.windups, n.breakdowns, n.unusable);
-    if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no bit of theta after any row ({})", met);
+    if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
     return fmt::format(
         "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it around the "
         "filter if that is what you want",

@@ -26,7 +26,7 @@ template <class F>
 void add_window(Index size) {
     add_filter_row<InWindow<F>>("window", size, window_of_delay_line);
     add_row("refactor/" + std::string(F::name) + "/double/" + std::to_string(size), [size](benchmark::State& state) {
-        Scenario const& s = window_of_delay_line(size);
+        Scenario const& s = rows_of_window(size);
         InWindow<F> window(s.problem);
         stretch<Theta::unasked>(window, s.records.psi, s.records.y, 0, s.scored);
         Stopwatch watch(state, window.rows());

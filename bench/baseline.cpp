@@ -23,21 +23,21 @@ Json rounded(double x) { return Json::parse(fmt::format("{:.4g}", x)); }
 
 Baseline baseline_of(std::string const& run_json) {
     Json const run = Json::parse(run_json);
-    std::map<std::string, std::map<int, double>> times;  // of each row, by repetition
+    std::map<std::string, std::vector<double>> times;
     for (Json const& row : run.at("benchmarks"))
         if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))
-            times[row.at("run_name")][row.at("repetition_index")] = row.at("ns_per_update");
+            times[row.at("run_name")].push_back(row.at("ns_per_update"));
     auto const scale = times.find(yardstick);
     if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", yardstick));
     Baseline out{
         fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"), run.at("context").value("compiler", "unknown compiler")),
         int(scale->second.size()),
         {}};
-    if (out.repetitions < 5) throw std::runtime_error("expected at least five repetitions of each row");
-    for (auto const& [name, of_repetition] : times) {
-        std::vector<double> ratios;
-        for (auto const& [repetition, time] : of_repetition) ratios.push_back(time / scale->second.at(repetition));
-        out.rows[name] = spread(std::move(ratios));
+    double const unit = spread(scale->second).middle;
+    for (auto& [name, of_row] : times) {
+        if (of_row.size() < 5) throw std::runtime_error(fmt::format("{}: expected at least five repetitions", name));
+        for (double& time : of_row) time /= unit;
+        out.rows[name] = spread(of_row);
     }
     return out;
 }

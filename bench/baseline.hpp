@@ -10,7 +10,7 @@ namespace rlslab::bench {
 /// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.
 inline constexpr char yardstick[] = "limit/read_modify_write/8192";
 
-/// A row's time over the yardstick's, over the repetitions of a run; ratios are taken within a repetition.
+/// A row's times over the median of the yardstick's in the same run: interleaved at random, repetitions of two rows are no pairs.
 struct Ratio {
     double least, middle, greatest;
 };
@@ -20,15 +20,16 @@ struct Baseline {
     std::map<std::string, Ratio> rows;
 };
 
-/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or for fewer than five repetitions.
+/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or where a row has fewer than five
+/// repetitions.
 Baseline baseline_of(std::string const& run_json);
 
 std::string written(Baseline const& baseline);
 /// Throws std::runtime_error for what written() does not write.
 Baseline read_baseline(std::string const& text);
 
-/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where nothing changed, n repetitions
-/// beside m do that with probability 2 n! m! / (n + m)!: 0.0006 for 7 beside 7.
+/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where the repetitions of both runs
+/// are alike, n beside m do that with probability 2 n! m! / (n + m)! at most: 0.0006 for 7 beside 7, for each row.
 struct Moved {
     std::string name;
     Ratio before, now;

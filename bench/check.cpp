@@ -49,6 +49,8 @@ int main(int argc, char** argv) try {
             fmt::format("the baseline is of another machine or compiler ({}); this one is {}", before.machine, now.machine));
     int slower = 0, rows = 0;
     for (auto const& [name, ratio] : now.rows) rows += int(before.rows.count(name));
+    if (rows == 0) throw std::runtime_error("no row of the baseline is in the run");
+    if (size_t(rows) < before.rows.size()) fmt::print("{} rows of the baseline are not in the run\n", before.rows.size() - size_t(rows));
     for (Moved const& m : moved(before, now)) {
         slower += m.factor() > 1;
         fmt::print("{:<44}{:>7.3f} x  {:.3g} ... {:.3g}, was {:.3g} ... {:.3g}\n", m.name, m.factor(), m.now.least, m.now.greatest,

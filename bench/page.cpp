@@ -94,7 +94,8 @@ std::string cell(BenchRow const* row, BenchRow const* base, bool least) {
         out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
     if (row->longest_nanoseconds) out += fmt::format("<small>longest {}</small>", time_for_people(*row->longest_nanoseconds));
     if (base) {
-        double const ratio = row->answered() / base->answered();
+        bool const alike = row->theta_nanoseconds.has_value() == base->theta_nanoseconds.has_value();
+        double const ratio = alike ? row->answered() / base->answered() : row->nanoseconds / base->nanoseconds;
         out += fmt::format("<small>{:.{}f} ×</small>", ratio, ratio < 10 ? 2 : 0);
     }
     return out + "</td>";

@@ -54,15 +54,24 @@ Scenario const& tapped_delay_line(Index size) {
     });
 }
 
+Scenario const& rows_of_window(Index size) {
+    static std::map<Index, Scenario> made;
+    return once(made, size, [size] {
+        Scenario const& all = tapped_delay_line(size);
+        Index const rows = window_rows(size), first = all.scored - rows;
+        Records kept{.psi = all.records.psi.middleCols(first, rows), .y = all.records.y.segment(first, rows), .names = {}};
+        CertifiedSolution exact = certified(all.problem, kept, {rows}).front();
+        return Scenario{all.problem, std::move(kept), rows, std::move(exact)};
+    });
+}
+
 Scenario const& window_of_delay_line(Index size) {
     static std::map<Index, Scenario> made;
     return once(made, size, [size] {
         Scenario out = tapped_delay_line(size);
-        Index const rows = window_rows(size), first = out.scored - rows;
         Problem<double> problem = out.problem;
-        for (Index k = 0; k < first; ++k) problem.prior->variance /= problem.forgetting;
-        Records const kept{.psi = out.records.psi.middleCols(first, rows), .y = out.records.y.segment(first, rows), .names = {}};
-        out.exact = certified(problem, kept, {rows}).front();
+        for (Index k = window_rows(size); k < out.scored; ++k) problem.prior->variance /= problem.forgetting;
+        out.exact = certified(problem, rows_of_window(size).records, {window_rows(size)}).front();
         return out;
     });
 }

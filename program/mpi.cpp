@@ -3,6 +3,40 @@
 
 #include <cstdio>
 #include <mpi.h>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool is_option(std::string const& word, std::string const& option) { return word == option || word.starts_with(option + "="); }
+
+/// What ranks cannot be told; "" for nothing. The ranks are the parts, and start nothing anew while others run.
+std::string refused(Words const& words) {
+    if (words.empty() || words.front() != "study") return "expected rlslab_mpi study ...: other commands need no ranks";
+    for (std::string const& word : words)
+        for (char const* const option : {"--part", "--fresh"})
+            if (is_option(word, option)) return std::string(option) + ": does not go with ranks, which are the parts of a run";
+    return "";
+}
+/// The words for one rank. Verdicts are recorded at the end, by the first.
+Words part_of(Words const& words, int rank, int ranks) {
+    Words out;
+    for (size_t i = 0; i < words.size(); ++i) {
+        if (words[i] == "--record") ++i;
+        else if (!is_option(words[i], "--record")) out.push_back(words[i]);
+    }
+    out.insert(out.end(), {"--part", std::to_string(rank + 1) + "/" + std::to_string(ranks), "--quiet"});
+    return out;
+}
+bool asks_for_help(Words const& words) {
+    for (std::string const& word : words)
+        if (word == "-h" || word == "--help") return true;
+    return false;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     rlslab::prepare_process();
@@ -10,14 +44,12 @@ int main(int argc, char** argv) {
     int rank = 0, ranks = 1, code = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-    std::vector<std::string> const words{argv + (argc > 0), argv + argc};
-    if (words.empty() || words.front() != "study") {
-        if (rank == 0) std::fputs("rlslab: expected rlslab_mpi study ...: other commands need no ranks\n", stderr);
+    Words const words{argv + (argc > 0), argv + argc};
+    if (std::string const why = refused(words); !why.empty() && !asks_for_help(words)) {
+        if (rank == 0) std::fprintf(stderr, "rlslab: %s\n", why.c_str());
         code = 2;
-    } else if (ranks > 1) {
-        std::vector<std::string> part = words;
-        part.insert(part.end(), {"--part", std::to_string(rank + 1) + "/" + std::to_string(ranks), "--quiet"});
-        int const own = rlslab::run(part, rank);
+    } else if (ranks > 1 && !asks_for_help(words)) {
+        int const own = rlslab::run(part_of(words, rank, ranks), rank);
         MPI_Allreduce(&own, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);  // behind it the journals are complete
     }
     if (code == 0 && rank == 0) code = rlslab::run(words);

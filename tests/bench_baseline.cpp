@@ -9,11 +9,12 @@ namespace {
 
 using namespace rlslab::bench;
 
-/// A run of seven repetitions: the yardstick, and a row whose times are these, both on a clock of its own.
-std::string run(std::vector<double> const& times, double clock = 1) {
+/// A run: the yardstick, in its last repetition so many times as long, and a row whose times are these, both on a clock of its own.
+std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1) {
     std::string rows;
     for (size_t i = 0; i < times.size(); ++i)
-        for (auto const& [name, time] : {std::pair{std::string(yardstick), 10.0}, std::pair{std::string("update/ud/double/16"), times[i]}})
+        for (auto const& [name, time] : {std::pair{std::string(yardstick), i + 1 < times.size() ? 10.0 : 10 * disturbed},
+                                         std::pair{std::string("update/ud/double/16"), times[i]}})
             rows += fmt::format(R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
                                 rows.empty() ? "" : ",", name, i, time * clock);
     return R"({"context": {"cpu": "a processor", "compiler": "a compiler"}, "benchmarks": [)" + rows + "]}";
@@ -27,6 +28,8 @@ TEST(BenchBaseline, TellsOfARowThatBecameSlower) {
     EXPECT_EQ(found[0].name, "update/ud/double/16");
     EXPECT_NEAR(found[0].factor(), 113.0 / 101, 1e-12);
     EXPECT_LT(moved(now, before)[0].factor(), 1) << "and of one that became faster";
+    EXPECT_EQ(moved(before, baseline_of(run({115, 112, 111, 118, 113, 112, 114}, 1, 3))).size(), 1u)
+        << "whatever befell the yardstick once";
 }
 TEST(BenchBaseline, IsSilentAboutScatterAboutASmallStepAndAboutAnotherClock) {
     Baseline const before = baseline_of(run(quiet));

@@ -206,6 +206,14 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     EXPECT_EQ(ranks(3, "study gain_error --out killed").code, 0);
     ASSERT_EQ(shell("rlslab study gain_error --out other").code, 0);
     EXPECT_EQ(read(folder / "killed" / "gain_error.csv"), read(folder / "other" / "gain_error.csv"));
+    for (std::string const option : {"--part 1/2", "--fresh"}) {
+        Outcome const refused = ranks(2, "study gain_identities " + option);
+        EXPECT_EQ(refused.err.find("does not go with ranks"), refused.err.rfind("does not go with ranks")) << refused.err;
+        EXPECT_NE(refused.code, 0);
+    }
+    std::string const help = ranks(2, "study --help").out;
+    EXPECT_EQ(help.find("Usage: "), help.rfind("Usage: ")) << help;
+    EXPECT_NE(help.find("Usage: "), help.npos);
     Outcome const wrong = ranks(2, "study gain_identities --budget slow");
     EXPECT_NE(wrong.code, 0);
     EXPECT_EQ(wrong.err.find("--budget: expected"), wrong.err.rfind("--budget: expected")) << wrong.err;

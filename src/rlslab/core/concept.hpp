@@ -16,8 +16,8 @@ namespace rlslab {
 ///              theta(), gain(), stored()      reports. theta() and gain() have d numbers; where the filter stores these, the
 ///                                             report is a view of them, which the next update changes
 /// Threads:     each may update filters of its own at any time. Several may read or copy one filter (const members) at the same time,
-///              unless one of them updates it, or writes through its form. Nothing is global but what a thread keeps for itself (the
-///              stream of stochastic rounding, the length of variable precision)
+///              unless one of them updates it, or writes through its form. A thread keeps for itself the stream of stochastic rounding,
+///              the length of variable precision, the format of fixed-point words, and counts of operations: they are set in each
 /// Unchecked:   determinism; that copying copies the whole state; that reports do not change later results.
 ///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.
 template <class F>
