@@ -70,6 +70,9 @@ TEST(Views, AnUpdateReadsItsRegressorBeforeItOverwritesIt) {
     });
 }
 
+/// Where malloc puts them, whatever the registers: with -march=native and AVX-512 a vector of packs crashed.
+static_assert(alignof(Pack<double, 8>) <= 16 && alignof(Pack<float, 16>) <= 16);
+
 /// The sign of a zero is a lane's, too.
 TEST(Views, APackOfMinusZerosIsMinusZeroInEveryLane) {
     Pack<double, 4> const d(-0.0);

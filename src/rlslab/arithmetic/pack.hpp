@@ -38,8 +38,10 @@ struct PackShape {
     static_assert(L * int(sizeof(T)) % bytes == 0, "L fills whole registers");
     static constexpr int width = bytes / int(sizeof(T)), registers = L / width;
     using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
-    typedef T Numbers __attribute__((vector_size(bytes)));
-    typedef Word Bits __attribute__((vector_size(bytes)));
+    // Not of a wide register's own alignment: vectors of packs are also where malloc puts them, at multiples of 16 (Eigen, DontAlign).
+    static constexpr int alignment = std::min(bytes, 16);
+    typedef T Numbers __attribute__((vector_size(bytes), aligned(alignment)));
+    typedef Word Bits __attribute__((vector_size(bytes), aligned(alignment)));
 };
 }  // namespace detail
 
