@@ -134,7 +134,7 @@ Tried tried(Records const& records, AdviseOptions const& options, Arithmetic con
     for (Storage const& s : out.comparison.storage) out.in_range = s.in_range;
     std::vector<Result const*> sound;
     for (Result const& r : out.comparison.results)
-        if (r.entry->block == 1 && r.operations && r.broken == 0 && r.spread) sound.push_back(&r);
+        if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
     std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
     for (Result const* r : sound) {
         double at_end = arithmetic.decimal_digits();
@@ -153,7 +153,7 @@ Kept const* Tried::first_enough() const {
 Kept const* Tried::most() const { return sound.empty() ? nullptr : &*std::ranges::max_element(sound, {}, &Kept::both); }
 
 Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress) {
-    Advice out{.options = options, .model = {}, .tried = {}, .guard = {}};
+    Advice out{.options = options, .tried = {}, .guard = {}};
     std::vector<Arithmetic const*> const arithmetics = asked(options);
     for (Arithmetic const* const a : arithmetics) {
         out.tried.push_back(tried(records, options, *a));

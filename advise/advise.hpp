@@ -48,7 +48,6 @@ struct Tried {
 
 struct Advice {
     AdviseOptions options;
-    ModelText model;
     std::vector<Tried> tried;         ///< the last one is the one that keeps the digits, if any does
     std::optional<GuardTrial> guard;  ///< around the chosen variant; absent where it cannot have one
     Tried const* chosen() const { return !tried.empty() && tried.back().first_enough() ? &tried.back() : nullptr; }

@@ -73,15 +73,14 @@ bool guarded(Advice const& a) { return a.guard && a.guard->same_bits; }
 
 std::string paste(Advice const& a) {
     Tried const& t = *a.chosen();
-    Comparison c = t.comparison;
-    c.model = a.model;
-    return code(c, {.variant = std::string(a.choice()->result->entry->variant),
-                    .arithmetic = t.arithmetic,
-                    .guarded = guarded(a),
-                    .exponents = t.exponents,
-                    .output_exponent = t.output_exponent});
+    return code(t.comparison, {.variant = std::string(a.choice()->result->entry->variant),
+                               .arithmetic = t.arithmetic,
+                               .guarded = guarded(a),
+                               .exponents = t.exponents,
+                               .output_exponent = t.output_exponent});
 }
 
+std::string paragraph(std::string const& text) { return wrapped(text, 0, 4, text_width) + "\n"; }
 std::string line(std::string const& head, std::string const& text) {
     return "  " + head + std::string(12 - head.size(), ' ') + wrapped(text, 14, 14, text_width) + "\n";
 }
@@ -90,21 +89,18 @@ std::string line(std::string const& head, std::string const& text) {
 
 std::string as_text(Advice const& a, bool colour) {
     Comparison const& last = a.tried.back().comparison;
-    std::string out = fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter\n", a.model.file,
+    std::string out = fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter\n", last.model.file,
                                   last.rows, last.skipped > 0 ? fmt::format(" ({} with missing values left out)", last.skipped) : "",
                                   last.size, last.size == 1 ? "" : "s", a.options.forgetting, a.options.digits);
-    out += wrapped(
-               "digits: those in which a filter agrees with the least-squares solution for these data; how well the data determine that is "
-               "another question",
-               0, 4, text_width) +
-           "\n";
-    for (std::string const& warning : warnings(last)) out += wrapped(warning, 0, 4, text_width) + "\n";
+    out += paragraph(
+        "digits: those in which a filter agrees with the least-squares solution for these data; how well the data determine that is "
+        "another question");
+    for (std::string const& warning : warnings(last)) out += paragraph(warning);
     if (auto const none = zeros(a.tried.back()); !none.empty())
-        out += wrapped(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")), 0, 4, text_width) +
-               "\n";
+        out += paragraph(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")));
     out += "\n";
     for (Tried const& t : a.tried)
-        if (!t.first_enough()) out += wrapped(failing(t), 0, 4, text_width) + "\n";
+        if (!t.first_enough()) out += paragraph(failing(t));
     Tried const* const t = a.chosen();
     if (!t)
         return out + bold("nothing tried keeps them", colour) +
@@ -134,13 +130,13 @@ std::string as_json(Advice const& a) {
     auto const tenth = [](double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr); };
     Comparison const& last = a.tried.back().comparison;
     Json means = Json::object();
-    for (auto const& [column, mean] : a.model.means) means[column] = mean;
-    Json out{{"file", a.model.file},
+    for (auto const& [column, mean] : last.model.means) means[column] = mean;
+    Json out{{"file", last.model.file},
              {"rows", last.rows},
              {"skipped", last.skipped},
              {"parameters", last.names},
-             {"regressors", a.model.regressors},
-             {"output", a.model.output},
+             {"regressors", last.model.regressors},
+             {"output", last.model.output},
              {"means", means},
              {"digits", a.options.digits},
              {"forgetting", a.options.forgetting},

@@ -16,7 +16,7 @@
 namespace rlslab::bench {
 namespace {
 
-/// A full window: each row takes another one back. ns_refactor: the kept rows factored anew, once in a while.
+/// A full window: each row takes another one back. refactor/: the kept rows factored anew, once in a while.
 template <class F>
 struct InWindow : Windowed<F> {
     explicit InWindow(Problem<double> const& problem) : Windowed<F>(problem, {.rows = window_rows(problem.size)}) {}

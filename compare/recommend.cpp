@@ -37,6 +37,9 @@ std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
 
 }  // namespace
 
+bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operations; }
+bool is_sound(Result const& r) { return r.broken == 0 && r.spread; }
+
 bool preferred(Result const& a, Result const& b) {
     auto const key = [](Result const& r) { return std::tuple(!r.factor, r.entry->propagates != "covariance", *r.operations); };
     return key(a) < key(b);
@@ -61,9 +64,9 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     std::vector<Result const*> sound;
     int tried = 0;
     for (Result const& r : c.results) {
-        if (r.entry->arithmetic->name != arithmetic.name || r.entry->block != 1 || !r.operations) continue;
+        if (r.entry->arithmetic->name != arithmetic.name || !takes_single_rows(r)) continue;
         ++tried;
-        if (r.broken == 0 && r.spread) sound.push_back(&r);
+        if (is_sound(r)) sound.push_back(&r);
     }
     Result const* const choice = chosen_of(sound);
     if (choice) {

@@ -5,6 +5,11 @@
 
 namespace rlslab {
 
+/// Meant for single rows: neither a variant that takes blocks of them, nor one whose operations are in another library.
+bool takes_single_rows(Result const& result);
+/// Never broke down, and has digits.
+bool is_sound(Result const& result);
+
 /// Whether a comes before b among forms that are equally accurate:
 ///   (1) a form that propagates a factor before one that propagates P or its inverse: no rounding makes the first indefinite
 ///   (2) covariance before information: gain and P are at hand, theta needs no solve

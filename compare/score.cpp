@@ -74,16 +74,13 @@ Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, 
                               at_most(exact.covariance_digits(filter->stored()), most)});
     }
     Stored<Reference> const last = filter->stored();
-    if (!out.breakdown && !is_finite(filter->theta())) out.breakdown = Breakdown{stored.records.rows(), "nonfinite"};
+    out.theta = filter->theta();
+    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{stored.records.rows(), "nonfinite"};
     out.asymmetry = asymmetry_of(last);
     out.factor = last.form == Stored<Reference>::Form::factor;
-    out.theta = filter->theta();
     return out;
 }
 
-}  // namespace
-
-namespace {
 std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
     std::vector<double> out;
     for (auto const& x : digits) out.push_back(x.value_or(-std::numeric_limits<double>::infinity()));
@@ -91,6 +88,7 @@ std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
     return out;
 }
 size_t lowest_tenth(size_t count) { return size_t(std::floor(0.1 * double(count - 1))); }
+
 }  // namespace
 
 Spread spread_of(std::vector<std::optional<double>> const& digits) {

@@ -20,7 +20,7 @@ int run_advise(AdviseArguments const& a) {
     if (!a.arithmetics.empty()) options.arithmetics = a.arithmetics;
     Question const question = question_of(a.record);
     Advice advice = advise(question.records, options, progress_after_a_second("advising"));
-    advice.model = question.model;
+    for (Tried& t : advice.tried) t.comparison.model = question.model;
     print(a.json ? as_json(advice) : as_text(advice, colour()));
     return advice.chosen() ? 0 : 1;
 }
@@ -43,9 +43,7 @@ Command advise_command(CLI::App& app) {
         ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
         ->type_name("D");
     take_names(*advising, "--arithmetic", a->arithmetics, "to try, in this order (rlslab list); default float,double");
-    advising->add_option("--seed", a->options.seed, "of stochastic rounding and of the orders of rows; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))
-        ->type_name("N");
+    take_seed(*advising, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
     take_count(*advising, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     advising->add_flag("--json", a->json, "JSON instead of text");
     return {advising, [a] { return run_advise(*a); }};

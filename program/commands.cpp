@@ -41,8 +41,11 @@ void take_forgetting(CLI::App& command, double& forgetting) {
 void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help) {
     command.add_option(name, into, help)->check(whole(least, most))->type_name("N");
 }
-void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help) {
-    command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name("A,B");
+void take_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
+    command.add_option("--seed", seed, help)->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
+}
+void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type) {
+    command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
 }
 
 CLI::Validator named(char const* expected) {

@@ -22,9 +22,10 @@ CLI::Validator named(char const* expected);
 /// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
-/// An option for a whole number in [least, most], and one for a list of names in one word: it must not swallow FILE behind it.
+/// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not swallow FILE behind it.
 void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
-void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help);
+void take_seed(CLI::App& command, std::uint64_t& seed, char const* help);
+void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type = "A,B");
 
 /// --separator and --decimal, of every command that reads a file.
 void take_format(CLI::App& command, CsvFormat& format);

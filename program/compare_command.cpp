@@ -60,9 +60,7 @@ Command compare_command(CLI::App& app) {
     take_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
     take_names(*comparing, "--arithmetic", a->options.arithmetics, "only these (rlslab list); default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
-    comparing->add_option("--seed", a->options.seed, "of stochastic rounding and of the orders of rows; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))
-        ->type_name("N");
+    take_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
     take_count(*comparing, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");
     comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")

@@ -76,7 +76,8 @@ int run_identify(IdentifyArguments a) {
 
 struct SimulateArguments {
     std::string a, b = "1", input = "prbs:10", noise_colour;
-    long samples = 1000, seed = 1;
+    long samples = 1000;
+    std::uint64_t seed = 1;
     int delay = 0;
     double noise = 0;
 };
@@ -90,7 +91,7 @@ int run_simulate(SimulateArguments const& s) {
     if (!s.a.empty()) model.a = numbers_of("--a", s.a);
     model.b = {numbers_of("--b", s.b)};
     model.delay = s.delay;
-    Seed seed{std::uint64_t(s.seed)};
+    Seed seed{s.seed};
     Signal const u = input_of(s.input, s.samples, Seed{seed.next()});
     Seed const of_noise{seed.next()};
     Signal xi = s.noise_colour.empty() ? white_noise(s.samples, of_noise)
@@ -233,9 +234,7 @@ Command simulate_command(CLI::App& app) {
         ->check(real("a number of at least 0", [](double x) { return x >= 0; }))
         ->type_name("SD");
     c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")->type_name("A1,...");
-    c->add_option("--seed", s->seed, "of the random input and noise; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))
-        ->type_name("N");
+    take_seed(*c, s->seed, "of the random input and noise; default 1");
     return {c, [s] { return run_simulate(*s); }};
 }
 

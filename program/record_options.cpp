@@ -36,10 +36,7 @@ void take_record(CLI::App& command, RecordArguments& a) {
         ->required()
         ->type_name("");
     take_format(command, a.format);
-    command.add_option("--input", a.inputs, "column of the input u of an ARX model, or several")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->type_name("U[,V]");
+    take_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
     command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
     take_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
     take_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");

@@ -197,9 +197,7 @@ Command study_command(CLI::App& app) {
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
-    studying->add_option("--seed", st->options.seed, "of all random data; default 1")
-        ->check(whole(0, std::numeric_limits<long>::max()))
-        ->type_name("N");
+    take_seed(*studying, st->options.seed, "of all random data; default 1");
     studying->add_option("--threads", st->options.threads, "how many run at once; default: all cores. No byte of a table depends on it")
         ->check(whole(1, 4096))
         ->type_name("N");

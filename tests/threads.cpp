@@ -1,4 +1,6 @@
 // What threads may share (core/concept.hpp), tried. `./lab threads` runs this under the thread sanitizer.
+#include "tests/laws.hpp"
+
 #include <rlslab/adapt/fleet.hpp>
 #include <rlslab/adapt/fold_all.hpp>
 #include <rlslab/adapt/guard.hpp>
@@ -20,15 +22,6 @@ using namespace rlslab;
 constexpr Index d = 5, rows = 60;
 constexpr int threads = 4;
 
-Records noise() {
-    Seed seed{31};
-    Records out{.psi = Matrix<double>(d, rows), .y = Vector<double>(rows), .names = {}};
-    for (Index k = 0; k < rows; ++k) {
-        for (Index i = 0; i < d; ++i) out.psi(i, k) = seed.bell();
-        out.y[k] = out.psi.col(k).sum() + seed.bell() / 8;
-    }
-    return out;
-}
 template <class T>
 Problem<T> problem() {
     return {.size = d, .forgetting = T(0.96875), .prior = Prior<T>{.variance = T(1)}};
@@ -56,7 +49,7 @@ void at_once(Work work) {
 }
 
 TEST(Threads, ReadAndCopyOneFilterAtTheSameTime) {
-    Records const records = noise();
+    Records const records = laws::noise_records(d, rows, Seed{31});
     for_each(Variants<double>{}, [&]<class F>() {
         F made(problem<double>());
         take_rows(made, records);
@@ -80,7 +73,7 @@ TEST(Threads, ReadAndCopyOneFilterAtTheSameTime) {
 /// The same bits as one after another, also where an arithmetic keeps something for each thread.
 template <class T>
 void update_filters_of_their_own() {
-    Records const records = noise();
+    Records const records = laws::noise_records(d, rows, Seed{31});
     for_each(Variants<T>{}, [&]<class F>() {
         if constexpr (NamesItsState<F>) {
             std::vector<std::vector<std::byte>> left(threads);
@@ -102,7 +95,7 @@ TEST(Threads, UpdateFiltersOfTheirOwnInDouble) { update_filters_of_their_own<dou
 TEST(Threads, UpdateFiltersOfTheirOwnWhileRoundingAtRandom) { update_filters_of_their_own<Chopped<bfloat16, Rounding::stochastic>>(); }
 
 TEST(Threads, WorkInsideTheLibraryOnSharedRows) {
-    Records const records = noise();
+    Records const records = laws::noise_records(d, rows, Seed{31});
     Problem<double> without_prior = problem<double>();
     without_prior.prior.reset();
     auto const one = bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 1, 8));
@@ -121,7 +114,7 @@ TEST(Threads, WorkInsideTheLibraryOnSharedRows) {
 }
 
 TEST(Threads, GuardsAndCertificatesAreTheirThreadsOwn) {
-    Records const records = noise();
+    Records const records = laws::noise_records(d, rows, Seed{31});
     Guarded<Ud<double>> first(problem<double>());
     take_rows(first, records);
     Vector<double> const theta = first.theta();

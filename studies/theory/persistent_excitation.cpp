@@ -3,6 +3,7 @@
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/model/excitation.hpp>
 #include <rlslab/reference/definiteness.hpp>
 
 namespace rlslab {
@@ -45,15 +46,6 @@ double least_eigenvalue(Matrix<double> const& R) {
         (positive ? below : above) = middle;
     }
     return below;
-}
-
-bool strictly_dominant(Matrix<double> const& R) {
-    for (Index i = 0; i < R.rows(); ++i) {
-        double others = 0;
-        for (Index j = 0; j < R.cols(); ++j) others += i == j ? 0 : std::abs(R(i, j));
-        if (!(others < R(i, i))) return false;
-    }
-    return true;
 }
 
 /// G of docs/theory.md 3 for n past outputs and n inputs u_{k-1} ... u_{k-n} of the first-order system, white input: y_k is the sum of
@@ -116,7 +108,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         for (Index i = 0; i < R.rows(); ++i) largest = std::max(largest, std::abs(found(i, j) - R(i, j)));
     double const least = least_eigenvalue(R), least_found = least_eigenvalue(found);
     double const tridiagonal = 2 - 2 * correctly::cos(3.141592653589793 / double(n + 1));
-    out({strictly_dominant(R) ? "dominant" : "not dominant", least, least_found / least, largest,
+    out({diagonally_dominant(R) ? "dominant" : "not dominant", least, least_found / least, largest,
          input.differenced ? least - tridiagonal : 0});
 }
 

@@ -1,20 +1,16 @@
 // long_run ROWS [SEED]: a guarded Ud<float, 5> through abuse, for as long as wanted. Its log stands in docs/long_run.md.
 #include "tests/long_run/abuse.hpp"
+#include "tests/long_run/arguments.hpp"
 
 #include <rlslab/adapt/guard.hpp>
 
 #include <cstdio>
-#include <cstdlib>
 
 int main(int arguments, char** argument) {
     using namespace rlslab;
-    char* end = nullptr;
-    long long const rows = arguments > 1 ? std::strtoll(argument[1], &end, 10) : 0;
-    long long const seed = arguments > 2 ? std::strtoll(argument[2], nullptr, 10) : 71;
-    if (rows < 1 || rows > 1'000'000'000'000 || *end || arguments > 3) {
-        std::fprintf(stderr, "long_run: expected ROWS [SEED], rows from 1 to 1e12\n");
-        return 2;
-    }
+    auto const length = long_run::length_of("long_run", arguments, argument);
+    if (!length) return 2;
+    auto const [rows, seed] = *length;
     Guarded<Ud<float, 5>> g({.forgetting = float(long_run::lambda), .prior = Prior<float>{.variance = 100}});
     auto const tell = [&g](Index k, long_run::Survived const& s) {
         std::printf("%13lld rows: %lld not finite, %lld of %lld P not definite, %lld of %lld beyond 2x; %lld breakdowns\n", (long long)k,

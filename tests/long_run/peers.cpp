@@ -1,8 +1,8 @@
 // peers_long_run ROWS [SEED]: the rows of long_run through dlib's and liquid's filters. How they end stands in docs/long_run.md.
 #include "tests/long_run/abuse.hpp"
+#include "tests/long_run/arguments.hpp"
 
 #include <cstdio>
-#include <cstdlib>
 #include <dlib/svm/rls.h>
 #include <liquid/liquid.h>
 
@@ -88,13 +88,9 @@ void run(Index rows, Seed seed, bool screened) {
 }  // namespace
 
 int main(int arguments, char** argument) {
-    char* end = nullptr;
-    long long const rows = arguments > 1 ? std::strtoll(argument[1], &end, 10) : 0;
-    long long const seed = arguments > 2 ? std::strtoll(argument[2], nullptr, 10) : 71;
-    if (rows < 1 || rows > 1'000'000'000'000 || *end || arguments > 3) {
-        std::fprintf(stderr, "peers_long_run: expected ROWS [SEED], rows from 1 to 1e12\n");
-        return 2;
-    }
+    auto const length = long_run::length_of("peers_long_run", arguments, argument);
+    if (!length) return 2;
+    auto const [rows, seed] = *length;
     for (bool const screened : {false, true}) {
         run<Dlib>(rows, Seed{std::uint64_t(seed)}, screened);
         run<Liquid>(rows, Seed{std::uint64_t(seed)}, screened);
