@@ -159,6 +159,18 @@ public:
         start(factors...);
     }
 
+    /// Takes the row [psi' y] of weight w out of the sums, with what rounding may have put into them: they stay bounds.
+    void take_back(T const& w, Regressor<T> psi, T const& y) {
+        Bound slack(0);
+        if constexpr (Real<T>) slack = Bound(std::ldexp(1.0, 3 - significand_bits<Bound>()));
+        auto const less = [&](Bound& sum, T const& x) {
+            Bound const allowed = sum * slack, kept = sum - Bound(w) * square(x);
+            sum = kept + allowed;
+        };
+        for (Index j = 0; j < squares_.size(); ++j) less(squares_[j], psi[j]);
+        less(right_, y);
+    }
+
     /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
     /// (d) is overwritten.
     Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,

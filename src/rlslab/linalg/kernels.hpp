@@ -126,6 +126,11 @@ template <Field T, int N>
 void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
+/// A += x x'. The same product is added to A_ij and A_ji: a symmetric A stays symmetric.
+template <Field T, int N>
+void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {
+    run_kernel<T, N>(kernels::AddSquare<T>{A.size(), A.stride(), A.column(0), x.data()});
+}
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric.
 template <Field T, int N>
 void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,

@@ -128,6 +128,13 @@ void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVect
     run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
 
+/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d, d - 1, ... 1 and j >= i, x = 0 at first, t the old L_ji: carries a row out
+/// of R = L'. L is zero above its diagonal and stays so.
+template <Real T, int N>
+void rotate_out(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s) {
+    run_kernel<T, N>(kernels::RotateOut<T>{L.size(), L.stride(), L.column(0), c.data(), s.data()});
+}
+
 /// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r R_ii and acts on the
 /// rest of both rows. L, z, eta, c and s are outputs; x is overwritten.
 template <Real T, int N>

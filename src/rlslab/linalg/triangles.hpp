@@ -63,6 +63,11 @@ void solve_lower(StateMatrix<T, N> const& L, X& x) {
     }
 }
 
+template <Field T, int N>
+void solve_lower(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
+    run_kernel<T, N>(kernels::SolveLower<T>{L.size(), L.stride(), L.column(0), x.data()});
+}
+
 /// x = L^-T x in place, L lower triangular, d^2/2 multiplications.
 template <Field T, int N, class X>
 void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
