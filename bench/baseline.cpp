@@ -1,9 +1,9 @@
 // Ratios from Google Benchmark's JSON, their file, and the comparison.
 #include "bench/baseline.hpp"
+#include "bench/results.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace rlslab::bench {
@@ -22,7 +22,7 @@ Json rounded(double x) { return Json::parse(fmt::format("{:.4g}", x)); }
 }  // namespace
 
 Baseline baseline_of(std::string const& run_json) {
-    Json const run = Json::parse(run_json);
+    Json const run = parsed_results(run_json);
     std::map<std::string, std::vector<double>> times;
     for (Json const& row : run.at("benchmarks"))
         if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))

@@ -13,6 +13,7 @@ inline constexpr char yardstick[] = "limit/read_modify_write/8192";
 /// A row's times over the median of the yardstick's in the same run: interleaved at random, repetitions of two rows are no pairs.
 struct Ratio {
     double least, middle, greatest;
+    bool operator==(Ratio const&) const = default;
 };
 struct Baseline {
     std::string machine;  ///< processor and compiler

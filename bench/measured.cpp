@@ -1,11 +1,11 @@
 // Takes the names apart; one unit of time for every order of magnitude.
 #include "bench/measured.hpp"
+#include "bench/results.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace rlslab::bench {
@@ -49,7 +49,7 @@ BenchRow measured(json const& row) {
 
 Run read_run(std::string const& path) {
     std::ifstream file(path);
-    json const all = json::parse(file);
+    json const all = parsed_results({std::istreambuf_iterator<char>(file), {}});
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
                         context.value("date", "").substr(0, 10)),

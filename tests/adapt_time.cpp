@@ -199,6 +199,51 @@ TEST(Remove, TakesBackWhatARowGave) {
         EXPECT_GT(removal_error<F>(taken_back(3.001, 1)), budget) << F::name;
     });
 }
+/// Every size around the blocks of eight rows, and the diagonal of what is stored stays positive.
+template <class F>
+void check_sizes() {
+    for (unsigned seed : {31, 32, 33})
+        for (Index d : {1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 64, 65, 70}) {
+            F f({.size = d, .forgetting = 1, .prior = Prior<double>{.variance = 4}});
+            Seed numbers{seed};
+            Matrix<double> rows(d, 2 * d + 8);
+            for (Index k = 0; k < rows.cols(); ++k) {
+                for (Index j = 0; j < d; ++j) rows(j, k) = numbers.bell();
+                f.update(Vector<double>(rows.col(k)), numbers.bell());
+            }
+            Matrix<double> const X = covariance_of(f).inverse();
+            Vector<double> const theta = f.theta(), psi = rows.col(0) * 100;
+            f.update(psi, 3);
+            Removal<double> const removal = remove(f, Regressor<double>(psi.data(), d), 3.0, 1.0);
+            double const sized = 200 * u * double(d) * removal.noise / removal.remaining;  // 1e4 u d, 1e8 u d where P is stored
+            EXPECT_LE(relative(covariance_of(f).inverse(), X), sized) << F::name << d;
+            EXPECT_LE((f.theta() - theta).norm(), sized * theta.norm()) << F::name << d;
+            EXPECT_GT(f.stored().F.diagonal().minCoeff(), 0) << F::name << d;
+            for (double D : Vector<double>(f.stored().D)) EXPECT_GT(D, 0) << F::name << d;
+        }
+}
+TEST(Remove, TakesBackARowOfAnySize) {
+    check_sizes<Conventional<double>>();
+    check_sizes<Symmetric<double>>();
+    check_sizes<Potter<double>>();
+    check_sizes<Carlson<double>>();
+    check_sizes<Ud<double>>();
+    check_sizes<InverseQr<double>>();
+    check_sizes<Qr<double>>();
+    check_sizes<Gentleman<double>>();
+    check_sizes<Information<double>>();
+}
+/// 1/w overflows here, while nothing in the formulas of the inflation does.
+TEST(Remove, OfARowTooLightToBeSeenChangesNothing) {
+    for_each_form([]<class F>() {
+        F f = warm<F>();
+        F const before = f;
+        for (double w : {0x1p-1030, 0x1p-1074}) {
+            EXPECT_EQ(remove(f, Regressor<double>(direction, 4), 3.0, w).remaining, 1) << F::name;
+            EXPECT_TRUE(identical(f, before)) << F::name;
+        }
+    });
+}
 TEST(Remove, RefusesWhatWasNeverTaken) {
     for_each_form([]<class F>() {
         F f = warm<F>();

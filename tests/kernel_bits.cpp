@@ -172,6 +172,7 @@ TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
     auto const rank_one = [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
     auto const symmetric = [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
     check<T>("SubtractRankOne", Part::full, rank_one);
+    check<T>("AddSquare", Part::full, [](O& o) { return AddSquare<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
     check<T>("SubtractMirrored", Part::symmetric, symmetric);
     check<T>("SubtractRankOne and the product", Part::full, [=](O& o) {
         return ThenMultiply<SubtractRankOne<T>>{rank_one(o), o.v[2].data(), o.v[3].data()};
@@ -196,6 +197,12 @@ TYPED_TEST(KernelBits, OfLowerTrianglesAreTheSame) {
     using T = TypeParam;
     using O = Operands<T>;
     check<T>("Eliminate", Part::lower, [](O& o) { return Eliminate<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
+    check<T>("SolveLower", Part::lower, [](O& o) { return SolveLower<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
+    check<T>("RotateOut", Part::lower, [](O& o) {
+        for (T& c : o.v[0]) c = std::abs(c);  // as cosines are here
+        for (Index j = 0; j < o.d; ++j) std::fill_n(o.A.begin() + j * o.ld, j, T(0));
+        return RotateOut<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
+    });
     check<T>("SweepGentleman", Part::lower, [](O& o) {
         o.overwritten = 0;
         return SweepGentleman<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.v[2].data(), o.v[3].data()};

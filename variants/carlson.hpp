@@ -54,7 +54,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, S_}; }
+    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, s_, r_, S_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<Carlson<double>>);

@@ -83,7 +83,7 @@ public:
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()}; }
-    auto form() requires Field<T> { return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, D_, L_, lengths_}; }
+    auto form() requires Field<T> { return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.D_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);

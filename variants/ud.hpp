@@ -57,7 +57,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
-    auto form() requires Field<T> { return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, D_, U_}; }
+    auto form() requires Field<T> { return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.D_, f.K_, f.U_); }
 };
 static_assert(GainPerturbable<Ud<double>>);

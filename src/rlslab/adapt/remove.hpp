@@ -18,48 +18,70 @@ struct Removal {
 
 // With alpha^2 = 1 - w psi'P psi and e = y - psi'theta, Remove(psi, y, w) takes back a row of weight w:
 //   P += (w / alpha^2) v v', v = P psi       theta -= (w / alpha^2) v e       X -= w psi psi'       (docs/theory.md 59)
-// In the covariance forms that is Inflate: definiteness cannot be lost, accuracy can, through alpha^2.
+// That is an update without forgetting by a row whose noise has the variance -1/w: s = -1/w + psi'P psi = -alpha^2 / w. The triangular
+// forms sweep as in an update; all their s_j are negative, so that every D_j stays positive.
 
 namespace detail {
-/// The covariance forms: v and psi'v are at hand, theta and P follow. v may be the form's workspace.
-template <class Form, class T, int N>
-Removal<T> take_back(Form f, StateVector<T, N> const& v, T const& xi, T const& e, T const& w, bool plain) {
-    T const remaining = T(1) - w * xi, by = w / remaining;
-    if (!(T(0) < remaining) || !is_finite(by)) return {T(0), T(1)};
-    add_scaled(f.theta, T(-(by * e)), v);
-    inflate(f, by, Regressor<T>(v.data(), v.size()));
-    return {remaining, plain ? T(T(1) / remaining) : T(1)};
-}
+/// What remains, from s = -1/w + psi'P psi, the last of the running sums of a triangular form. `along` computes psi'P psi anew: where 1/w
+/// overflows, a row may be too light to be seen. That is no removal, and alpha^2 is 1.
+template <class T>
+struct Remainder {
+    T remaining;
+    bool too_light = false;
+    template <class Along>
+    Remainder(T const& w, T const& s, Along along) : remaining(-(w * s)) {
+        if (is_finite(T(T(1) / w))) return;
+        too_light = T(1) - w * along() == T(1);
+        remaining = T(too_light ? 1 : 0);
+    }
+    bool refused() const { return !(T(0) < remaining) || !is_finite(T(T(1) / remaining)); }
+    Removal<T> reported() const { return {refused() ? T(0) : remaining, T(1)}; }
+};
 }  // namespace detail
 
 /// Takes back a row of weight w > 0 that the filter holds: w = lambda^n for a row n steps old. The gain is not touched. Refused where
-/// nothing would remain (see Removal). Cost 1.5 d^2 to 3.5 d^2 multiplications; the normal equations solve anew, d^3/6.
+/// nothing would remain (see Removal). Cost 1.5 d^2 to 3 d^2 multiplications; the normal equations solve anew, d^3/6.
 template <class T, int N>
 Removal<T> remove(PlainCovariance<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     T const e = innovation(y, psi, f.theta);
     multiply(f.P, psi.data(), f.f);
-    return detail::take_back(f, f.f, T(dot(psi, f.f)), e, w, true);
+    T const remaining = T(1) - w * dot(psi, f.f), by = w / remaining;
+    if (!(T(0) < remaining) || !is_finite(by)) return {T(0), T(1)};
+    add_scaled(f.theta, T(-(by * e)), f.f);
+    inflate(f, by, Regressor<T>(f.f.data(), psi.size()));
+    return {remaining, T(1) / remaining};
 }
 template <class T, int N>
 Removal<T> remove(RootCovariance<T, N, true> f, Regressor<T> psi, T const& y, T const& w) {
     T const e = innovation(y, psi, f.theta);
-    multiply_transposed(f.S, psi.data(), f.f);
-    T const xi = dot(f.f, f.f);
-    for (Index k = 0; k < psi.size(); ++k) {  // f = S f: column k changes what is above f_k alone
-        T const x = f.f[k];
-        add_scaled(f.f.data(), x, f.S.column(k), k);
-        f.f[k] = f.S(k, k) * x;
-    }
-    return detail::take_back(f, f.f, xi, e, w, false);
+    multiply_upper_transposed(f.S, psi.data(), f.f);
+    T const s = prefix_sums(T(T(-1) / w), f.f, f.f, f.g, f.h);
+    detail::Remainder<T> const remainder(w, s, [&] { return dot(f.f, f.f); });
+    if (remainder.refused() || remainder.too_light) return remainder.reported();
+    divide(f.g, f.h, f.h);
+    take_roots(f.h, f.h);
+    divide(f.f, f.g, f.g);
+    scale(f.g, f.h, f.g);
+    NoPerturbation none;
+    sweep_carlson(f.S, f.f, f.h, f.g, DivisorNearOne<T>(T(1)), f.v, none);
+    add_scaled(f.theta, T(e / s), f.v);
+    return remainder.reported();
 }
 template <class T, int N>
 Removal<T> remove(UdCovariance<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     T const e = innovation(y, psi, f.theta);
-    multiply_transposed(f.U, psi.data(), f.f);
+    multiply_upper_transposed(f.U, psi.data(), f.f);
     scale(f.D, f.f, f.g);
-    T const xi = dot(f.f, f.g);
-    for (Index k = 1; k < psi.size(); ++k) add_scaled(f.g.data(), T(f.g[k]), f.U.column(k), k);  // g = U g
-    return detail::take_back(f, f.g, xi, e, w, false);
+    T const s = prefix_sums(T(T(-1) / w), f.f, f.g, f.h, f.v);
+    detail::Remainder<T> const remainder(w, s, [&] { return dot(f.f, f.g); });
+    if (remainder.refused() || remainder.too_light) return remainder.reported();
+    divide(f.f, f.h, f.f);
+    divide(f.h, f.v, f.h);
+    scale(f.D, f.h, f.D);
+    NoPerturbation none;
+    sweep_ud(f.U, f.g, f.f, f.v, none);
+    add_scaled(f.theta, T(e / s), f.v);
+    return remainder.reported();
 }
 /// Potter's update with s_0 = -1/w: S -= v f' / (s - sqrt(r s)), r = -1/w, s = r + f'f < 0.
 template <class T, int N>
@@ -74,7 +96,8 @@ Removal<T> remove(RootCovariance<T, N, false> f, Regressor<T> psi, T const& y, T
     subtract_rank_one(f.S, f.g, f.f, DivisorNearOne<T>(T(1)));
     return {remaining, T(1)};
 }
-/// R'q = sqrt(w) psi, alpha^2 = 1 - q'q; rotations from the last row up turn (alpha, q) into (1, 0) and carry sqrt(w) psi' out of R.
+/// R'q = sqrt(w) psi, alpha^2 = 1 - q'q; rotations from the last row up turn (alpha, q) into (1, 0) and carry sqrt(w) psi' out of R. What
+/// they turn alpha into on the way is the root of a sum of squares, so that all of them are known before R is touched.
 /// Source: Saunders, as LINPACK's dchdd.
 template <class T, int N>
 Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const& w) {
@@ -85,57 +108,52 @@ Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const
     solve_lower(f.L, f.x);
     T const remaining = T(1) - dot(f.x, f.x);
     if (!(T(0) < remaining)) return {T(0), T(1)};
-    T alpha = square_root(remaining), eta = root * y;
+    T sum = remaining;
     for (Index i = d - 1; i >= 0; --i) {
-        Rotation<T> const turn = givens(alpha, T(f.x[i]));
-        alpha = turn.r;
-        f.c[i] = turn.c;
-        f.s[i] = turn.s;
-        f.x[i] = T(0);
-        for (Index j = i; j < d; ++j) {
-            T const old = f.L(j, i), out = turn.s * f.x[j], in = turn.s * old;
-            f.L(j, i) = turn.c * old - out;
-            f.x[j] = turn.c * f.x[j] + in;
-        }
+        T const square = f.x[i] * f.x[i];
+        f.c[i] = sum;
+        f.s[i] = sum += square;
     }
+    take_roots(f.c, f.c);
+    take_roots(f.s, f.s);
+    divide(f.c, f.s, f.c);
+    divide(f.x, f.s, f.s);
+    rotate_out(f.L, f.c, f.s);
+    T eta = root * y;
     for (Index i = 0; i < d; ++i) {
-        T const out = f.s[i] * eta;
-        f.z[i] = (f.z[i] - out) / f.c[i];
+        T const out = f.s[i] * eta, by_c = T(1) / f.c[i];  // no division between one eta and the next
+        f.z[i] = (f.z[i] - out) * by_c;
         T const in = f.s[i] * f.z[i];
         eta = f.c[i] * eta - in;
     }
-    f.lengths.restart(f.L, f.z);
+    f.lengths.take_back(w, psi, y);
     return {remaining, T(1)};
 }
-/// Gentleman's sweep with lambda = 1 and the weight -w.
+/// Gentleman's sweep with lambda = 1 and the weight -w: 1/w_{i+1} = 1/w_i + x_i^2 / D_i from -1/w on, all negative, and D_i w_i / w_{i+1}
+/// for D_i.
 template <class T, int N>
 Removal<T> remove(UnitInformation<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     keep_regressor(psi, f.x, f.c);
     Index const d = psi.size();
     eliminate(f.L, f.c);
-    T xi = T(0);
+    scale(f.c, f.c, f.s);
+    divide(f.s, f.D, f.s);
+    T const inverse = prefix_sums(T(T(-1) / w), f.s, f.f, f.g);
+    detail::Remainder<T> const remainder(w, inverse, [&] { return f.s.view().sum(); });
+    if (remainder.refused() || remainder.too_light) return remainder.reported();
+    divide(f.c, f.f, f.s);
+    divide(f.f, f.g, f.f);
+    divide(f.D, f.f, f.D);
+    divide(f.s, f.D, f.s);
+    sweep_gentleman(f.L, f.f, f.s, f.c, f.x);
+    T eta = y;
     for (Index i = 0; i < d; ++i) {
-        T const square = f.c[i] * f.c[i];
-        xi += square / f.D[i];
-    }
-    T const remaining = T(1) - w * xi;
-    if (!(T(0) < remaining)) return {T(0), T(1)};
-    T weight = -w, eta = y;
-    for (Index i = 0; i < d; ++i) {
-        T const x = f.x[i], weighted = weight * x, D = f.D[i] + weighted * x, keep = f.D[i] / D, mix = weighted / D;
-        for (Index j = i + 1; j < d; ++j) {
-            T const old = f.L(j, i), in = mix * f.x[j], out = x * old;
-            f.L(j, i) = keep * old + in;
-            f.x[j] -= out;
-        }
-        T const old = f.z[i], in = mix * eta, out = x * old;
-        f.z[i] = keep * old + in;
+        T const old = f.z[i], in = f.s[i] * eta, out = f.c[i] * old;
+        f.z[i] = f.f[i] * old + in;
         eta -= out;
-        weight *= keep;
-        f.D[i] = D;
     }
-    f.lengths.restart(f.L, f.D, f.z);
-    return {remaining, T(1)};
+    f.lengths.take_back(w, psi, y);
+    return remainder.reported();
 }
 template <class T, int N>
 Removal<T> remove(NormalEquations<T, N> f, Regressor<T> psi, T const& y, T const& w) {

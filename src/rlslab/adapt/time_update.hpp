@@ -102,12 +102,13 @@ void discount(NormalEquations<T, N> f, T const& lambda) {
 template <class T, int N>
 void inflate(PlainCovariance<T, N> f, T const& c, Regressor<T> a) {
     keep_regressor(a, f.f);
-    for (Index j = 0; j < a.size(); ++j)
-        for (Index i = 0; i <= j; ++i) {  // one product for both triangles: symmetric stays symmetric
-            T const weighted = c * f.f[i], more = weighted * f.f[j];
-            f.P(i, j) += more;
-            if (i != j) f.P(j, i) += more;
-        }
+    if constexpr (Real<T>) {  // one product for both triangles: symmetric stays symmetric
+        scale(f.f, square_root(c), f.f);
+        add_square(f.P, f.f);
+    } else {
+        for (Index j = 0; j < a.size(); ++j)
+            for (Index i = 0; i < a.size(); ++i) f.P(i, j) += c * f.f[i] * f.f[j];
+    }
 }
 template <class T, int N>
 void inflate(RootCovariance<T, N, true> f, T const& c, Regressor<T> a) {

@@ -34,7 +34,7 @@ struct Stored;
 /// the noise variance sigma^2.
 template <Scalar T>
 struct Prior {
-    RealOf<T> variance = RealOf<T>(16384);                     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
+    RealOf<T> variance = RealOf<T>(16384);     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
     std::optional<Vector<T>> theta = {};       ///< theta0, size d; absent: 0
     std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I
     std::optional<Stored<T>> stored = {};      ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
@@ -47,7 +47,7 @@ struct Prior {
 template <Scalar T>
 struct Problem {
     Index size = 0;                              ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
-    RealOf<T> forgetting = RealOf<T>(1);                         ///< lambda, 0 < lambda <= 1
+    RealOf<T> forgetting = RealOf<T>(1);         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 
     /// The problem with convert(x) in place of each number x.

@@ -25,9 +25,8 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y of n numbers each, in the order above, x conjugated where it is complex; 0 for n <= 0. x and y may be the same. Where T has a wider accumulator the sum is of that
-/// type:
-/// whoever stores the result rounds it.
+/// x'y of n numbers each, in the order above, x conjugated where it is complex; 0 for n <= 0. x and y may be the same. Where T has a wider
+/// accumulator the sum is of that type: whoever stores the result rounds it.
 template <Scalar T>
 Accumulator<T> dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
@@ -35,14 +34,24 @@ Accumulator<T> dot(T const* x, T const* y, Index n) {
     if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: the running sum of one lane after another fits into registers
         return detail::lanes_summed<0, 1>(x, y, n);
     Accumulator<T> lane[8];
-    Index const lanes = std::min<Index>(n, 8);
-    for (Index i = 0; i < lanes; ++i) lane[i] = conjugate(x[i]) * y[i];
+    if (n < 8) {
+        for (Index i = 0; i < n; ++i) lane[i] = conjugate(x[i]) * y[i];
+        for (Index half = 4; half >= 1; half /= 2)
+            for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];
+        return lane[0];
+    }
+#pragma GCC unroll 8  // constant counts: -O2 keeps the lanes in registers
+    for (Index i = 0; i < 8; ++i) lane[i] = conjugate(x[i]) * y[i];
     Index k = 8;
     for (; k + 8 <= n; k += 8)
+#pragma GCC unroll 8
         for (Index i = 0; i < 8; ++i) lane[i] += conjugate(x[k + i]) * y[k + i];
     for (Index i = 0; k + i < n; ++i) lane[i] += conjugate(x[k + i]) * y[k + i];
-    for (Index half = 4; half >= 1; half /= 2)
-        for (Index i = 0; i < half && i + half < lanes; ++i) lane[i] += lane[i + half];
+#pragma GCC unroll 4
+    for (Index i = 0; i < 4; ++i) lane[i] += lane[i + 4];
+    lane[0] += lane[2];
+    lane[1] += lane[3];
+    lane[0] += lane[1];
     return lane[0];
 }
 

@@ -80,8 +80,8 @@ template <Scalar T, class LengthSquared, class PivotSquared, class Bound = Bound
 
 /// Whether the stored theta, the pivots D, and K of X K = psi are finite, for X = L diag(D) L' (all d x d). x (d) is overwritten.
 template <Scalar T, int N>
-Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& theta,
-                        StateVector<T, N> const& psi, StateVector<T, N>& x) {
+Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
+                        StateVector<T, N> const& theta, StateVector<T, N> const& psi, StateVector<T, N>& x) {
     if constexpr (!RootedScalar<T>) return true;  // the rationals are finite
     using Bound = BoundOf<T>;
     Truth<T> const kept = all_finite(theta) && all_finite(D);
@@ -162,6 +162,18 @@ public:
         start(factors...);
     }
 
+    /// Takes the row [psi' y] of weight w out of the sums, with what rounding may have put into them: they stay bounds.
+    void take_back(T const& w, Regressor<T> psi, T const& y) {
+        Bound slack(0);
+        if constexpr (Real<T>) slack = Bound(std::ldexp(1.0, 3 - significand_bits<Bound>()));
+        auto const less = [&](Bound& sum, T const& x) {
+            Bound const allowed = sum * slack, kept = sum - Bound(w) * square(x);
+            sum = kept + allowed;
+        };
+        for (Index j = 0; j < squares_.size(); ++j) less(squares_[j], psi[j]);
+        less(right_, y);
+    }
+
     /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
     /// (d) is overwritten.
     Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
@@ -171,8 +183,8 @@ public:
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
-                  StateVector<T, N> const& z, StateVector<T, N>& x) {
+    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
+                  StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);

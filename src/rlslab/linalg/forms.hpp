@@ -25,13 +25,21 @@ struct RootCovariance {
     StateVector<T, N>&theta, &K, &f, &g;  // f, g: workspace
     StateMatrix<T, N>& S;
 };
+template <Real T, int N>
+struct RootCovariance<T, N, true> {
+    using scalar = T;
+    T& lambda;
+    DivisorNearOne<T>& by_root_lambda;
+    StateVector<T, N>&theta, &K, &f, &g, &h, &v;  // f, g, h, v: workspace
+    StateMatrix<T, N>& S;
+};
 /// P = U diag(D) U'.
 template <Field T, int N>
 struct UdCovariance {
     using scalar = T;
     T& lambda;
     DivisorNearOne<T>& by_lambda;
-    StateVector<T, N>&theta, &K, &f, &g;  // f, g: workspace
+    StateVector<T, N>&theta, &K, &f, &g, &h, &v;  // f, g, h, v: workspace
     StateVector<T, N>& D;
     StateMatrix<T, N>& U;
 };
@@ -49,7 +57,7 @@ template <Field T, int N>
 struct UnitInformation {
     using scalar = T;
     T& lambda;
-    StateVector<T, N>&z, &x, &c, &s;  // x, c, s: workspace
+    StateVector<T, N>&z, &x, &c, &s, &f, &g;  // x, c, s, f, g: workspace
     StateVector<T, N>& D;
     StateMatrix<T, N>& L;
     Lengths<T, N>& lengths;

@@ -137,6 +137,17 @@ struct SubtractRankOne {
     RealOf<T> correction;
     T at(Index j) const { return conjugate(f[j]); }
 };
+/// A_ij += w_i w_j. w is only read.
+template <class T>
+struct AddSquare {
+    static constexpr int registers = 8;
+    static constexpr bool upper = false, writes = true;
+    static constexpr Start starts = Start::column;
+    Index d, ld;
+    T* A;
+    T const* w;
+    T at(Index j) const { return w[j]; }
+};
 /// A_ij = A_ji' = t + t correction, t = A_ij - w_i f_j', for i <= j; A is symmetric (Hermitian: its diagonal stays real).
 template <class T>
 struct SubtractMirrored {
@@ -228,6 +239,14 @@ struct Eliminate {
     T const* L;
     T* x;
 };
+/// x_i /= L_ii, then x_j -= x_i L_ji for i = 0, 1, ... and j > i.
+template <class T>
+struct SolveLower {
+    static constexpr bool writes = false, corners = true;
+    Index d, ld;
+    T const* L;
+    T* x;
+};
 /// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
 template <class T>
 struct SweepGentleman {
@@ -248,7 +267,15 @@ struct RotateIn {
     T* s;
     RealOf<T> root_lambda;
 };
-/// The same by reflections with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
+/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d - 1, d - 2, ... and j >= i, t the old L_ji and x = 0 at first; x is not
+/// kept. What is above the diagonal of L must be zeros, and stays so for finite c and s.
+template <class T>
+struct RotateOut {
+    Index d, ld;
+    T* L;
+    T const *c, *s;
+};
+/// RotateIn by reflections, with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
 ///   a = tau_i (weight L_ji + v_i' x_j),  L_ji = weight L_ji - a,   x_j -= a v_i       for j > i; for (z_i, *eta) alike with v_i' for v_i
 template <class T>
 struct ReflectIn {

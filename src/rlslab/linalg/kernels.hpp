@@ -143,8 +143,14 @@ void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVect
 
 /// A = (A - x f') / r. x and f may be the same.
 template <Scalar T, int N>
-void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<RealOf<T>> const& by_r) {
+void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                       DivisorNearOne<RealOf<T>> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+}
+/// A += x x'. The same product is added to A_ij and A_ji: a symmetric A stays symmetric.
+template <Field T, int N>
+void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {
+    run_kernel<T, N>(kernels::AddSquare<T>{A.size(), A.stride(), A.column(0), x.data()});
 }
 /// A_ij = A_ji' = (A_ij - x_i f_j') / r for i <= j, A symmetric.
 template <Scalar T, int N>
@@ -154,7 +160,8 @@ void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x
 }
 /// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays symmetric.
 template <Scalar T, int N>
-void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g, DivisorNearOne<RealOf<T>> const& by_r) {
+void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g,
+                       DivisorNearOne<RealOf<T>> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
 }
 

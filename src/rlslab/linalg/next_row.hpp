@@ -62,8 +62,8 @@ void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVe
 }
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric, and next's product with it.
 template <Scalar T, int N>
-void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<RealOf<T>> const& by_r,
-                                NextRow<T, N>& next) {
+void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                                DivisorNearOne<RealOf<T>> const& by_r, NextRow<T, N>& next) {
     next.run(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 

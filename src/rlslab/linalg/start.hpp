@@ -27,7 +27,7 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
         for (Index j = 0; j < P.size(); ++j)
             for (Index i = 0; i <= j; ++i) {
                 P(i, j) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance ? stored->F(i, j)
-                                                                                                                       : P(i, j);
+                                                                                                                        : P(i, j);
                 P(j, i) = i == j ? T(real_part(P(i, j))) : conjugate(P(i, j));
             }
         return P;

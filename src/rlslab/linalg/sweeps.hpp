@@ -67,8 +67,8 @@ void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j' g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
 template <RootedScalar T, int N, class Perturb>
-void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s, DivisorNearOne<RealOf<T>> const& by_r,
-                     StateVector<T, N>& g, Perturb& perturb) {
+void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
+                     DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& g, Perturb& perturb) {
     detail::run_sweep<T, N>(
         kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb);
 }
@@ -128,6 +128,13 @@ template <Scalar T, int N>
 void sweep_gentleman(StateMatrix<T, N>& L, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
                      StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
+}
+
+/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d, d - 1, ... 1 and j >= i, x = 0 at first, t the old L_ji: carries a row out
+/// of R = L'. L is zero above its diagonal and stays so.
+template <Real T, int N>
+void rotate_out(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s) {
+    run_kernel<T, N>(kernels::RotateOut<T>{L.size(), L.stride(), L.column(0), c.data(), s.data()});
 }
 
 /// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r R_ii and acts on the

@@ -41,9 +41,11 @@ class Triangle {
             D[j] = RealOf<T>(1) / D[j];
             F(j, j) = T(RealOf<T>(1) / real_part(from(j, j)));
             if (covariance)  // column j of F^-T is row j of F^-1, by F^-1 F = I
-                for (Index i = j + 1; i < d; ++i) F(i, j) = -(conjugate(dot(F.column(j) + j, from.column(i) + j, i - j)) / real_part(from(i, i)));
+                for (Index i = j + 1; i < d; ++i)
+                    F(i, j) = -(conjugate(dot(F.column(j) + j, from.column(i) + j, i - j)) / real_part(from(i, i)));
             else
-                for (Index i = j - 1; i >= 0; --i) F(i, j) = -(conjugate(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i)) / real_part(from(i, i)));
+                for (Index i = j - 1; i >= 0; --i)
+                    F(i, j) = -(conjugate(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i)) / real_part(from(i, i)));
         }
         covariance = !covariance;
     }

@@ -23,6 +23,11 @@ template <class B, class T>
     x.subtract_product(t, s.x[i]);
 }
 
+template <class B, class T>
+[[gnu::always_inline]] inline void step(SolveLower<T> const& s, Index i, B& t, B& x) {
+    x.subtract_product(t, s.x[i]);
+}
+
 // L_ji = c_i t + s_i' x_j,  x_j -= e_i t
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
@@ -63,6 +68,13 @@ template <class B, class T>
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(Eliminate<T> const& s, Index i0, Index i, Index m, T* x) {
     T const* const row = s.L + (i0 + i) * s.ld + i0;
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
+}
+template <class T>
+[[gnu::always_inline]] inline void finish_corner_row(SolveLower<T> const& s, Index i0, Index i, Index m, T* x) {
+    T const* const row = s.L + (i0 + i) * s.ld + i0;
+    x[i] /= row[i];
 #pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
@@ -164,5 +176,26 @@ template <class B, class T>
             }
         }
         for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+    }
+}
+
+/// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are turned into zeros.
+template <class B, class T>
+[[gnu::always_inline]] inline void evaluate(RotateOut<T> const& s) {
+    for (Index j0 = 0; j0 < s.d; j0 += B::rows) {
+        B x;
+        x.zero();
+        for (Index i = std::min(j0 + B::rows, s.d) - 1; i >= 0; --i) {
+            T* const column = s.L + i * s.ld + j0;
+            B t, turned;
+            t.load(column);
+            turned = t;
+            turned.scale(s.s[i]);
+            t.scale(s.c[i]);
+            t.subtract_product(x, s.s[i]);
+            x.scale(s.c[i]);
+            x.add(turned);
+            t.store(column);
+        }
     }
 }

@@ -18,6 +18,12 @@ template <class B, class T>
     t.add_product(t, k.correction);
 }
 
+// A += w w'
+template <class B, class T>
+[[gnu::always_inline]] inline void step(AddSquare<T> const&, T const& wj, B& t, B& w) {
+    t.add_product(w, wj);
+}
+
 // A_ij = t - w_i mu_j,  w_i += t g_j
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepUd<T> const&, typename SweepUd<T>::At const& at, B& t, B& w) {
@@ -234,6 +240,19 @@ template <class B, class T>
             T const t = s.A[j * s.ld + i] - s.w[i] * conjugate(s.f[j]);
             s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.correction;
             if constexpr (ComplexScalar<T>) s.A[i * s.ld + j] = i == j ? T(t.re + t.re * s.correction) : conjugate(s.A[j * s.ld + i]);
+        }
+}
+
+/// One product for both triangles, and where their numbers are the same, one sum: stochastic rounding keeps A symmetric. (A sum with a
+/// zero is exact, and the zeros of the two triangles may differ in sign.)
+template <class B, class T>
+    requires(B::rows == 1)
+[[gnu::always_inline]] inline void evaluate(AddSquare<T> const& s) {
+    for (Index j = 0; j < s.d; ++j)
+        for (Index i = 0; i <= j; ++i) {
+            T const product = s.w[i] * s.w[j], above = s.A[j * s.ld + i], below = s.A[i * s.ld + j], sum = above + product;
+            s.A[i * s.ld + j] = select(below == above && !(below == T(0)), sum, T(below + product));
+            s.A[j * s.ld + i] = sum;
         }
 }
 
