@@ -9,6 +9,7 @@
 #endif
 
 #include <cmath>
+#include <complex>
 #include <concepts>
 #include <limits>
 #include <string_view>
@@ -62,7 +63,11 @@ concept Scalar = Field<T> || ComplexScalar<T>;
 
 /// The complex conjugate, the real part, and |x|^2 = conj(x) x. Of a real x: x, x and x^2, with the bits and the cost of these.
 template <class T>
-concept NotStdComplex = !requires(T const& x) { x.imag(); };  // of which these would not be true
+inline constexpr bool is_std_complex = false;
+template <class F>
+inline constexpr bool is_std_complex<std::complex<F>> = true;
+template <class T>
+concept NotStdComplex = !is_std_complex<T>;  // of which these would not be true
 template <NotStdComplex T>
 [[gnu::always_inline]] inline T const& conjugate(T const& x) {
     return x;

@@ -19,7 +19,7 @@ Truth<T> all_finite(StateVector<T, N> const& x) {
 template <Scalar T, class X>
 Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
     Truth<T> out = true;
-    for (Index i = 0; i < x.size(); ++i) out = out && is_finite<T>(x(i));
+    for (Index i = 0; i < x.size(); ++i) out = out && is_finite(T(x(i)));
     return out;
 }
 
