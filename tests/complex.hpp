@@ -14,8 +14,7 @@ struct ComplexRows {
     std::vector<std::complex<double>> y;
 };
 
-/// White rows, y = psi'(1 + i, -2, 3 - i/2, ...) + noise; `real`: without imaginary parts. Multiples of 2^-20, so that products in rationals
-/// stay short.
+/// White rows, y = psi'(1 + i, -2 + i/2, 3, ...) + noise; `real`: without imaginary parts. Multiples of 2^-20: short as rationals.
 inline ComplexRows complex_rows(Index size, Index rows, std::uint64_t from, double scale = 1, bool real = false) {
     ComplexRows out;
     Seed seed{from};

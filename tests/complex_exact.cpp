@@ -94,8 +94,8 @@ TEST(ComplexExact, WhichFindsEachMissingConjugate) {
     EXPECT_FALSE((is_the_real_filter<Plain<C, Broken::gain>>()));
 }
 
-/// Law 5: X theta = b for X = lambda^n P0^-1 + sum lambda^(n-k) psi psi', b = lambda^n P0^-1 theta0 + sum lambda^(n-k) psi y, P0 = 4 I. Nothing
-/// is solved: what the filter answers is put in.
+/// Law 5: X theta = b and X K = psi for X = lambda^n P0^-1 + sum lambda^(n-k) psi psi', b = lambda^n P0^-1 theta0 + sum lambda^(n-k) psi y,
+/// P0 = 4 I. Nothing is solved: what the filter answers is put in.
 template <class F>
 bool solves_the_normal_equations() {
     Q const lambda = Q(7) / 8;

@@ -10,9 +10,9 @@ namespace rlslab {
 /// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row is eliminated before any division; its
 /// weight is w, 1 at first:
 ///
-///   (1) x = psi, and for i = 1 ... d, j > i:  x_j -= x_i R_ij         (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
+///   (1) x = psi, and for i = 1 ... d, j > i:  x_j' -= x_i' R_ij       (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
 ///   (3) D' = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
-///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j,  x_j -= x_i t;   z_i and eta alike
+///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;   z_i and eta alike
 ///   (5) gamma = w_{d+1},   e = eta
 ///
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
@@ -72,8 +72,7 @@ public:
     Vector<T, N> theta() const {
         Vector<T, N> theta = z_.view();
         solve_lower_transposed(L_, theta);
-        for (Index i = 0; i < theta.size(); ++i)
-            theta[i] = select(D_[i] == RealOf<T>(0), undefined<T>(), theta[i]);
+        for (Index i = 0; i < theta.size(); ++i) theta[i] = select(D_[i] == RealOf<T>(0), undefined<T>(), theta[i]);
         return theta;
     }
     Vector<T, N> gain() const {

@@ -23,8 +23,7 @@ class QrBlock {
     RealOf<T> lambda_, root_lambda_;
     StateVector<T, N> z_, psi_, x_;
     StateVector<RealOf<T>, N> tau_;
-    StateMatrix<T, N> L_;                                  // R'
-    Lengths<T, N> lengths_;
+    StateMatrix<T, N> L_; Lengths<T, N> lengths_;          // R'
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     Rows<T> A_;                                            // a block, with y as its last column
 

@@ -65,7 +65,8 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
     return ratio;
 }
 
-/// The same for complex numbers. A holds psi as it came and L is R': both are the rows conjugated, and z and y are for as long as this takes.
+/// The same for complex numbers. A holds psi as it came, and L is R': both are the rows conjugated. z and y are conjugated for the time
+/// that this takes.
 template <RootedScalar T, int N>
     requires ComplexScalar<T>
 RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {

@@ -102,7 +102,8 @@ void eliminate(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
 }
 
 /// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + |x_i|^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` and `sums` (d) are overwritten. If 1/w_{d+1} is
-/// not finite (a zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i |x_i|^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum is 0.
+/// not finite (a zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i |x_i|^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum
+/// is 0.
 template <Scalar T, int N, class R = RealOf<T>>
 R gentleman_weights(StateVector<T, N> const& x, StateVector<R, N> const& D, StateVector<T, N>& s, StateVector<R, N>& scratch,
                     StateVector<R, N>& sums) {
