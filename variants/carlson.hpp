@@ -9,18 +9,19 @@ namespace rlslab {
 
 /// Propagates the upper triangular square root S of the covariance, P = S S':
 ///
-///   (1) f = S'psi        (2) s_j = s_{j-1} + f_j^2, s_0 = lambda      (3) r_j = sqrt(s_{j-1}/s_j), m_j = (f_j / s_{j-1}) r_j
-///   (4) v = 0, and for j = 1 ... d, i <= j, t = the old S_ij:  S_ij = (t r_j - v_i m_j) / sqrt(lambda),  v_i += t f_j
+///   (1) f = S'psi        (2) s_j = s_{j-1} + |f_j|^2, s_0 = lambda    (3) r_j = sqrt(s_{j-1}/s_j), m_j = (f_j / s_{j-1}) r_j
+///   (4) v = 0, and for j = 1 ... d, i <= j, t = the old S_ij:  S_ij = (t r_j - v_i m_j') / sqrt(lambda),  v_i += t f_j
 ///   (5) K = v / s_d, theta += K e
 ///
 /// Not f_j / sqrt(s_{j-1} s_j): the product may overflow.
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots.
 /// Source: Carlson 1973.
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class Carlson {
-    T lambda_;
-    DivisorNearOne<T> by_root_lambda_;
-    StateVector<T, N> theta_, f_, before_, s_, r_, m_, K_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_root_lambda_;
+    StateVector<T, N> theta_, f_, m_, K_;
+    StateVector<RealOf<T>, N> before_, s_, r_;
     StateMatrix<T, N> S_;
 
 public:
@@ -29,7 +30,7 @@ public:
 
     explicit Carlson(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), before_(problem.size), s_(problem.size), r_(problem.size), m_(problem.size), K_(problem.size),
+          f_(problem.size), m_(problem.size), K_(problem.size), before_(problem.size), s_(problem.size), r_(problem.size),
           S_(start_root<T, N>(problem)) {}
 
     /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
@@ -38,7 +39,7 @@ public:
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), f_);                                                   // (1)
-        T const s = prefix_sums(lambda_, f_, f_, before_, s_);                                           // (2)
+        RealOf<T> const s = prefix_sums(lambda_, f_, f_, before_, s_);                                   // (2)
         divide(before_, s_, r_);                                                                         // (3)
         take_roots(r_, r_);
         divide(f_, before_, m_);
@@ -53,7 +54,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, s_, r_, S_}; }
+    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, s_, r_, S_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<Carlson<double>>);

@@ -16,10 +16,10 @@ namespace rlslab {
 /// Storage d^2; per update 3 d^2 + O(d) multiplications. gamma outside (0, 1] reports breakdown. P may be indefinite
 /// while gamma is inside: gamma depends on P along psi only.
 /// Source: Plackett 1950.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Conventional {
-    T lambda_;
-    DivisorNearOne<T> by_lambda_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
     StateMatrix<T, N> P_;
     [[no_unique_address]] NextRow<T, N> next_;
@@ -37,7 +37,7 @@ public:
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_, next_);                                                             // (1)
-        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
         subtract_rank_one(P_, K_, f_, by_lambda_, next_);                                                // (4)
@@ -54,7 +54,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
-    auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<Conventional<double>>);

@@ -13,10 +13,10 @@ namespace rlslab {
 ///   (4) P = (P - K h') / lambda    (5) theta += K e
 ///
 /// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Verhaegen 1989.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class ConventionalTwoSided {
-    T lambda_;
-    DivisorNearOne<T> by_lambda_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, h_, K_;
     StateMatrix<T, N> P_;
 
@@ -34,7 +34,7 @@ public:
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
         multiply_transposed(P_, psi.data(), h_);
-        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
         subtract_rank_one(P_, K_, h_, by_lambda_);                                                       // (4)
@@ -46,7 +46,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
-    auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<ConventionalTwoSided<double>>);

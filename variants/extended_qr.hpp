@@ -16,11 +16,12 @@ namespace rlslab {
 /// A rounding error in W neither grows nor decays, while one in R decays. theta and P are reported from W.
 /// Storage 2 d^2 (half used); per update 5 d^2 + O(d) multiplications, d square roots. Needs a prior: W = R^-T.
 /// Source: Yang & Böhme 1992.
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class ExtendedQr {
-    T root_lambda_;
-    DivisorNearOne<T> by_root_lambda_;
-    StateVector<T, N> theta_, z_, K_, x_, v_, c_, s_;
+    RealOf<T> root_lambda_;
+    DivisorNearOne<RealOf<T>> by_root_lambda_;
+    StateVector<T, N> theta_, z_, K_, x_, v_, s_;
+    StateVector<RealOf<T>, N> c_;
     StateMatrix<T, N> L_, V_;    // R' and W', so that their rows are contiguous
 
 public:
@@ -30,7 +31,7 @@ public:
     explicit ExtendedQr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),
           theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size),
-          c_(problem.size), s_(problem.size), L_(problem.size), V_(start_root<T, N>(problem)) {
+          s_(problem.size), c_(problem.size), L_(problem.size), V_(start_root<T, N>(problem)) {
         start_information_root(problem, L_, z_);
     }
 
@@ -39,7 +40,8 @@ public:
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         keep_regressor(psi, x_);
-        T eta = y, root_gamma = T(1);
+        T eta = y;
+        RealOf<T> root_gamma = RealOf<T>(1);
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
         Truth<T> finite = true;    // a pivot may be none that nothing was rotated into
         for (Index i = 0; i < x_.size(); ++i) {
@@ -50,7 +52,7 @@ public:
         sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);
         for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
         add_scaled(theta_, -eta, v_);
-        return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, true));
+        return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, Truth<T>(true)));
     }
 
     auto theta() const { return theta_.view(); }

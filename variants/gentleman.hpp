@@ -10,19 +10,20 @@ namespace rlslab {
 /// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row is eliminated before any division; its
 /// weight is w, 1 at first:
 ///
-///   (1) x = psi, and for i = 1 ... d, j > i:  x_j -= x_i R_ij         (2) 1/w_{i+1} = 1/w_i + x_i^2 / (lambda D_i)
-///   (3) D' = lambda D_i + w_i x_i^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
-///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j,  x_j -= x_i t;   z_i and eta alike
+///   (1) x = psi, and for i = 1 ... d, j > i:  x_j' -= x_i' R_ij       (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
+///   (3) D' = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
+///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;   z_i and eta alike
 ///   (5) gamma = w_{d+1},   e = eta
 ///
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
 /// theta (R theta = z) and K are solved for on request. Storage d^2 (half used); per update 2 d^2 + O(d)
 /// multiplications, no square root. Starts without a prior: while D has a zero the innovation is NaN and health
 /// undetermined. Sources: Gentleman 1974 (AS 75); Miller 1992 (AS 274).
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Gentleman {
-    T lambda_;
-    StateVector<T, N> D_, z_, psi_, x_, rest_, before_, c_, s_;
+    RealOf<T> lambda_;
+    StateVector<T, N> z_, psi_, x_, rest_, s_;
+    StateVector<RealOf<T>, N> D_, before_, c_;
     StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
@@ -32,8 +33,8 @@ public:
     static constexpr bool starts_without_prior = true;
 
     explicit Gentleman(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), D_(problem.size), z_(problem.size), psi_(problem.size),
-          x_(problem.size), rest_(problem.size), before_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size),
+        : lambda_(checked(problem, N).forgetting), z_(problem.size), psi_(problem.size), x_(problem.size),
+          rest_(problem.size), s_(problem.size), D_(problem.size), before_(problem.size), c_(problem.size), L_(problem.size),
           lengths_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
@@ -46,15 +47,15 @@ public:
         scale(D_, lambda_, before_);
         Truth<T> determined = true;
         Index const d = x_.size();
-        for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == T(0));
-        T const w = gentleman_weights(x_, before_, s_, c_);                                                        // (2)
+        for (Index i = 0; i < d; ++i) determined = determined && !(before_[i] == RealOf<T>(0));
+        RealOf<T> const w = gentleman_weights(x_, before_, s_, c_, D_);                                  // (2)
         add_product(before_, s_, x_, D_);                                                                // (3)
         divide(before_, D_, c_);
         divide(s_, D_, s_);
         if (!all(determined))
             for (Index i = 0; i < d; ++i) {
-                Truth<T> const nothing = D_[i] == T(0);    // before and after this row
-                c_[i] = select(nothing, T(1), c_[i]);
+                Truth<T> const nothing = D_[i] == RealOf<T>(0);    // before and after this row
+                c_[i] = select(nothing, RealOf<T>(1), c_[i]);
                 s_[i] = select(nothing, T(0), s_[i]);
             }
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
@@ -62,7 +63,7 @@ public:
         for (Index i = 0; i < d; ++i) {
             T const t = z_[i], turned = s_[i] * eta;
             z_[i] = c_[i] * t + turned;
-            eta -= x_[i] * t;
+            eta -= conjugate(x_[i]) * t;
         }
         Step<T> const step = select(determined, report(eta, w), report_undetermined(eta));               // (5)
         return if_finite(lengths_.take(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
@@ -71,8 +72,7 @@ public:
     Vector<T, N> theta() const {
         Vector<T, N> theta = z_.view();
         solve_lower_transposed(L_, theta);
-        for (Index i = 0; i < theta.size(); ++i)
-            theta[i] = select(D_[i] == T(0), undefined<T>(), theta[i]);
+        for (Index i = 0; i < theta.size(); ++i) theta[i] = select(D_[i] == RealOf<T>(0), undefined<T>(), theta[i]);
         return theta;
     }
     Vector<T, N> gain() const {
@@ -82,7 +82,7 @@ public:
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()}; }
-    auto form() { return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_}; }
+    auto form() requires Field<T> { return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.D_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);

@@ -15,16 +15,18 @@ namespace rlslab {
 /// until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts without a
 /// prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
 /// multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss; Bierman 1977.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Information {
-    T lambda_;
-    StateVector<T, N> theta_, b_, psi_, D_, f_;
+    RealOf<T> lambda_;
+    StateVector<T, N> theta_, b_, psi_, f_;
+    StateVector<RealOf<T>, N> D_;
     StateMatrix<T, N> X_, L_;
     Truth<T> positive_, started_;    // X factors; has been seen to factor
     Index rows_;                     // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
+    auto equations() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
     Information& solve() {
-        form().solve();                                                                                  // (3)
+        equations().solve();                                                                                  // (3)
         return *this;
     }
     Information solved() const { return Information(*this).solve(); }
@@ -36,7 +38,7 @@ public:
 
     explicit Information(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), b_(problem.size),
-          psi_(problem.size), D_(problem.size), f_(problem.size), X_(problem.size), L_(problem.size),
+          psi_(problem.size), f_(problem.size), D_(problem.size), X_(problem.size), L_(problem.size),
           positive_(problem.prior.has_value()), started_(positive_), rows_(problem.prior ? theta_.size() : 0) {
         start_information(problem, L_, D_);
         outer(L_, D_, X_);
@@ -48,8 +50,8 @@ public:
         T const e = innovation(y, psi, theta_);
         keep_regressor(psi, f_);
         solve_lower(L_, f_);                                                                             // (1)
-        T s = lambda_;
-        for (Index i = 0; i < f_.size(); ++i) s += f_[i] * f_[i] / D_[i];
+        RealOf<T> s = lambda_;
+        for (Index i = 0; i < f_.size(); ++i) s += absolute_square(f_[i]) / D_[i];
         Truth<T> const known = positive_, started = started_;
         accumulate(psi, y);
         if (!solved_) solve();
@@ -77,7 +79,7 @@ public:
     }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
-    auto form() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
+    auto form() requires Field<T> { return equations(); }
     static auto state(auto& f) {
         return std::tie(f.lambda_, f.theta_, f.b_, f.psi_, f.D_, f.X_, f.L_, f.positive_, f.started_, f.rows_, f.solved_); }
 };

@@ -17,11 +17,12 @@ namespace rlslab {
 ///
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
 /// Source: Alexander & Ghirnikar 1993.
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class InverseQr {
-    T lambda_;
-    DivisorNearOne<T> by_root_lambda_;
-    StateVector<T, N> theta_, a_, before_, b_, c_, s_, g_, K_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_root_lambda_;
+    StateVector<T, N> theta_, a_, s_, g_, K_;
+    StateVector<RealOf<T>, N> before_, b_, c_;
     StateMatrix<T, N> S_;
 
 public:
@@ -30,8 +31,8 @@ public:
 
     explicit InverseQr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
-          a_(problem.size), before_(problem.size), b_(problem.size), c_(problem.size), s_(problem.size), g_(problem.size),
-          K_(problem.size), S_(start_root<T, N>(problem)) {}
+          a_(problem.size), s_(problem.size), g_(problem.size), K_(problem.size), before_(problem.size), b_(problem.size),
+          c_(problem.size), S_(start_root<T, N>(problem)) {}
 
     /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays definite:
     /// docs/theory.md 33, 34.
@@ -40,20 +41,20 @@ public:
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(S_, psi.data(), a_);                                                   // (1)
         divide(a_, by_root_lambda_, a_);
-        T const b = prefix_norms(a_, before_, b_);                                                       // (2)
+        RealOf<T> const b = prefix_norms(a_, before_, b_);                                               // (2)
         divide(before_, b_, c_);
         divide(a_, b_, s_);
         sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
-        return if_finite(all_finite(theta_) && is_finite(b), report(e, T(T(1) / (b * b))));
+        return if_finite(all_finite(theta_) && is_finite(b), report(e, RealOf<T>(RealOf<T>(1) / (b * b))));
     }
 
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, b_, g_, S_}; }
+    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, b_, g_, S_}; }
     static auto state(auto& f) { return std::tie(f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<InverseQr<double>>);

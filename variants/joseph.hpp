@@ -12,10 +12,10 @@ namespace rlslab {
 ///   (4) A = I - K psi'             (5) P = (A P) A' / lambda + K K'                  (6) theta += K e
 ///
 /// Storage 3 d^2; per update 2 d^3 + O(d^2) multiplications. Source: Bucy & Joseph 1968. Nothing is symmetrised.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Joseph {
-    T lambda_;
-    DivisorNearOne<T> by_lambda_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, psi_, f_, K_;
     StateMatrix<T, N> P_, A_, AP_;
 
@@ -34,19 +34,19 @@ public:
         keep_regressor(psi, psi_);    // which may be K's own numbers
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
-        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
         Index const d = f_.size();
         for (Index j = 0; j < d; ++j) {
-            for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * psi_[j]);                                  // (4)
+            for (Index i = 0; i < d; ++i) A_(i, j) = -(K_[i] * conjugate(psi_[j]));                       // (4)
             A_(j, j) += T(1);
         }
         multiply(A_, P_, AP_);                                                                           // (5)
         multiply_by_transposed(AP_, A_, P_);
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i < d; ++i) {
-                T const square = K_[i] * K_[j];
+                T const square = K_[i] * conjugate(K_[j]);
                 P_(i, j) = by_lambda_(P_(i, j)) + square;
             }
         add_scaled(theta_, e, K_);                                                                       // (6)
@@ -57,7 +57,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
-    auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<Joseph<double>>);

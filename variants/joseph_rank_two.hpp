@@ -12,12 +12,12 @@ namespace rlslab {
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
 ///
-/// K_i g_j + g_i K_j is the same number with i and j exchanged: P stays symmetric (why not always: docs/theory.md 79).
+/// K_i g_j' + g_i K_j' is the same number with i and j exchanged: P stays symmetric (why not always: docs/theory.md 79).
 /// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class JosephRankTwo {
-    T lambda_;
-    DivisorNearOne<T> by_lambda_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, g_, K_;
     StateMatrix<T, N> P_;
 
@@ -34,10 +34,10 @@ public:
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);                                                                    // (1)
-        T const s = lambda_ + dot(psi, f_);                                                              // (2)
+        RealOf<T> const s = lambda_ + real_part(dot(psi, f_));                                           // (2)
         divide(f_, s, K_);                                                                               // (3)
         perturb(K_);
-        T const half = s / T(2);
+        RealOf<T> const half = s / RealOf<T>(2);
         for (Index i = 0; i < f_.size(); ++i) g_[i] = f_[i] - half * K_[i];                              // (4)
         subtract_rank_two(P_, K_, g_, by_lambda_);                                                       // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
@@ -48,7 +48,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
-    auto form() { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<JosephRankTwo<double>>);

@@ -16,9 +16,9 @@ namespace rlslab {
 /// exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
 /// Storage 2 d^2; per update 4 d^2 + O(d) multiplications. Antisymmetric errors grow as in `conventional`.
 /// Sources: Kalman 1960; Sayed & Kailath 1994.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Kalman {
-    DivisorNearOne<T> by_lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
     StateMatrix<T, N> P_, Q_;
     bool walks_;
@@ -34,7 +34,7 @@ public:
     /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether Q is
     /// positive semidefinite is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
-        expects(Q.rows() == f_.size() && Q.cols() == f_.size() && Q == Q.transpose(), "a symmetric Q of size x size");
+        expects(Q.rows() == f_.size() && Q.cols() == f_.size() && Q == Q.adjoint(), "a symmetric Q of size x size");
         for (Index j = 0; j < f_.size(); ++j)
             for (Index i = 0; i < f_.size(); ++i) Q_(i, j) = Q(i, j);
         walks_ = true;
@@ -50,12 +50,12 @@ public:
                 if (walks_) P_(i, j) += Q_(i, j);    // + 0 would change the sign of -0
             }
         multiply(P_, psi.data(), f_);                                                                    // (2)
-        T const s = T(1) + dot(psi, f_);                                                                 // (3)
+        RealOf<T> const s = RealOf<T>(1) + real_part(dot(psi, f_));                                      // (3)
         divide(f_, s, K_);                                                                               // (4)
         perturb(K_);
-        subtract_rank_one(P_, K_, f_, DivisorNearOne<T>(T(1)));                                               // (5)
+        subtract_rank_one(P_, K_, f_, DivisorNearOne<RealOf<T>>(RealOf<T>(1)));                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, T(1), s, theta_);
+        return report(e, RealOf<T>(1), s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

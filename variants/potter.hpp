@@ -12,10 +12,10 @@ namespace rlslab {
 ///   (4) S = (S - v f' / (s + sqrt(lambda s))) / sqrt(lambda)        (5) theta += K e
 ///
 /// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: Potter 1963, in Bierman 1977.
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class Potter {
-    T lambda_;
-    DivisorNearOne<T> by_root_lambda_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_root_lambda_;
     StateVector<T, N> theta_, f_, v_, K_;
     StateMatrix<T, N> S_;
 
@@ -32,7 +32,7 @@ public:
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
         multiply_transposed(S_, psi.data(), f_);                                                         // (1)
-        T const s = lambda_ + dot(f_, f_);                                                               // (2)
+        RealOf<T> const s = lambda_ + real_part(dot(f_, f_));                                            // (2)
         multiply(S_, f_.data(), v_);                                                                     // (3)
         perturb(v_);
         divide(v_, s, K_);
@@ -46,7 +46,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() { return RootCovariance<T, N, false>{lambda_, by_root_lambda_, theta_, K_, f_, v_, S_}; }
+    auto form() requires Field<T> { return RootCovariance<T, N, false>{lambda_, by_root_lambda_, theta_, K_, f_, v_, S_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<Potter<double>>);

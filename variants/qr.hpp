@@ -17,10 +17,11 @@ namespace rlslab {
 /// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
 /// zero on its diagonal the innovation is NaN and health undetermined.
 /// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class Qr {
-    T lambda_, root_lambda_;
-    StateVector<T, N> z_, psi_, x_, c_, s_;
+    RealOf<T> lambda_, root_lambda_;
+    StateVector<T, N> z_, psi_, x_, s_;
+    StateVector<RealOf<T>, N> c_;
     StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
 
@@ -31,14 +32,15 @@ public:
 
     explicit Qr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
-          x_(problem.size), c_(problem.size), s_(problem.size), L_(problem.size), lengths_(problem.size) {
+          x_(problem.size), s_(problem.size), c_(problem.size), L_(problem.size), lengths_(problem.size) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_, x_);
-        T eta = y, root_gamma = T(1);
+        T eta = y;
+        RealOf<T> root_gamma = RealOf<T>(1);
         Truth<T> const determined = lengths_.determined();
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
         for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
@@ -50,7 +52,7 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    auto form() { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }
+    auto form() requires Field<T> { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);

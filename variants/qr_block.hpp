@@ -18,19 +18,19 @@ namespace rlslab {
 /// update() processes one row and reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
 /// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior, and should if
 /// 1/sqrt(P0) is below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
-template <Real T, int N = Dynamic>
+template <RootedScalar T, int N = Dynamic>
 class QrBlock {
-    T lambda_, root_lambda_;
-    StateVector<T, N> z_, psi_, x_, tau_;
-    StateMatrix<T, N> L_;                                  // R'
-    Lengths<T, N> lengths_;
+    RealOf<T> lambda_, root_lambda_;
+    StateVector<T, N> z_, psi_, x_;
+    StateVector<RealOf<T>, N> tau_;
+    StateMatrix<T, N> L_; Lengths<T, N> lengths_;          // R'
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     Rows<T> A_;                                            // a block, with y as its last column
 
     /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a zero.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
-    PerLane<T, Health> fold_in(T const& weight, Index rows) {
+    PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
         lengths_.take_rows(weight, A_);
         reflect_block_into(weight, L_, z_, A_);
         rows_ += rows;
@@ -56,7 +56,7 @@ public:
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        return fold_in(weighted_rows(psi, y, root_lambda_, A_), rows);                                           // (1)
+        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_), rows);                                          // (1)
     }
 
     /// Appends the rows of `newer`, a filter of this problem that started without prior.
@@ -74,7 +74,7 @@ public:
         Truth<T> const before = determined();
         ++rows_;
         T eta = y;
-        T const root_gamma = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
+        RealOf<T> const root_gamma = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
         Step<T> const step = report_rotated(eta, root_gamma, before);
         return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !before, step);
     }

@@ -9,18 +9,19 @@ namespace rlslab {
 
 /// Propagates P = U D U', U unit upper triangular. All divisions come before the sweep over U's columns:
 ///
-///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
-///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j,  v_i += t g_j
+///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j'g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
+///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j', v_i += t g_j
 ///   (5) K = v / s_d, theta += K e
 ///
 /// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. P is definite exactly while every D_j > 0.
 /// Storage d^2 (half used); per update 1.5 d^2 + O(d) multiplications.
 /// Source: Bierman 1977; Thornton 1976.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Ud {
-    T lambda_;
-    DivisorNearOne<T> by_lambda_;
-    StateVector<T, N> theta_, D_, f_, g_, before_, s_, mu_, K_;
+    RealOf<T> lambda_;
+    DivisorNearOne<RealOf<T>> by_lambda_;
+    StateVector<T, N> theta_, f_, g_, mu_, K_;
+    StateVector<RealOf<T>, N> D_, before_, s_;
     StateMatrix<T, N> U_;
 
 public:
@@ -29,8 +30,8 @@ public:
 
     explicit Ud(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          D_(problem.size), f_(problem.size), g_(problem.size), before_(problem.size), s_(problem.size), mu_(problem.size),
-          K_(problem.size), U_(problem.size) {
+          f_(problem.size), g_(problem.size), mu_(problem.size), K_(problem.size), D_(problem.size), before_(problem.size),
+          s_(problem.size), U_(problem.size) {
         start_ud(problem, U_, D_);
     }
 
@@ -41,7 +42,7 @@ public:
         T const e = innovation(y, psi, theta_);
         multiply_upper_transposed(U_, psi.data(), f_);                                                   // (1)
         scale(D_, f_, g_);
-        T const s = prefix_sums(lambda_, f_, g_, before_, s_);                                           // (2)
+        RealOf<T> const s = prefix_sums(lambda_, f_, g_, before_, s_);                                   // (2)
         divide(f_, before_, mu_);
         divide(before_, s_, before_);                                                                    // (3)
         scale(D_, before_, D_);
@@ -56,7 +57,7 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
-    auto form() { return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_}; }
+    auto form() requires Field<T> { return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_}; }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.D_, f.K_, f.U_); }
 };
 static_assert(GainPerturbable<Ud<double>>);

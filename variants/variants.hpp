@@ -26,12 +26,12 @@ namespace rlslab {
 
 namespace detail {
 /// T if T has a square root. Otherwise double, so that `OverScalar` leaves the square-root forms out of T's list.
-template <Field T>
-using Rooted = std::conditional_t<Real<T>, T, double>;
+template <Scalar T>
+using Rooted = std::conditional_t<RootedScalar<T>, T, double>;
 }  // namespace detail
 
 /// Every variant that exists in the arithmetic T, in the order in which people read about them.
-template <Field T, class R = detail::Rooted<T>>
+template <Scalar T, class R = detail::Rooted<T>>
 using Variants = OverScalar<T,
     Conventional<T>,
     ConventionalTwoSided<T>,

@@ -18,10 +18,14 @@ struct Digest {
         std::uint64_t const bits = x == x ? std::bit_cast<std::uint64_t>(x) : 0x7ff8000000000000;
         for (int i = 0; i < 8; ++i) hash = (hash ^ (bits >> (8 * i) & 0xff)) * 0x100000001b3;
     }
+    void add(Complex<float> const& x) {
+        add(double(x.re));
+        add(double(x.im));
+    }
     template <class M>
     void add_all(M const& A) {
         for (Index j = 0; j < A.cols(); ++j)
-            for (Index i = 0; i < A.rows(); ++i) add(double(A(i, j)));
+            for (Index i = 0; i < A.rows(); ++i) add(A(i, j));
     }
 };
 
@@ -29,6 +33,16 @@ void print_hex(std::uint64_t x) {
     char text[17] = {};
     for (int i = 0; i < 16; ++i) text[i] = "0123456789abcdef"[x >> (60 - 4 * i) & 15];
     print(text);
+}
+
+template <class T>
+T number(Seed& seed, double scale) {
+    if constexpr (ComplexScalar<T>) {
+        float const re = float(seed.bell() * scale);
+        return {re, float(seed.bell() * scale)};
+    } else {
+        return T(seed.bell() * scale);
+    }
 }
 
 template <class F, int N>
@@ -40,10 +54,12 @@ template <class F, int N>
     for (int k = 0; k < 100; ++k) {
         // From rows of noise to rows of 2^40 or 2^-140: large, subnormal in float.
         double const scale = k % 17 == 11 ? 0x1p40 : k % 17 == 13 ? 0x1p-140 : 1;
-        for (T& x : psi) x = T(seed.bell() * scale);
-        T const y = T(seed.bell()) + psi[0];
+        for (T& x : psi) x = number<T>(seed, scale);
+        T const y = number<T>(seed, 1) + psi[0];
         Step<T> const step = filter.update({psi, N}, y);
-        for (T const& x : {step.innovation, step.residual, step.gamma}) out.add(double(x));
+        out.add(step.innovation);
+        out.add(step.residual);
+        out.add(step.gamma);
         out.add(int(step.health));
     }
     out.add_all(Vector<T, N>(filter.theta()));
@@ -51,7 +67,7 @@ template <class F, int N>
     if constexpr (ReportsCovariance<F>) out.add_all(Matrix<T, N>(filter.covariance()));
     else out.add_all(Matrix<T, N>(filter.information()));
     print(F::name.data());
-    print(sizeof(T) == 4 ? " float " : " double ");
+    print(ComplexScalar<T> ? " complex float " : sizeof(T) == 4 ? " float " : " double ");
     print(N < 10 ? "" : "1");
     char const digit[] = {char('0' + N % 10), ' ', 0};
     print(digit);
@@ -65,7 +81,7 @@ template <template <class, int> class V, class T>
 struct Sizes<V<T, Dynamic>> {
     template <int N>
     static void run() {
-        V<T, N> filter({.size = N, .forgetting = T(0.984375)});
+        V<T, N> filter({.size = N, .forgetting = RealOf<T>(0.984375)});
         digest<V<T, N>, N>(filter);
     }
     static void all() {
@@ -95,4 +111,5 @@ int main() {
     digest_of_delayed();
     for_each(Variants<float>{}, []<class F>() { Sizes<F>::all(); });
     for_each(Variants<double>{}, []<class F>() { Sizes<F>::all(); });
+    for_each(Variants<Complex<float>>{}, []<class F>() { Sizes<F>::all(); });
 }

@@ -61,7 +61,7 @@ auto const& guard_of(F const& f) {
 /// Assumes a fixed theta and noise white and independent of psi. Until s2 has rows, deviations are NaN. Cost O(1) a row; (3) that of
 /// variance(F, j), (4) that of variance_along. Allocates as F does.
 /// Throws std::invalid_argument for a noise memory below 1, a psi of another size, or j outside 0 ... d-1. Source: docs/theory.md 61.
-template <RecursiveLeastSquares F>
+template <OverOrderedField F>
     requires Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
              requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); }
 class Assessed {

@@ -107,7 +107,7 @@ Health hand_over(Stored<S> const& from, Vector<S> const& theta, Stored<T> const&
 ///
 /// From any variant to any dense one. A walk (Kalman's Q) does not go along; gain() is zero until the next row. Allocates; d^3 operations.
 /// Throws std::invalid_argument for a forgetting outside (0, 1], or a fixed size that is another. Source: Bierman 1977.
-template <RecursiveLeastSquares To, RecursiveLeastSquares From>
+template <OverOrderedField To, OverOrderedField From>
     requires(std::same_as<Truth<typename To::scalar>, bool> && std::same_as<Truth<typename From::scalar>, bool>)
 Converted<To> convert(From const& from, typename To::scalar const& forgetting = typename To::scalar(1)) {
     using T = typename To::scalar;

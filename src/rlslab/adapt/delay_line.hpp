@@ -25,7 +25,7 @@ namespace rlslab {
 /// A line of Dynamic size that was moved from has size 0, and push leaves it so.
 /// Throws std::invalid_argument where the size is below 1, or not N. Storage 2 N.
 /// Source: folklore (a mirrored ring buffer).
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class DelayLine {
     static_assert(N == Dynamic || N >= 1, "a delay line has at least one sample");
     std::conditional_t<N == Dynamic, std::vector<T>, std::array<T, size_t(N == Dynamic ? 1 : 2 * N)>> ring_;

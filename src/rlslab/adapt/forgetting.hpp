@@ -21,7 +21,7 @@ struct RuleMemory {
 ///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
 template <class Rule, class F>
-concept ForgettingRule = RecursiveLeastSquares<F> && std::copyable<Rule> &&
+concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
                          requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
                                   RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
                              rule.start(problem, memory);
@@ -31,7 +31,7 @@ concept ForgettingRule = RecursiveLeastSquares<F> && std::copyable<Rule> &&
 /// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as without a rule; most
 /// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
 /// a rule that asks for them does allocate at dynamic size. gain() is of the last row that F took, which may be one of the rule's.
-template <RecursiveLeastSquares F, ForgettingRule<F> Rule>
+template <OverOrderedField F, ForgettingRule<F> Rule>
 class Forgetting {
     using T = typename F::scalar;
     F filter_;

@@ -96,7 +96,7 @@ Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, Info
 /// lambda^n / (1 + lambda^n) of the information in every direction, n the rows of `older`: (2) loses few digits until lambda^n is small.
 /// Not for parts whose lambda or weights were chosen from the data, nor for a walk. Health as convert reports it; gain() is
 /// zero until the next row. Throws std::invalid_argument for parts of another size. d^3 operations. Source: Bierman 1977.
-template <RecursiveLeastSquares F>
+template <OverOrderedField F>
     requires(std::same_as<Truth<typename F::scalar>, bool>)
 Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<typename F::scalar> const& problem) {
     using T = typename F::scalar;

@@ -23,7 +23,7 @@ namespace rlslab {
 ///             innovation, whose variance is the same in all rows. A guard learns nothing of the noise from (3)
 /// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and a root.
 /// Source: folklore; derived (docs/theory.md 63).
-template <RecursiveLeastSquares F>
+template <OverOrderedField F>
     requires std::same_as<Truth<typename F::scalar>, bool> && (Real<typename F::scalar> || TimeUpdates<F>)
 class Weighted {
     using T = typename F::scalar;

@@ -21,7 +21,7 @@ namespace rlslab {
 /// Unchecked:   determinism; that copying copies the whole state; that reports do not change later results.
 ///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.
 template <class F>
-concept RecursiveLeastSquares = Field<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
+concept RecursiveLeastSquares = Scalar<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
                                 requires(F f, F const c, Regressor<typename F::scalar> psi, typename F::scalar y) {
                                     { F::name } -> std::convertible_to<std::string_view>;
                                     { f.update(psi, y) } -> std::same_as<Step<typename F::scalar>>;
@@ -29,6 +29,10 @@ concept RecursiveLeastSquares = Field<typename F::scalar> && std::copyable<F> &&
                                     { c.gain() } -> std::convertible_to<Vector<typename F::scalar>>;
                                     { c.stored() } -> std::same_as<Stored<typename F::scalar>>;
                                 };
+
+/// Over an ordered field. What is composed around a filter asks for it as long as its formulas are not written for complex numbers.
+template <class F>
+concept OverOrderedField = RecursiveLeastSquares<F> && Field<typename F::scalar>;
 
 /// Propagates P, d x d, or a factor of it. covariance() is P; factors are multiplied out in the filter's own arithmetic.
 template <class F>

@@ -1,7 +1,7 @@
 // The problem every variant solves, and what one update reports.
 #pragma once
 
-#include <rlslab/core/scalar.hpp>
+#include <rlslab/core/complex.hpp>
 
 #include <Eigen/Core>
 #include <initializer_list>
@@ -32,25 +32,27 @@ struct Stored;
 
 /// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
 /// the noise variance sigma^2.
-template <Field T>
+template <Scalar T>
 struct Prior {
-    T variance = T(16384);                     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
+    RealOf<T> variance = RealOf<T>(16384);     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
     std::optional<Vector<T>> theta = {};       ///< theta0, size d; absent: 0
-    std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric positive definite; absent: variance x I
+    std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I
     std::optional<Stored<T>> stored = {};      ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
 };
 
 /// Minimise over theta, after k rows,
 ///   J_k = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i' theta)^2.
-/// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that.
-template <Field T>
+/// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that. With complex numbers ' is the
+/// conjugate transpose, and the square is |y - psi'theta|^2 (docs/notation.md).
+template <Scalar T>
 struct Problem {
     Index size = 0;                              ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
-    T forgetting = T(1);                         ///< lambda, 0 < lambda <= 1
+    RealOf<T> forgetting = RealOf<T>(1);         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 
     /// The problem with convert(x) in place of each number x.
     template <Field To, class Convert>
+        requires Field<T>
     Problem<To> mapped(Convert convert) const {
         Problem<To> out{.size = size, .forgetting = convert(forgetting), .prior = std::nullopt};
         if (!prior) return out;
@@ -89,16 +91,16 @@ constexpr std::string_view name_of(Health health) {
 constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
 
 /// What one update reports. While theta is undetermined innovation and residual are NaN and gamma is 0.
-template <Field T>
+template <Scalar T>
 struct Step {
-    T innovation;  ///< e = y - psi' theta(k-1), in the unit of y
-    T residual;    ///< y - psi' theta(k), evaluated as gamma e
-    T gamma;       ///< conversion factor lambda / s, in (0, 1], without unit; 0 when it underflows
+    T innovation;     ///< e = y - psi' theta(k-1), in the unit of y
+    T residual;       ///< y - psi' theta(k), evaluated as gamma e
+    RealOf<T> gamma;  ///< conversion factor lambda / s, in (0, 1], without unit; 0 when it underflows
     PerLane<T, Health> health = Health::sound;
 };
 
 /// a in the lanes where `truth` holds, b in the others.
-template <Field T>
+template <Scalar T>
 Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
     requires(!std::same_as<Truth<T>, bool>)
 {
@@ -108,22 +110,23 @@ Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
 
 /// The step of an update with innovation e and conversion factor gamma; its residual is gamma e. Health is nonfinite if e or gamma is not
 /// finite, else indefinite if gamma lies outside [0, 1], else sound.
-template <Field T>
-Step<T> report(T const& innovation, T const& gamma) {
+template <Scalar T>
+Step<T> report(T const& innovation, std::type_identity_t<RealOf<T>> const& gamma) {
+    using R = RealOf<T>;
     PerLane<T, Health> health = Health::sound;
-    health = select(gamma < T(0) || T(1) < gamma, PerLane<T, Health>(Health::indefinite), health);
+    health = select(gamma < R(0) || R(1) < gamma, PerLane<T, Health>(Health::indefinite), health);
     health = select(is_finite(innovation) && is_finite(gamma), health, PerLane<T, Health>(Health::nonfinite));
     return {innovation, gamma * innovation, gamma, health};
 }
 
 /// The same for gamma = lambda / s. If s overflowed, health is nonfinite: gamma alone would be 0 and look sound.
-template <Field T>
-Step<T> report(T const& innovation, T const& lambda, T const& s) {
-    return if_finite(is_finite(s), report(innovation, T(lambda / s)));
+template <Scalar T>
+Step<T> report(T const& innovation, std::type_identity_t<RealOf<T>> const& lambda, std::type_identity_t<RealOf<T>> const& s) {
+    return if_finite(is_finite(s), report(innovation, RealOf<T>(lambda / s)));
 }
 
 /// The step, with health nonfinite in the lanes where `finite` is false.
-template <Field T>
+template <Scalar T>
 Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
     step.health = select(finite, step.health, PerLane<T, Health>(Health::nonfinite));
     return step;
@@ -131,7 +134,7 @@ Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
 
 /// The health after rows that were processed without a step. taken: the rows were finite; determined: they determine theta; finite: theta
 /// and the gain are finite. Not taken is nonfinite, not determined is undetermined, not finite is nonfinite, in this order.
-template <Field T>
+template <Scalar T>
 PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, Truth<T> const& finite) {
     using H = PerLane<T, Health>;
     H const answered = select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
@@ -139,18 +142,19 @@ PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, 
 }
 
 /// The value of a result that is not defined: NaN, or 0 in a scalar that has no NaN (the rationals).
-template <Field T>
+template <Scalar T>
 T undefined() {
-    if constexpr (Real<T>)  // the rationals have none
+    if constexpr (ComplexScalar<T>) return {undefined<RealOf<T>>(), undefined<RealOf<T>>()};
+    else if constexpr (Real<T>)  // the rationals have none
         return T(std::numeric_limits<double>::quiet_NaN());
     else return T(0);
 }
 
 /// The step before theta is determined: innovation and residual are undefined(), gamma is 0. `seen` is a number computed from the row that
 /// is not finite if the row was not: health is then nonfinite instead of undetermined.
-template <Field T>
+template <Scalar T>
 Step<T> report_undetermined(T const& seen) {
-    return {undefined<T>(), T(0), T(0),
+    return {undefined<T>(), T(0), RealOf<T>(0),
             select(is_finite(seen), PerLane<T, Health>(Health::undetermined), PerLane<T, Health>(Health::nonfinite))};
 }
 
@@ -158,9 +162,9 @@ Step<T> report_undetermined(T const& seen) {
 ///   gamma = root_gamma^2,   innovation = eta / root_gamma,   residual = eta root_gamma
 /// eta is the rotated output, root_gamma the product of the cosines. determined: R had no zero on its diagonal before this row. If
 /// root_gamma underflows to 0, the innovation is not known and health is nonfinite.
-template <Field T>
-Step<T> report_rotated(T const& eta, T const& root_gamma, Truth<T> const& determined) {
-    T const gamma = root_gamma * root_gamma;
+template <Scalar T>
+Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const& determined) {
+    RealOf<T> const gamma = root_gamma * root_gamma;
     Step<T> step = report(T(eta / root_gamma), gamma);
     step.residual = eta * root_gamma;
     return select(determined, step, report_undetermined(eta));
@@ -187,7 +191,7 @@ inline void expects(bool holds, char const* what) {
 /// 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a full P0 is positive
 /// definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range of T is accepted: the consequence is
 /// numerical breakdown, not misuse.
-template <Field T>
+template <Scalar T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     bool const implied = fixed_size != Dynamic && problem.size == 0;
     Index const size = implied ? fixed_size : problem.size;
@@ -196,7 +200,7 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     expects(all(is_forgetting_factor(problem.forgetting)), "0 < forgetting <= 1");
     if (problem.prior) {
         auto const& prior = *problem.prior;
-        expects(all(T(0) < prior.variance), "prior variance > 0");
+        expects(all(RealOf<T>(0) < prior.variance), "prior variance > 0");
         expects(!prior.theta || prior.theta->size() == size, "prior theta of the problem's size");
         expects(!prior.covariance || (prior.covariance->rows() == size && prior.covariance->cols() == size),
                 "prior covariance of the problem's size");
@@ -206,7 +210,12 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         if (prior.covariance)
             for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
-                    expects(all((*prior.covariance)(i, j) == (*prior.covariance)(j, i)), "a symmetric prior covariance");
+                    expects(all((*prior.covariance)(i, j) == conjugate((*prior.covariance)(j, i))), "a symmetric prior covariance");
+        if constexpr (ComplexScalar<T>) {
+            if (prior.covariance)
+                for (Index j = 0; j < size; ++j)
+                    expects(all((*prior.covariance)(j, j).im == RealOf<T>(0)), "a Hermitian prior covariance: a real diagonal");
+        }
     }
     return problem;
 }
@@ -226,8 +235,8 @@ concept Contiguous = (OfEigen<C> && requires(C const& c) {
 
 /// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of data, numbers
 /// in braces. It copies nothing and must not outlive them. An update accepts a view of the filter's own theta or gain. Numbers that are not
-/// contiguous do not compile: update(X.row(k).eval(), y) copies them first.
-template <Field T>
+/// contiguous do not compile: update(X.row(k).eval(), y) copies them first. Complex<F> views numbers of std::complex<F> as they are.
+template <Scalar T>
 class Regressor {
     T const* data_;
     Index size_;
@@ -239,6 +248,9 @@ public:
     Regressor(std::initializer_list<T> numbers) : Regressor(numbers.begin(), Index(numbers.size())) {}
     template <detail::Contiguous<T> Container>
     Regressor(Container const& c) : Regressor(std::data(c), Index(std::size(c))) {}
+    template <detail::Contiguous<std::complex<RealOf<T>>> Container>
+        requires ComplexScalar<T> && std::floating_point<RealOf<T>>
+    Regressor(Container const& c) : data_(detail::viewed(std::data(c))), size_(Index(std::size(c))) {}
     T const* data() const { return data_; }
     Index size() const { return size_; }
     T const& operator[](Index i) const { return data_[i]; }

@@ -17,7 +17,7 @@ template <RecursiveLeastSquares F, class Psi, class Y>
 Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen::MatrixBase<Y> const& y) {
     using T = typename F::scalar;
     expects(psi.cols() == y.size(), "as many outputs as regressors");
-    Step<T> step{undefined<T>(), undefined<T>(), undefined<T>()};
+    Step<T> step{undefined<T>(), undefined<T>(), undefined<RealOf<T>>()};
     if constexpr (TakesBlocks<F>) {
         for (Index k = 0; k < y.size(); k += F::block) {
             Index const rows = std::min<Index>(F::block, y.size() - k);

@@ -9,6 +9,7 @@
 #endif
 
 #include <cmath>
+#include <complex>
 #include <concepts>
 #include <limits>
 #include <string_view>
@@ -37,9 +38,52 @@ concept Field = std::copyable<T> && std::constructible_from<T, int> && std::cons
                 };
 // clang-format on
 
-/// The type of a comparison of two T: bool, or one truth for each lane where T is a Pack of numbers.
+template <Field F>
+class Complex;
+
+/// The type of the numbers that are real by theory, whatever the data are: lambda, s, gamma, D, the diagonal of R, c of a rotation. T
+/// itself, or F for Complex<F>: no rounding error can put an imaginary part into them.
 template <class T>
-using Truth = std::remove_cvref_t<decltype(std::declval<T const&>() < std::declval<T const&>())>;
+struct RealOfScalar {
+    using type = T;
+};
+template <Field F>
+struct RealOfScalar<Complex<F>> {
+    using type = F;
+};
+template <class T>
+using RealOf = typename RealOfScalar<T>::type;
+
+template <class T>
+concept ComplexScalar = !std::same_as<RealOf<T>, T>;
+/// The scalar of a variant: an ordered field, or the complex numbers over one. What is written for Field refuses complex numbers when it
+/// is compiled.
+template <class T>
+concept Scalar = Field<T> || ComplexScalar<T>;
+
+/// The complex conjugate, the real part, and |x|^2 = conj(x) x. Of a real x: x, x and x^2, with the bits and the cost of these.
+template <class T>
+inline constexpr bool is_std_complex = false;
+template <class F>
+inline constexpr bool is_std_complex<std::complex<F>> = true;
+template <class T>
+concept NotStdComplex = !is_std_complex<T>;  // of which these would not be true
+template <NotStdComplex T>
+[[gnu::always_inline]] inline T const& conjugate(T const& x) {
+    return x;
+}
+template <NotStdComplex T>
+[[gnu::always_inline]] inline T const& real_part(T const& x) {
+    return x;
+}
+template <NotStdComplex T>
+[[gnu::always_inline]] inline auto absolute_square(T const& x) {
+    return x * x;
+}
+
+/// The type of a comparison of two real numbers: bool, or one truth for each lane where T is a Pack of numbers.
+template <class T>
+using Truth = std::remove_cvref_t<decltype(std::declval<RealOf<T> const&>() < std::declval<RealOf<T> const&>())>;
 
 /// A branch in the text of a variant is written with all, any and select, so that each lane of a Pack takes its own side. For a scalar
 /// these are the plain branch. select: a where `truth` holds, else b.
@@ -63,6 +107,10 @@ template <class T>
 concept Real = Field<T> && (std::floating_point<T> || requires(T const a) {
                    { sqrt(a) } -> std::convertible_to<T>;
                });
+
+/// A Scalar whose real numbers have a square root.
+template <class T>
+concept RootedScalar = Real<T> || (ComplexScalar<T> && Real<RealOf<T>>);
 
 /// False for infinities and NaN; true for every value of a scalar that has neither.
 template <Field T>

@@ -14,9 +14,10 @@ struct Stored {
     enum class Quantity { covariance, information } quantity;
     enum class Form { plain, factor } form;
     Matrix<T> F;
-    Vector<T> D = {};  ///< size 0: the identity
+    Vector<RealOf<T>> D = {};  ///< size 0: the identity
 
     template <class To, class Convert>
+        requires(!ComplexScalar<T> && !ComplexScalar<To>)
     Stored<To> mapped(Convert convert) const {
         return {static_cast<typename Stored<To>::Quantity>(quantity), static_cast<typename Stored<To>::Form>(form),
                 F.unaryExpr(convert).template cast<To>(), D.unaryExpr(convert).template cast<To>()};
@@ -28,8 +29,9 @@ template <class T>
 Matrix<T> multiplied_out(Stored<T> const& stored) {
     if (stored.form == Stored<T>::Form::plain) return stored.F;
     Matrix<T> FD = stored.F;
-    for (Index j = 0; j < stored.D.size(); ++j) FD.col(j) *= stored.D[j];
-    return FD.lazyProduct(stored.F.transpose());
+    for (Index j = 0; j < stored.D.size(); ++j)
+        for (Index i = 0; i < FD.rows(); ++i) FD(i, j) *= stored.D[j];
+    return FD.lazyProduct(stored.F.adjoint());
 }
 
 /// P: X, or inverse(X) where X = P^-1. For tests and studies; CertifiedSolution::covariance_digits rounds nothing.

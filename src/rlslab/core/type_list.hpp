@@ -29,7 +29,7 @@ struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
         typename OverScalar<T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
                             Rest...>::type;
 };
-template <int N, template <Real, int> class F, Real T, int M>
+template <int N, template <RootedScalar, int> class F, RootedScalar T, int M>
 std::type_identity<F<T, N>> at_size(std::type_identity<F<T, M>>);
 template <int N>
 std::type_identity<void> at_size(...);

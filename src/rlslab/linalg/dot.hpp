@@ -14,8 +14,8 @@ namespace detail {
 template <int first, int stride, class T>
 [[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
     if constexpr (stride == 8) {
-        T sum = x[first] * y[first];
-        for (Index k = first + 8; k < n; k += 8) sum += x[k] * y[k];
+        T sum = conjugate(x[first]) * y[first];
+        for (Index k = first + 8; k < n; k += 8) sum += conjugate(x[k]) * y[k];
         return sum;
     } else {
         T sum = lanes_summed<first, 2 * stride>(x, y, n);
@@ -25,9 +25,9 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y of n numbers each, in the order above; 0 for n <= 0. x and y may be the same. Where T has a wider accumulator the sum is of that
-/// type: whoever stores the result rounds it.
-template <Field T>
+/// x'y of n numbers each, in the order above, x conjugated where it is complex; 0 for n <= 0. x and y may be the same. Where T has a wider
+/// accumulator the sum is of that type: whoever stores the result rounds it.
+template <Scalar T>
 Accumulator<T> dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
         return Accumulator<T>(0);
@@ -35,18 +35,18 @@ Accumulator<T> dot(T const* x, T const* y, Index n) {
         return detail::lanes_summed<0, 1>(x, y, n);
     Accumulator<T> lane[8];
     if (n < 8) {
-        for (Index i = 0; i < n; ++i) lane[i] = x[i] * y[i];
+        for (Index i = 0; i < n; ++i) lane[i] = conjugate(x[i]) * y[i];
         for (Index half = 4; half >= 1; half /= 2)
             for (Index i = 0; i < half && i + half < n; ++i) lane[i] += lane[i + half];
         return lane[0];
     }
 #pragma GCC unroll 8  // constant counts: -O2 keeps the lanes in registers
-    for (Index i = 0; i < 8; ++i) lane[i] = x[i] * y[i];
+    for (Index i = 0; i < 8; ++i) lane[i] = conjugate(x[i]) * y[i];
     Index k = 8;
     for (; k + 8 <= n; k += 8)
 #pragma GCC unroll 8
-        for (Index i = 0; i < 8; ++i) lane[i] += x[k + i] * y[k + i];
-    for (Index i = 0; k + i < n; ++i) lane[i] += x[k + i] * y[k + i];
+        for (Index i = 0; i < 8; ++i) lane[i] += conjugate(x[k + i]) * y[k + i];
+    for (Index i = 0; k + i < n; ++i) lane[i] += conjugate(x[k + i]) * y[k + i];
 #pragma GCC unroll 4
     for (Index i = 0; i < 4; ++i) lane[i] += lane[i + 4];
     lane[0] += lane[2];

@@ -9,24 +9,24 @@
 namespace rlslab {
 
 /// Whether every number of x is finite; true for no numbers.
-template <Field T, int N>
+template <Scalar T, int N>
 Truth<T> all_finite(StateVector<T, N> const& x) {
     Truth<T> out = true;
     run_kernel<T, N>(kernels::AllFinite<T>{{x.size(), x.data(), nullptr}, &out});
     return out;
 }
 
-template <Field T, class X>
+template <Scalar T, class X>
 Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
     Truth<T> out = true;
-    for (Index i = 0; i < x.size(); ++i) out = out && is_finite<T>(x(i));
+    for (Index i = 0; i < x.size(); ++i) out = out && is_finite(T(x(i)));
     return out;
 }
 
 /// The step of a form that stores theta; gamma = lambda / s. Only theta is tested: where theta + K e is finite, so is K, because even
 /// 0 times an infinity is NaN.
-template <Field T, int N>
-Step<T> report(T const& innovation, T const& lambda, T const& s, StateVector<T, N> const& theta) {
+template <Scalar T, int N>
+Step<T> report(T const& innovation, RealOf<T> const& lambda, RealOf<T> const& s, StateVector<T, N> const& theta) {
     return if_finite(all_finite(theta), report(innovation, lambda, s));
 }
 
@@ -38,9 +38,9 @@ template <Field T>
 inline constexpr bool fits_double<T> = true;
 }  // namespace detail
 
-/// The scalar in which bounds are computed: double if it holds every number of T, otherwise T.
-template <Field T>
-using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
+/// The scalar in which bounds are computed: double if it holds every number of T, otherwise T; the real one where T is complex.
+template <Scalar T>
+using BoundOf = std::conditional_t<detail::fits_double<RealOf<T>>, double, RealOf<T>>;
 
 /// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and R'R K = psi with
 /// psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) = n_j^2 and r2(j) = r_j^2 are called once
@@ -53,9 +53,9 @@ using BoundOf = std::conditional_t<detail::fits_double<T>, double, T>;
 ///
 /// If the bound is computed in T, the squares n_j^2 and r_j^2 are numbers of T, so 1 / min r_j and max n_j need at most half of T's
 /// exponents. A factor of 2^10 covers e, sums of d terms, and rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
-template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
+template <Scalar T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
-    if constexpr (!Real<T>) {  // the rationals are finite
+    if constexpr (!RootedScalar<T>) {  // the rationals are finite
         return true;
     } else if constexpr (ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits >=
                          0) {  // fixed point: no errors relative to numbers below 1
@@ -66,12 +66,12 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
         for (Index j = 0; j < d; ++j) {
             Bound const length = n2(j), pivot = r2(j);
             q *= pivot / length;
-            if constexpr (!std::same_as<Bound, T>) {
+            if constexpr (!std::same_as<Bound, RealOf<T>>) {
                 least = select(pivot < least, pivot, least);
                 most = select(most < length, length, most);
             }
         }
-        constexpr int exponent = std::same_as<Bound, T> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
+        constexpr int exponent = std::same_as<Bound, RealOf<T>> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
         Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
         return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);  // q: a pivot may be infinite
@@ -79,14 +79,14 @@ template <Field T, class LengthSquared, class PivotSquared, class Bound = BoundO
 }
 
 /// Whether the stored theta, the pivots D, and K of X K = psi are finite, for X = L diag(D) L' (all d x d). x (d) is overwritten.
-template <Field T, int N>
-Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& theta,
-                        StateVector<T, N> const& psi, StateVector<T, N>& x) {
-    if constexpr (!Real<T>) return true;  // the rationals are finite
+template <Scalar T, int N>
+Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
+                        StateVector<T, N> const& theta, StateVector<T, N> const& psi, StateVector<T, N>& x) {
+    if constexpr (!RootedScalar<T>) return true;  // the rationals are finite
     using Bound = BoundOf<T>;
     Truth<T> const kept = all_finite(theta) && all_finite(D);
     if (all(solved_in_range<T>(
-            x.size(), [&](Index j) { return Bound(X(j, j)); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
+            x.size(), [&](Index j) { return Bound(real_part(X(j, j))); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
         return kept;
     Aside<T> const aside;
     x = psi;
@@ -96,17 +96,20 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
 
 /// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, updated
 /// with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d), or O(d^2) where the proof fails.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Lengths {
     using Bound = BoundOf<T>;
     StateVector<Bound, N> squares_;
     Bound right_ = Bound(0);
     Truth<T> determined_ = false;
 
-    static Bound square(T const& x) { return Bound(x) * Bound(x); }
+    static Bound square(T const& x) {
+        if constexpr (ComplexScalar<T>) return Bound(x.re) * Bound(x.re) + Bound(x.im) * Bound(x.im);
+        else return Bound(x) * Bound(x);
+    }
 
     /// Updates right_ at once, and returns a function that updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it.
-    auto with(T const& lambda, StateVector<T, N> const& psi, T const& y) {
+    auto with(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
         return [squares = squares_.data(), psi = psi.data(), weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
@@ -127,7 +130,7 @@ class Lengths {
         for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
         return out;
     }
-    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z,
+    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z,
                                              StateVector<T, N> const& psi, StateVector<T, N>& x) {
         Truth<T> out = all_finite(D) && solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
         return out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, D, b); });
@@ -144,7 +147,7 @@ public:
         }
         determined_ = nonsingular(L);
     }
-    void start(StateMatrix<T, N> const& L, StateVector<T, N> const& D, StateVector<T, N> const& z) {
+    void start(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z) {
         for (Index i = 0; i < z.size(); ++i) {
             for (Index j = i; j < z.size(); ++j) squares_[j] += Bound(D[i]) * square(L(j, i));
             right_ += Bound(D[i]) * square(z[i]);
@@ -173,26 +176,26 @@ public:
 
     /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
     /// (d) is overwritten.
-    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
+    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
                   StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    Truth<T> take(T const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& D,
-                  StateVector<T, N> const& z, StateVector<T, N>& x) {
+    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
+                  StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
     }
     /// The same for a block: take_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
     template <class Block>
-    void take_rows(T const& weight, Block const& A) {
+    void take_rows(RealOf<T> const& weight, Block const& A) {
         Index const d = squares_.size();
         for (Index j = 0; j <= d; ++j) {
             Bound& length = j < d ? squares_[j] : right_;
-            length *= square(weight);
+            length *= square(T(weight));
             for (Index k = 0; k < A.rows(); ++k) length += square(A(k, j));
         }
     }

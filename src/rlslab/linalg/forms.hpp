@@ -63,11 +63,13 @@ struct UnitInformation {
     Lengths<T, N>& lengths;
 };
 /// P^-1 = X, b = X theta; where `solved`, L, D and theta are those of X and b.
-template <Field T, int N>
+template <Scalar T, int N>
 struct NormalEquations {
     using scalar = T;
-    T& lambda;
-    StateVector<T, N>&theta, &b, &D, &f;  // f: workspace
+    RealOf<T>& lambda;
+    StateVector<T, N>&theta, &b;
+    StateVector<RealOf<T>, N>& D;
+    StateVector<T, N>& f;  // workspace
     StateMatrix<T, N>&X, &L;
     Truth<T>&positive, &started;  // X factors; has been seen to factor
     Index& rows;                  // so far; a prior counts as d

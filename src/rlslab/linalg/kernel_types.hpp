@@ -125,7 +125,7 @@ struct Multiply {
     T const* x;
     T const& at(Index j) const { return x[j]; }
 };
-/// A_ij = t + t correction, t = A_ij - w_i f_j; correction = (1 - r) / r divides by r (DivisorNearOne). w is only read.
+/// A_ij = t + t correction, t = A_ij - w_i f_j'; correction = (1 - r) / r divides by r (DivisorNearOne). w is only read.
 template <class T>
 struct SubtractRankOne {
     static constexpr int registers = 8;
@@ -134,8 +134,8 @@ struct SubtractRankOne {
     Index d, ld;
     T* A;
     T const *w, *f;
-    T correction;
-    T at(Index j) const { return f[j]; }
+    RealOf<T> correction;
+    T at(Index j) const { return conjugate(f[j]); }
 };
 /// A_ij += w_i w_j. w is only read.
 template <class T>
@@ -148,14 +148,14 @@ struct AddSquare {
     T const* w;
     T at(Index j) const { return w[j]; }
 };
-/// A_ij = A_ji = t + t correction, t = A_ij - w_i f_j, for i <= j; A is symmetric.
+/// A_ij = A_ji' = t + t correction, t = A_ij - w_i f_j', for i <= j; A is symmetric (Hermitian: its diagonal stays real).
 template <class T>
 struct SubtractMirrored {
     static constexpr int registers = 4;
     Index d, ld;
     T* A;
     T const *w, *f;
-    T correction;
+    RealOf<T> correction;
 };
 /// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is
 /// the product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
@@ -166,14 +166,14 @@ struct ThenMultiply : S {
     T const* x;
     T* out;
 };
-/// A_ij = t + t correction, t = A_ij - (x_i g_j + g_i x_j); A is symmetric.
+/// A_ij = t + t correction, t = A_ij - (x_i g_j' + g_i x_j'); A is symmetric (Hermitian).
 template <class T>
 struct SubtractRankTwo {
     static constexpr int registers = 4;
     Index d, ld;
     T* A;
     T const *x, *g;
-    T correction;
+    RealOf<T> correction;
 };
 /// What sweeps over an upper triangle A have in common: w is an output and starts from zero. The zeros of A below the diagonal, as far as
 /// blocks of rows reach, are written again as zeros.
@@ -185,33 +185,39 @@ struct OverTriangle {
     Index d, ld;
     T *A, *w;
 };
-/// A_ij = t - w_i mu_j, w_i += t g_j, t the old A_ij, i <= j.
+/// A_ij = t - w_i mu_j', w_i += t g_j, t the old A_ij, i <= j.
 template <class T>
 struct SweepUd : OverTriangle<T> {
     struct At {
         T g, mu;
     };
     T const *g, *mu;
-    At at(Index j) const { return {g[j], mu[j]}; }
+    At at(Index j) const { return {g[j], conjugate(mu[j])}; }
 };
-/// A_ij = q + q correction, q = t keep_j - w_i mix_j; w_i += t f_j, t the old A_ij, i <= j.
+/// A_ij = q + q correction, q = t keep_j - w_i mix_j'; w_i += t f_j, t the old A_ij, i <= j.
 template <class T>
 struct SweepCarlson : OverTriangle<T> {
     struct At {
-        T f, keep, mix;
+        T f;
+        RealOf<T> keep;
+        T mix;
     };
-    T const *f, *keep, *mix;
-    T correction;
-    At at(Index j) const { return {f[j], keep[j], mix[j]}; }
+    T const* f;
+    RealOf<T> const* keep;
+    T const* mix;
+    RealOf<T> correction;
+    At at(Index j) const { return {f[j], keep[j], conjugate(mix[j])}; }
 };
-/// (w_i, A_ij) = (c_j w_i + s_j q, c_j q - s_j w_i), q = t + t correction, t the old A_ij, i <= j.
+/// (w_i, A_ij) = (c_j w_i + s_j q, c_j q - s_j' w_i), q = t + t correction, t the old A_ij, i <= j.
 template <class T>
 struct SweepRotations : OverTriangle<T> {
     struct At {
-        T c, s;
+        RealOf<T> c;
+        T s;
     };
-    T const *c, *s;
-    T correction;
+    RealOf<T> const* c;
+    T const* s;
+    RealOf<T> correction;
     At at(Index j) const { return {c[j], s[j]}; }
 };
 template <class K>
@@ -241,22 +247,25 @@ struct SolveLower {
     T const* L;
     T* x;
 };
-/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
+/// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
 template <class T>
 struct SweepGentleman {
     static constexpr bool writes = true;
     Index d, ld;
     T *L, *x;
-    T const *c, *s, *e;
+    RealOf<T> const* c;
+    T const *s, *e;
 };
 /// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs (root_lambda L_ji, x_j)
-/// for j > i and (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is overwritten.
+/// for j > i and, s_i conjugated, to (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is overwritten. L's diagonal is real.
 template <class T>
 struct RotateIn {
     static constexpr bool writes = true, corners = true;
     Index d, ld;
-    T *L, *x, *z, *eta, *c, *s;
-    T root_lambda;
+    T *L, *x, *z, *eta;
+    RealOf<T>* c;
+    T* s;
+    RealOf<T> root_lambda;
 };
 /// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d - 1, d - 2, ... and j >= i, t the old L_ji and x = 0 at first; x is not
 /// kept. What is above the diagonal of L must be zeros, and stays so for finite c and s.
@@ -267,13 +276,14 @@ struct RotateOut {
     T const *c, *s;
 };
 /// RotateIn by reflections, with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
-///   a = tau_i (weight L_ji + v_i x_j),   L_ji = weight L_ji - a,   x_j -= a v_i       for j > i, and for (z_i, *eta) alike
+///   a = tau_i (weight L_ji + v_i' x_j),  L_ji = weight L_ji - a,   x_j -= a v_i       for j > i; for (z_i, *eta) alike with v_i' for v_i
 template <class T>
 struct ReflectIn {
     static constexpr bool writes = true, corners = true;
     Index d, ld;
-    T *L, *x, *z, *eta, *tau, *ratio;
-    T weight;
+    T *L, *x, *z, *eta;
+    RealOf<T>*tau, *ratio;
+    RealOf<T> weight;
 };
 template <class K>
 concept ByPanels = requires { K::corners; };

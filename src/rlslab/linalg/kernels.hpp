@@ -15,45 +15,54 @@
 
 namespace rlslab {
 
-/// x'y, in the order above.
-template <Field T, int N>
+/// x'y, in the order above. In these functions ' conjugates where the numbers are complex.
+template <Scalar T, int N>
 Accumulator<T> dot(Regressor<T> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), y.size());
 }
-template <Field T, int N>
+template <Scalar T, int N>
 Accumulator<T> dot(StateVector<T, N> const& x, StateVector<T, N> const& y) {
     return dot(x.data(), y.data(), x.size());
 }
 
 /// y += a x, n numbers or d. The rounded product is added. y may be x.
-template <Field T>
+template <Scalar T>
 void add_scaled(T* y, T const& a, T const* x, Index n) {
     for (Index i = 0; i < n; ++i) y[i] += a * x[i];
 }
-template <Field T, int N>
+template <Scalar T, int N>
 void add_scaled(StateVector<T, N>& y, T const& a, StateVector<T, N> const& x) {
     run_kernel<T, N>(kernels::AddScaled<T>{{y.size(), y.data(), y.data()}, a, x.data()});
 }
 
 /// out = A x, as a sum of columns from the first to the last.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::Multiply<T>{A.size(), A.stride(), A.column(0), out.data(), x});
 }
 
 /// out = A'x, one dot product for each column.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply_transposed(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
 }
 
 /// out = A B and out = A B'. Each column of out is a sum of columns of A from the first to the last. A and B may be the same.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
 }
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
+    if constexpr (ComplexScalar<T>) {
+        for (Index j = 0; j < A.size(); ++j)
+            for (Index i = 0; i < A.size(); ++i) {
+                T sum = A(i, 0) * conjugate(B(j, 0));
+                for (Index n = 1; n < A.size(); ++n) sum += A(i, n) * conjugate(B(j, n));
+                out(i, j) = sum;
+            }
+        return;
+    }
     run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
 }
 
@@ -75,7 +84,7 @@ template <Field T, int N>
 void scale(StateVector<T, N> const& x, T const& a, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::ScaleByOne<T>{{out.size(), x.data(), out.data()}, a});
 }
-template <Field T, int N>
+template <Scalar T, int N>
 void add(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::Add<T>{{out.size(), x.data(), out.data()}, y.data()});
 }
@@ -94,10 +103,16 @@ T prefix_sums(T s, StateVector<T, N> const& x, StateVector<T, N>& before, StateV
     run_kernel<T, N>(kernels::PrefixSums<T>{{x.size(), x.data(), after.data()}, before.data(), &s});
     return s;
 }
-/// The same for s_j = s_{j-1} + x_j y_j. x and y may be the same; `before` and `after` differ from them.
+/// out = x'y elementwise, y a real multiple of x: real.
 template <Field T, int N>
-T prefix_sums(T const& s, StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& before, StateVector<T, N>& after) {
-    scale(x, y, after);
+void scale_conjugated(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
+    scale(x, y, out);
+}
+/// The same for s_j = s_{j-1} + x_j'y_j, y_j a real multiple of x_j. x and y may be the same; `before` and `after` differ from them.
+template <Scalar T, int N>
+RealOf<T> prefix_sums(std::type_identity_t<RealOf<T>> const& s, StateVector<T, N> const& x, StateVector<T, N> const& y,
+                      StateVector<RealOf<T>, N>& before, StateVector<RealOf<T>, N>& after) {
+    scale_conjugated(x, y, after);
     return prefix_sums(s, after, before, after);
 }
 
@@ -111,6 +126,11 @@ class DivisorNearOne {
 public:
     explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
     T operator()(T const& x) const { return x + x * correction_; }
+    template <ComplexScalar C>
+        requires std::same_as<RealOf<C>, T>
+    C operator()(C const& x) const {
+        return x + x * correction_;
+    }
     T const& correction() const { return correction_; }
     static auto state(auto& divisor) { return std::tie(divisor.correction_); }
 };
@@ -122,8 +142,9 @@ void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVect
 }
 
 /// A = (A - x f') / r. x and f may be the same.
-template <Field T, int N>
-void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r) {
+template <Scalar T, int N>
+void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                       DivisorNearOne<RealOf<T>> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A += x x'. The same product is added to A_ij and A_ji: a symmetric A stays symmetric.
@@ -131,24 +152,25 @@ template <Field T, int N>
 void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {
     run_kernel<T, N>(kernels::AddSquare<T>{A.size(), A.stride(), A.column(0), x.data()});
 }
-/// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric.
-template <Field T, int N>
+/// A_ij = A_ji' = (A_ij - x_i f_j') / r for i <= j, A symmetric.
+template <Scalar T, int N>
 void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                                DivisorNearOne<T> const& by_r) {
+                                DivisorNearOne<RealOf<T>> const& by_r) {
     run_kernel<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays symmetric.
-template <Field T, int N>
-void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g, DivisorNearOne<T> const& by_r) {
+template <Scalar T, int N>
+void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g,
+                       DivisorNearOne<RealOf<T>> const& by_r) {
     run_kernel<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
 }
 
 /// A = weight A + x x' and b = weight b + x y: one row added to normal equations.
-template <Field T, int N>
-void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, StateVector<T, N> const& x, T const& y) {
+template <Scalar T, int N>
+void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, RealOf<T> const& weight, StateVector<T, N> const& x, T const& y) {
     for (Index j = 0; j < x.size(); ++j) {
         for (Index i = 0; i < x.size(); ++i) {
-            T const square = x[i] * x[j];
+            T const square = x[i] * conjugate(x[j]);
             A(i, j) = weight * A(i, j) + square;
         }
         T const product = x[j] * y;
@@ -157,7 +179,7 @@ void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, T const& weight, Sta
 }
 
 /// e = y - psi'theta. Throws std::invalid_argument unless psi has d numbers; an update calls this before it changes any state.
-template <Field T, int N>
+template <Scalar T, int N>
 T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta) {
     expects(psi.size() == theta.size(), "a regressor of the problem's size");
     return y - dot(psi, theta);
@@ -165,7 +187,7 @@ T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta
 
 /// Copies psi into `copy` and each of `more`, for updates that overwrite it. Throws std::invalid_argument unless psi has d numbers; an
 /// update calls this before it changes any state.
-template <Field T, int N, class... More>
+template <Scalar T, int N, class... More>
 void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... more) {
     expects(psi.size() == copy.size(), "a regressor of the problem's size");
     for (Index i = 0; i < copy.size(); ++i) {
@@ -175,3 +197,5 @@ void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... m
 }
 
 }  // namespace rlslab
+
+#include <rlslab/linalg/complex_vectors.hpp>

@@ -10,7 +10,7 @@ namespace rlslab {
 
 /// The next row's regressor and its product with P. It knows them only while `update_rows` runs; otherwise `multiply` and the functions
 /// below do what those without a NextRow do. The product has the bits that `multiply` gives it.
-template <Field T, int N>
+template <Scalar T, int N>
 class NextRow {
     T const* psi_ = nullptr;
     bool multiplied_ = false;
@@ -36,7 +36,7 @@ public:
     }
 };
 /// Without registers, at the smallest fixed sizes and where every operation draws a random number, one row is computed after another.
-template <Field T, int N>
+template <Scalar T, int N>
     requires(!Hardware<T> || (N != Dynamic && N < 16))
 class NextRow<T, N> {
 public:
@@ -50,26 +50,26 @@ public:
 };
 
 /// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of A.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<T, N>& next) {
     if (!next.take(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
-template <Field T, int N>
-void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r,
+template <Scalar T, int N>
+void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<RealOf<T>> const& by_r,
                        NextRow<T, N>& next) {
     next.run(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric, and next's product with it.
-template <Field T, int N>
-void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<T> const& by_r,
-                                NextRow<T, N>& next) {
+template <Scalar T, int N>
+void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                                DivisorNearOne<RealOf<T>> const& by_r, NextRow<T, N>& next) {
     next.run(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
 /// std::invalid_argument for other shapes, before any row is processed.
-template <Field T, int N, class F>
+template <Scalar T, int N, class F>
 Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
     expects(psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
     for (Index k = 0;; ++k) {

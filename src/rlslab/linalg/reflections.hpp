@@ -21,11 +21,11 @@ T power(T x, Index n) {
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B numbers, and root is
 /// sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A has another shape.
-template <Field T>
-T weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, T const& root, Rows<T>& A) {
+template <Scalar T>
+RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root, Rows<T>& A) {
     Index const d = psi.rows();
     A.resize(y.size(), d + 1);
-    T weight = T(1);
+    RealOf<T> weight = RealOf<T>(1);
     for (Index k = y.size() - 1; k >= 0; --k) {
         for (Index i = 0; i < d; ++i) A(k, i) = weight * psi(i, k);
         A(k, d) = weight * y[k];
@@ -65,11 +65,48 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
     return ratio;
 }
 
+/// The same for complex numbers. A holds psi as it came, and L is R': both are the rows conjugated. z and y are conjugated for the time
+/// that this takes.
+template <RootedScalar T, int N>
+    requires ComplexScalar<T>
+RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
+    using R = RealOf<T>;
+    Index const d = z.size(), rows = A.rows();
+    auto const exchange = [&] {
+        for (Index i = 0; i < d; ++i) z[i] = conjugate(z[i]);
+        for (Index k = 0; k < rows; ++k) A(k, d) = conjugate(A(k, d));
+    };
+    for (Index i = 0; i < d; ++i) {
+        for (Index j = i; j < d; ++j) L(j, i) *= weight;
+        z[i] *= weight;
+    }
+    exchange();
+    R ratio = R(1);
+    for (Index i = 0; i < d; ++i) {
+        T* const v = A.col(i).data();
+        R const a = real_part(L(i, i)), squares = real_part(dot(v, v, rows));
+        Reflector<R> const turn(a, norm(a, squares, v, rows));  // (1)
+        if (all(turn.tau == R(0))) continue;
+        for (Index k = 0; k < rows; ++k) v[k] /= turn.pivot;
+        L(i, i) = T(turn.r);
+        ratio *= turn.cosine(a);
+        for (Index j = i + 1; j <= d; ++j) {  // (2)
+            T& above = j < d ? L(j, i) : z[i];
+            T const t = turn.tau * (above + dot(v, A.col(j).data(), rows));
+            above -= t;
+            for (Index k = 0; k < rows; ++k) A(k, j) -= t * v[k];
+        }
+    }
+    exchange();
+    return ratio;
+}
+
 /// The same for the one row [x' eta], going along the rows of R. x becomes the v_i, tau the tau_i, eta the reflected output. Returns
 /// sqrt(gamma). x, z and tau have d numbers and differ.
-template <Real T, int N>
-T reflect_row_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, StateVector<T, N>& x, T& eta, StateVector<T, N>& tau) {
-    T ratio = T(1);
+template <RootedScalar T, int N>
+RealOf<T> reflect_row_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, StateVector<T, N>& x, T& eta,
+                           StateVector<RealOf<T>, N>& tau) {
+    RealOf<T> ratio = RealOf<T>(1);
     run_kernel<T, N>(kernels::ReflectIn<T>{z.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, tau.data(), &ratio, weight});
     return ratio;
 }

@@ -39,6 +39,30 @@ template <Real T>
     return norm_scaled(a, x, n, in_range, sum);
 }
 
+/// The same for a complex x, |x|^2 = `squares`; its bits are those above where x is real.
+template <RootedScalar T>
+    requires ComplexScalar<T>
+RealOf<T> norm(RealOf<T> const& a, RealOf<T> const& squares, T const* x, Index n) {
+    using R = RealOf<T>;
+    R const sum = a * a + squares;
+    Truth<T> const in_range = R(0) < squares && is_finite(sum) && least_sum_of_squares<R>() < sum;
+    if (all(in_range)) return square_root(sum);
+    R largest = R(0);
+    for (Index k = 0; k < 2 * n; ++k) {
+        R const size = absolute(k % 2 == 0 ? x[k / 2].re : x[k / 2].im);
+        largest = select(size <= largest || !(largest == largest), largest, size);  // a NaN stays
+    }
+    Truth<T> const as_it_is = largest == R(0) || !is_finite(largest);
+    R const most = select(as_it_is, R(1), select(largest < absolute(a), absolute(a), largest));
+    auto const square = [&most](R const& number) {
+        R const scaled = number / most;
+        return R(scaled * scaled);
+    };
+    R scaled = square(a);
+    for (Index k = 0; k < n; ++k) scaled += R(square(x[k].re) + square(x[k].im));
+    return select(in_range, square_root(sum), select(as_it_is, largest, R(most * square_root(scaled))));
+}
+
 /// The reflection I - tau v v', v = (1, x / pivot), that takes (a, x) to (r, 0):
 ///   r = -+ size, of the sign opposite to a's      tau = (r - a) / r      pivot = a - r
 /// size: |(a, x)| from `norm`. For size = 0 there is no reflection: r = a, tau = 0, pivot = 1.

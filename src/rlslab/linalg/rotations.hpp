@@ -5,14 +5,20 @@
 
 namespace rlslab {
 
-/// [c s; -s c] (a, b)' = (r, 0)'.
-template <Real T>
+/// [c s'; -s c] applied to (a, b) gives (r, 0); c and r are real. On (R_i, psi'), rows of R = L', s is conjugated: of_rows.
+template <RootedScalar T>
 struct Rotation {
-    T c, s, r;
+    RealOf<T> c;
+    T s;
+    RealOf<T> r;
 };
+template <RootedScalar T>
+[[gnu::always_inline]] inline Rotation<T> of_rows(Rotation<T> const& turn) {
+    return {turn.c, conjugate(turn.s), turn.r};
+}
 
 /// a in the lanes where `truth` holds, b in the others.
-template <Real T>
+template <RootedScalar T>
 Rotation<T> select(Truth<T> const& truth, Rotation<T> const& a, Rotation<T> const& b)
     requires(!std::same_as<Truth<T>, bool>)
 {
@@ -53,6 +59,31 @@ template <Real T>
     Rotation<T> turn{a / r, b / r, r};
     if (!all(in_range)) turn = select(in_range, turn, givens_scaled(a, b));
     return any(nothing) ? select(nothing, Rotation<T>{T(1), T(0), a}, turn) : turn;
+}
+
+/// The rotation that makes a complex b zero against a real a >= 0: c = a / r, s = b / r, r = |(a, b)|. Its bits are those of the real
+/// rotation where b is real. Where a square would overflow or underflow, it is the real rotation of (a, |b|), s turned to b's direction.
+template <RootedScalar T>
+    requires ComplexScalar<T>
+Rotation<T> givens(RealOf<T> const& a, T const& b) {
+    using R = RealOf<T>;
+    Truth<T> const nothing = b == T(0);
+    if (all(nothing)) return {R(1), T(0), a};
+    R const square = absolute_square(b), sum = a * a + square;
+    Truth<T> const in_range = is_finite(sum) && least_sum_of_squares<R>() < sum;
+    R const r = square_root(sum);
+    Rotation<T> turn{a / r, b / r, r};
+    if (!all(in_range)) {
+        R const re = absolute(b.re), im = absolute(b.im);
+        R const most = select(re < im, im, re), least = select(re < im, re, im);
+        R const by = select(most == R(0), R(1), most), small = least / by;
+        R const length = by * square_root(R(R(1) + small * small));
+        // b / |b| of b / by: |b| itself may be below the normal numbers.
+        T const towards = (b / by) / square_root(R(R(1) + small * small));
+        Rotation<R> const scaled = givens_scaled(a, length);
+        turn = select(in_range, turn, Rotation<T>{scaled.c, scaled.s * towards, scaled.r});
+    }
+    return any(nothing) ? select(nothing, Rotation<T>{R(1), T(0), a}, turn) : turn;
 }
 
 }  // namespace rlslab

@@ -8,7 +8,7 @@
 namespace rlslab {
 
 /// theta0 (d); zero without a prior or without a theta in it.
-template <Field T, int N>
+template <Scalar T, int N>
 StateVector<T, N> start_theta(Problem<T> const& problem) {
     StateVector<T, N> theta(problem.size);
     if (problem.prior && problem.prior->theta)
@@ -17,7 +17,7 @@ StateVector<T, N> start_theta(Problem<T> const& problem) {
 }
 
 /// P0 (d x d), a full one bit for bit as given. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
-template <Field T, int N>
+template <Scalar T, int N>
 StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
     StateMatrix<T, N> P(problem.size);
@@ -25,26 +25,27 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
         Triangle<T, N> const factor = start_triangle<N>(*problem.prior, true, true);
         outer(factor.F, factor.D, P);
         for (Index j = 0; j < P.size(); ++j)
-            for (Index i = 0; i <= j; ++i)
-                P(i, j) = P(j, i) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance
-                                        ? stored->F(i, j)
-                                        : P(i, j);
+            for (Index i = 0; i <= j; ++i) {
+                P(i, j) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance ? stored->F(i, j)
+                                                                                                                        : P(i, j);
+                P(j, i) = i == j ? T(real_part(P(i, j))) : conjugate(P(i, j));
+            }
         return P;
     }
     if (problem.prior->covariance) {
-        StateVector<T, N> D(problem.size);
+        StateVector<RealOf<T>, N> D(problem.size);
         expects(all(factor_udu(*problem.prior->covariance, P, D)), "a positive definite prior covariance");
     }
     for (Index j = 0; j < P.size(); ++j)
         if (problem.prior->covariance)
             for (Index i = 0; i < P.size(); ++i) P(i, j) = (*problem.prior->covariance)(i, j);
-        else P(j, j) = problem.prior->variance;
+        else P(j, j) = T(problem.prior->variance);
     return P;
 }
 
 /// Sets U (unit upper triangular) and D > 0 of P0 = U diag(D) U'. Throws as start_covariance.
-template <Field T, int N>
-void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+template <Scalar T, int N>
+void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<RealOf<T>, N>& D) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
     if (problem.prior->stored) {
         Triangle<T, N> const factor = start_triangle<N>(*problem.prior, true, true);
@@ -63,15 +64,15 @@ void start_ud(Problem<T> const& problem, StateMatrix<T, N>& U, StateVector<T, N>
 }
 
 /// S of P0 = S S', upper triangular. Throws as start_covariance.
-template <Real T, int N>
+template <RootedScalar T, int N>
 StateMatrix<T, N> start_root(Problem<T> const& problem) {
     using std::sqrt;
     if (problem.prior && problem.prior->stored) return start_triangle<N>(*problem.prior, true, false).F;
     StateMatrix<T, N> S(problem.size);
-    StateVector<T, N> D(problem.size);
+    StateVector<RealOf<T>, N> D(problem.size);
     start_ud(problem, S, D);
     for (Index j = 0; j < D.size(); ++j) {
-        T const root = sqrt(D[j]);
+        RealOf<T> const root = sqrt(D[j]);
         for (Index i = 0; i <= j; ++i) S(i, j) *= root;
     }
     return S;
@@ -79,8 +80,8 @@ StateMatrix<T, N> start_root(Problem<T> const& problem) {
 
 /// Sets L (unit lower triangular) and D of P0^-1 = L diag(D) L': with P0 = U diag(C) U', L = U^-T and D = 1 / C. Without a prior L = I and
 /// D = 0. Throws std::invalid_argument when a full P0 is not positive definite.
-template <Field T, int N>
-void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& D) {
+template <Scalar T, int N>
+void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
     Index const d = D.size();
     if (!problem.prior) {
         for (Index j = 0; j < d; ++j) L(j, j) = T(1);
@@ -94,25 +95,25 @@ void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVec
     }
     StateMatrix<T, N> U(d);
     start_ud(problem, U, D);
-    for (Index j = 0; j < d; ++j) D[j] = T(1) / D[j];
-    // U^-1 U = I gives row j of U^-1, which is column j of L.
+    for (Index j = 0; j < d; ++j) D[j] = RealOf<T>(1) / D[j];
+    // U^-1 U = I gives row j of U^-1, which is column j of L, conjugated.
     for (Index j = 0; j < d; ++j) {
         L(j, j) = T(1);
-        for (Index i = j + 1; i < d; ++i) L(i, j) = -dot(L.column(j) + j, U.column(i) + j, i - j);
+        for (Index i = j + 1; i < d; ++i) L(i, j) = -conjugate(dot(L.column(j) + j, U.column(i) + j, i - j));
     }
 }
 
 /// Sets L (lower triangular) of P0^-1 = L L', and z = L'theta0. Without a prior L = 0 and z = 0. Throws as start_information.
-template <Real T, int N>
+template <RootedScalar T, int N>
 void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& z) {
     using std::sqrt;
-    StateVector<T, N> D(problem.size);
+    StateVector<RealOf<T>, N> D(problem.size);
     if (problem.prior && problem.prior->stored) {
         L = start_triangle<N>(*problem.prior, false, false).F;
     } else {
         start_information(problem, L, D);
         for (Index j = 0; j < D.size(); ++j) {
-            T const root = sqrt(D[j]);
+            RealOf<T> const root = sqrt(D[j]);
             for (Index i = j; i < D.size(); ++i) L(i, j) *= root;
         }
     }

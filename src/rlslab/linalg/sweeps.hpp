@@ -13,13 +13,13 @@ namespace detail {
 /// What step j of a sweep multiplies the running column by before it adds to it.
 template <class T, class At>
 T kept(At const& at) {
-    if constexpr (requires { at.c; }) return at.c;
+    if constexpr (requires { at.c; }) return T(at.c);
     else return T(1);
 }
 
 /// The kernel; or, for a perturbation, its text one column after another, with perturb(v_1 ... v_j, kept_j) after column j.
 /// The bits are the same if that changes nothing (stochastic rounding aside, which draws in another order).
-template <Field T, int N, class Kernel, class Perturb>
+template <Scalar T, int N, class Kernel, class Perturb>
 void run_sweep(Kernel const& kernel, Perturb& perturb) {
     if constexpr (std::same_as<Perturb, NoPerturbation>) {
         run_kernel<T, N>(kernel);
@@ -45,46 +45,46 @@ void run_sweep(Kernel const& kernel, Perturb& perturb) {
 // --- upper triangles of a covariance --------------------------------------------------------------------------------------
 
 /// out = S'x, S upper triangular; x has d numbers.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
 }
 
-/// U_ij = t - v_i mu_j, v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
-template <Field T, int N, class Perturb>
+/// U_ij = t - v_i mu_j', v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
+template <Scalar T, int N, class Perturb>
 void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb) {
     detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()}, perturb);
 }
 
-/// S_ij = (t keep_j - v_i mix_j) / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
-template <Field T, int N, class Perturb>
-void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<T, N> const& keep, StateVector<T, N> const& mix,
-                   DivisorNearOne<T> const& by_r, StateVector<T, N>& v, Perturb& perturb) {
+/// S_ij = (t keep_j - v_i mix_j') / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
+template <Scalar T, int N, class Perturb>
+void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<RealOf<T>, N> const& keep, StateVector<T, N> const& mix,
+                   DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v, Perturb& perturb) {
     detail::run_sweep<T, N>(
         kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},
         perturb);
 }
 
-/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
-template <Real T, int N, class Perturb>
-void sweep_rotations(StateMatrix<T, N>& S, StateVector<T, N> const& c, StateVector<T, N> const& s, DivisorNearOne<T> const& by_r,
-                     StateVector<T, N>& g, Perturb& perturb) {
+/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j' g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
+template <RootedScalar T, int N, class Perturb>
+void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
+                     DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& g, Perturb& perturb) {
     detail::run_sweep<T, N>(
         kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb);
 }
 
-/// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + a_j^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a
+/// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + |a_j|^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a
 /// square that underflows is negligible beside b_0 = 1. If a sum overflows, each b_j is computed from b_{j-1} by a scaled hypotenuse.
-template <Real T, int N>
-T prefix_norms(StateVector<T, N> const& a, StateVector<T, N>& before, StateVector<T, N>& after) {
-    T const sum = prefix_sums(T(1), a, a, before, after);
+template <RootedScalar T, int N>
+RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& before, StateVector<RealOf<T>, N>& after) {
+    RealOf<T> const sum = prefix_sums(RealOf<T>(1), a, a, before, after);
     Truth<T> const in_range = is_finite(sum);
     if (all(in_range)) {
         take_roots(before, before);
         take_roots(after, after);
         return after[a.size() - 1];
     }
-    T b = T(1);
+    RealOf<T> b = RealOf<T>(1);
     for (Index j = 0; j < a.size(); ++j) {
         before[j] = select(in_range, square_root(before[j]), b);
         b = givens(b, a[j]).r;
@@ -96,34 +96,37 @@ T prefix_norms(StateVector<T, N> const& a, StateVector<T, N>& before, StateVecto
 // --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
 
 /// x_j -= x_i L_ji for i = 1 ... d and j > i: x becomes L^-1 x, L unit lower triangular.
-template <Field T, int N>
+template <Scalar T, int N>
 void eliminate(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
 }
 
-/// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + x_i^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` (d) is overwritten. If 1/w_{d+1} is not finite (a
-/// zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i x_i^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum is 0.
-template <Field T, int N>
-T gentleman_weights(StateVector<T, N> const& x, StateVector<T, N> const& D, StateVector<T, N>& s, StateVector<T, N>& scratch) {
-    scale(x, x, s);
-    divide(s, D, s);
-    T const inverse = prefix_sums(T(1), s, scratch, s);
+/// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + |x_i|^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` and `sums` (d) are overwritten. If 1/w_{d+1} is
+/// not finite (a zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i |x_i|^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum
+/// is 0.
+template <Scalar T, int N, class R = RealOf<T>>
+R gentleman_weights(StateVector<T, N> const& x, StateVector<R, N> const& D, StateVector<T, N>& s, StateVector<R, N>& scratch,
+                    StateVector<R, N>& sums) {
+    scale_conjugated(x, x, sums);
+    divide(sums, D, sums);
+    R const inverse = prefix_sums(R(1), sums, scratch, sums);
     divide(x, scratch, s);
     Truth<T> const in_range = is_finite(inverse);
-    if (all(in_range)) return T(1) / inverse;
-    T w = T(1);
+    if (all(in_range)) return R(1) / inverse;
+    R w = R(1);
     for (Index i = 0; i < x.size(); ++i) {
-        T const weighed = w * x[i], sum = D[i] + weighed * x[i];
+        T const weighed = w * x[i];
+        R const sum = D[i] + real_part(conjugate(weighed) * x[i]);
         s[i] = select(in_range, s[i], weighed);
-        Truth<T> const nothing = x[i] == T(0) || sum == T(0);
-        w = select(nothing, w, T(w * (D[i] / select(nothing, T(1), sum))));
+        Truth<T> const nothing = x[i] == T(0) || sum == R(0);
+        w = select(nothing, w, R(w * (D[i] / select(nothing, R(1), sum))));
     }
-    return select(in_range, T(T(1) / inverse), w);
+    return select(in_range, R(R(1) / inverse), w);
 }
 
-/// L_ji = c_i t + s_i x_j, x_j -= e_i t for i = 1 ... d and j > i. t is the old L_ji. The diagonal of L is neither read nor changed.
-template <Field T, int N>
-void sweep_gentleman(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
+/// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 1 ... d and j > i. t is the old L_ji. The diagonal of L is neither read nor changed.
+template <Scalar T, int N>
+void sweep_gentleman(StateMatrix<T, N>& L, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
                      StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
@@ -136,9 +139,10 @@ void rotate_out(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T,
 }
 
 /// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r R_ii and acts on the
-/// rest of both rows. L, z, eta, c and s are outputs; x is overwritten.
-template <Real T, int N>
-void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, T const& r, StateVector<T, N>& z, T& eta, StateVector<T, N>& c,
+/// rest of both rows. L, z, eta, c and s are outputs; x is overwritten. x is psi, as L is R': where they are complex, (c_i, s_i) acts on
+/// columns of [L x] and, s_i conjugated, on the numbers of z and eta.
+template <RootedScalar T, int N>
+void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, RealOf<T> const& r, StateVector<T, N>& z, T& eta, StateVector<RealOf<T>, N>& c,
                StateVector<T, N>& s) {
     run_kernel<T, N>(kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
 }

@@ -14,9 +14,10 @@ namespace rlslab {
 ///   (3) between P and P^-1: F^-T for F, 1/D for D, d^3/6; log10 kappa digits at worst, usually none
 ///   (4) a unit triangle from a root: D_j = D_j F_jj^2, column j over F_jj; a root from a unit triangle: column j times sqrt(D_j)
 ///
+/// Complex numbers: a factor has to be triangular already, with a real diagonal.
 /// definite: no pivot of what is given is zero or negative; once turned, that every pivot is positive and every number finite, too.
 /// Source: Bierman 1977; Golub & Van Loan 2013.
-template <Field T, int N = Dynamic>
+template <Scalar T, int N = Dynamic>
 class Triangle {
     void triangularise() {
         if constexpr (Real<T>) {
@@ -37,23 +38,25 @@ class Triangle {
         Index const d = D.size();
         F = StateMatrix<T, N>(d);
         for (Index j = 0; j < d; ++j) {
-            D[j] = T(1) / D[j];
-            F(j, j) = T(1) / from(j, j);
+            D[j] = RealOf<T>(1) / D[j];
+            F(j, j) = T(RealOf<T>(1) / real_part(from(j, j)));
             if (covariance)  // column j of F^-T is row j of F^-1, by F^-1 F = I
-                for (Index i = j + 1; i < d; ++i) F(i, j) = -(dot(F.column(j) + j, from.column(i) + j, i - j) / from(i, i));
+                for (Index i = j + 1; i < d; ++i)
+                    F(i, j) = -(conjugate(dot(F.column(j) + j, from.column(i) + j, i - j)) / real_part(from(i, i)));
             else
-                for (Index i = j - 1; i >= 0; --i) F(i, j) = -(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i) / from(i, i));
+                for (Index i = j - 1; i >= 0; --i)
+                    F(i, j) = -(conjugate(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i)) / real_part(from(i, i)));
         }
         covariance = !covariance;
     }
-    void scale_column(Index j, T const& by, bool divide) {
+    void scale_column(Index j, RealOf<T> const& by, bool divide) {
         for (Index i = covariance ? 0 : j; i < (covariance ? j + 1 : D.size()); ++i) F(i, j) = divide ? T(F(i, j) / by) : T(F(i, j) * by);
     }
 
 public:
     bool covariance;  ///< of P, F upper; else of P^-1, F lower
     StateMatrix<T, N> F;
-    StateVector<T, N> D;  ///< ones for a root
+    StateVector<RealOf<T>, N> D;  ///< ones for a root
     Truth<T> definite = true;
 
     explicit Triangle(Stored<T> const& stored)
@@ -68,14 +71,16 @@ public:
         }
         Truth<T> triangular = true;
         for (Index j = 0; j < d; ++j) {
-            D[j] = stored.D.size() > 0 ? stored.D[j] : T(1);
-            definite = definite && !(D[j] < T(0)) && !(D[j] == T(0));
+            D[j] = stored.D.size() > 0 ? stored.D[j] : RealOf<T>(1);
+            definite = definite && !(D[j] < RealOf<T>(0)) && !(D[j] == RealOf<T>(0));
             for (Index i = 0; i < d; ++i) {
                 F(i, j) = stored.F(i, j);
                 if (covariance ? j < i : i < j) triangular = triangular && (F(i, j) == T(0) || !is_finite(F(i, j)));
             }
         }
         for (Index j = 0; j < d; ++j) definite = definite && !(triangular && F(j, j) == T(0));
+        if constexpr (ComplexScalar<T>)
+            for (Index j = 0; j < d; ++j) expects(all(F(j, j).im == RealOf<T>(0)), "a triangular factor with a real diagonal");
         if (all(triangular)) return;
         expects(covariance && stored.D.size() == 0 && Real<T>,
                 "a triangular factor: upper of P, lower of its inverse; or a square root of P");
@@ -86,18 +91,18 @@ public:
     Triangle& turn_into(bool of_covariance, bool unit) {
         if (covariance != of_covariance) invert();  // (3)
         for (Index j = 0; j < D.size(); ++j) {      // (4)
-            T const pivot = F(j, j);
-            if (unit && !all(pivot == T(1))) {
+            RealOf<T> const pivot = real_part(F(j, j));
+            if (unit && !all(pivot == RealOf<T>(1))) {
                 scale_column(j, pivot, true);
                 D[j] *= pivot * pivot;
             }
-            if constexpr (Real<T>) {
-                if (!unit && !all(D[j] == T(1))) {
+            if constexpr (RootedScalar<T>) {
+                if (!unit && !all(D[j] == RealOf<T>(1))) {
                     scale_column(j, square_root(D[j]), false);
-                    D[j] = T(1);
+                    D[j] = RealOf<T>(1);
                 }
             }
-            definite = definite && T(0) < D[j] && is_finite(D[j]) && !(F(j, j) == T(0));
+            definite = definite && RealOf<T>(0) < D[j] && is_finite(D[j]) && !(F(j, j) == T(0));
             for (Index i = 0; i < D.size(); ++i) definite = definite && is_finite(F(i, j));
         }
         return *this;
@@ -112,7 +117,7 @@ bool by_unit_triangle(Stored<T> const& stored) {
 
 /// The prior's stored form turned into another. Throws std::invalid_argument where it is not definite; numbers that overflow on the way
 /// are let in, as from any prior.
-template <int N, Field T>
+template <int N, Scalar T>
 Triangle<T, N> start_triangle(Prior<T> const& prior, bool of_covariance, bool unit) {
     Triangle<T, N> out(*prior.stored);
     expects(all(out.definite), "a positive definite prior covariance");

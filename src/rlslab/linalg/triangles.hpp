@@ -10,35 +10,35 @@ namespace rlslab {
 
 /// Sets U (unit upper triangular) and D of X = U diag(D) U', columns from the last to the first. Reads X's upper triangle; leaves what is
 /// below U's diagonal. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
-template <Field T, int N>
-Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, StateVector<T, N>& D) {
+template <Scalar T, int N>
+Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, StateVector<RealOf<T>, N>& D) {
     Truth<T> positive = true;
     for (Index j = D.size() - 1; j >= 0; --j) {
-        D[j] = X(j, j);
-        positive = positive && T(0) < D[j];
+        D[j] = real_part(X(j, j));
+        positive = positive && RealOf<T>(0) < D[j];
         U(j, j) = T(1);
         for (Index i = 0; i < j; ++i) U(i, j) = X(i, j) / D[j];
         for (Index k = 0; k < j; ++k)
-            for (Index i = 0; i <= k; ++i) X(i, k) -= U(i, j) * X(k, j);
+            for (Index i = 0; i <= k; ++i) X(i, k) -= U(i, j) * conjugate(X(k, j));
     }
     return positive;
 }
 
 /// Sets L (unit lower triangular) and D of X = L diag(D) L' (Cholesky without roots). Reads X's lower triangle; leaves what is above L's
 /// diagonal. L may be X. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
-template <Field T, int N>
-Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<T, N>& D) {
+template <Scalar T, int N>
+Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
     Index const d = D.size();
     Truth<T> positive = true;
     for (Index j = 0; j < d; ++j)
         for (Index i = j; i < d; ++i) L(i, j) = X(i, j);
     for (Index j = 0; j < d; ++j) {
-        D[j] = L(j, j);
-        positive = positive && T(0) < D[j];
+        D[j] = real_part(L(j, j));
+        positive = positive && RealOf<T>(0) < D[j];
         L(j, j) = T(1);
         for (Index k = j + 1; k < d; ++k) {
             T const m = L(k, j) / D[j];
-            add_scaled(L.column(k) + k, -m, L.column(j) + k, d - k);
+            add_scaled(L.column(k) + k, T(-conjugate(m)), L.column(j) + k, d - k);
             L(k, j) = m;
         }
     }
@@ -46,19 +46,19 @@ Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVecto
 }
 
 /// Whether the triangular L has no zero on its diagonal; a NaN there counts as nonzero.
-template <Field T, int N>
+template <Scalar T, int N>
 Truth<T> nonsingular(StateMatrix<T, N> const& L) {
     Truth<T> out = true;
     for (Index i = 0; i < L.size(); ++i) out = out && !(L(i, i) == T(0));
     return out;
 }
 
-/// x = L^-1 x in place, L lower triangular, d^2/2 multiplications.
-template <Field T, int N, class X>
+/// x = L^-1 x in place, L lower triangular with a real diagonal, d^2/2 multiplications.
+template <Scalar T, int N, class X>
 void solve_lower(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) {
-        x[i] /= L(i, i);
+        x[i] /= real_part(L(i, i));
         add_scaled(x.data() + i + 1, -x[i], L.column(i) + i + 1, d - i - 1);
     }
 }
@@ -68,33 +68,33 @@ void solve_lower(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SolveLower<T>{L.size(), L.stride(), L.column(0), x.data()});
 }
 
-/// x = L^-T x in place, L lower triangular, d^2/2 multiplications.
-template <Field T, int N, class X>
+/// x = L^-T x in place, L lower triangular with a real diagonal, d^2/2 multiplications. Complex numbers: the inverse of L', conjugated.
+template <Scalar T, int N, class X>
 void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
     for (Index i = d - 1; i >= 0; --i) {
         if (i + 1 < d) x[i] -= dot(L.column(i) + i + 1, x.data() + i + 1, d - i - 1);
-        x[i] /= L(i, i);
+        x[i] /= real_part(L(i, i));
     }
 }
 
 /// x = (L diag(D) L')^-1 x in place. In the lanes where `positive` is false the result is NaN.
-template <Field T, int N>
-void solve_ldl(StateMatrix<T, N> const& L, StateVector<T, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
+template <Scalar T, int N>
+void solve_ldl(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
     solve_lower(L, x);
-    for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], T(1))), undefined<T>());
+    for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], RealOf<T>(1))), undefined<T>());
     solve_lower_transposed(L, x);
 }
 
 /// out = L'x, L lower triangular. out must not be x.
-template <Field T, int N>
+template <Scalar T, int N>
 void multiply_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& x, StateVector<T, N>& out) {
     Index const d = x.size();
     for (Index i = 0; i < d; ++i) out[i] = dot(L.column(i) + i, x.data() + i, d - i);
 }
 
 /// L^-T b, L lower triangular.
-template <Field T, int N>
+template <Scalar T, int N>
 Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
     solve_lower_transposed(L, x);
@@ -102,19 +102,19 @@ Vector<T, N> solved_lower_transposed(StateMatrix<T, N> const& L, StateVector<T, 
 }
 
 /// x = (L L')^-1 x, and x = (L diag(D) L')^-1 x, in place; d^2 multiplications.
-template <Field T, int N, class X>
+template <Scalar T, int N, class X>
 void solve_outer(StateMatrix<T, N> const& L, X& x) {
     solve_lower(L, x);
     solve_lower_transposed(L, x);
 }
-template <Field T, int N, class X>
-void solve_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& D, X& x) {
+template <Scalar T, int N, class X>
+void solve_outer(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, X& x) {
     solve_lower(L, x);
     for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
     solve_lower_transposed(L, x);
 }
 /// (L L')^-1 b.
-template <Field T, int N>
+template <Scalar T, int N>
 Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
     solve_outer(L, x);
@@ -122,21 +122,21 @@ Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b
 }
 
 /// A A' and A diag(D) A', for any square A; d^3 multiplications. They allocate if N is Dynamic.
-template <Field T, int N>
+template <Scalar T, int N>
 Matrix<T, N> outer(StateMatrix<T, N> const& A) {
     StateMatrix<T, N> out(A.size());
     multiply_by_transposed(A, A, out);
     return out.view();
 }
-template <Field T, int N>
-void outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D, StateMatrix<T, N>& out) {
+template <Scalar T, int N>
+void outer(StateMatrix<T, N> const& A, StateVector<RealOf<T>, N> const& D, StateMatrix<T, N>& out) {
     StateMatrix<T, N> AD = A;
     for (Index j = 0; j < D.size(); ++j)
         for (Index i = 0; i < D.size(); ++i) AD(i, j) *= D[j];
     multiply_by_transposed(AD, A, out);
 }
-template <Field T, int N>
-Matrix<T, N> outer(StateMatrix<T, N> const& A, StateVector<T, N> const& D) {
+template <Scalar T, int N>
+Matrix<T, N> outer(StateMatrix<T, N> const& A, StateVector<RealOf<T>, N> const& D) {
     StateMatrix<T, N> out(A.size());
     outer(A, D, out);
     return out.view();

@@ -28,6 +28,35 @@ struct ScalarRow {
     [[gnu::always_inline]] void subtract_product(ScalarRow const& a, T const& b) { x -= a.x * b; }
 };
 
+/// The row of a complex matrix: the factors are complex or real. A product with a complex factor is not conjugated here.
+template <class F>
+struct ScalarRow<Complex<F>> {
+    using scalar = Complex<F>;
+    static constexpr int rows = 1, registers = 2;
+    static constexpr bool padded = false, wide = false;
+    scalar x;
+
+    [[gnu::always_inline]] void zero() { x = scalar(0); }
+    [[gnu::always_inline]] void load(scalar const* from) { x = *from; }
+    [[gnu::always_inline]] void store(scalar* to) const { *to = x; }
+    template <class A>
+    [[gnu::always_inline]] void scale(A const& a) {
+        x *= a;
+    }
+    [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
+    [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
+    [[gnu::always_inline]] void clear(Truth<F> const& where) { x = select(where, scalar(0), x); }
+    [[gnu::always_inline]] void take(ScalarRow const& a) { x = a.x; }
+    template <class A>
+    [[gnu::always_inline]] void add_product(ScalarRow const& a, A const& b) {
+        x += a.x * b;
+    }
+    template <class A>
+    [[gnu::always_inline]] void subtract_product(ScalarRow const& a, A const& b) {
+        x -= a.x * b;
+    }
+};
+
 template <class T, int Bytes, int Rows = 8>
 struct SimdBlock {
     using scalar = T;

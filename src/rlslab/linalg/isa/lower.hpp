@@ -28,12 +28,12 @@ template <class B, class T>
     x.subtract_product(t, s.x[i]);
 }
 
-// L_ji = c_i t + s_i x_j,  x_j -= e_i t
+// L_ji = c_i t + s_i' x_j,  x_j -= e_i t
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
     B const old = t;
     t.scale(s.c[i]);
-    t.add_product(x, s.s[i]);
+    t.add_product(x, conjugate(s.s[i]));
     x.subtract_product(old, s.e[i]);
 }
 
@@ -43,20 +43,20 @@ template <class B, class T>
     t.scale(s.root_lambda);
     B const old = t;
     t.scale(s.c[i]);
-    t.add_product(x, s.s[i]);
+    t.add_product(x, conjugate(s.s[i]));
     x.scale(s.c[i]);
     x.subtract_product(old, s.s[i]);
 }
 
-// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i x_j). Without a reflection (tau_i = 0) a is set to 0: the
+// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i' x_j). Without a reflection (tau_i = 0) a is set to 0: the
 // product of 0 and an infinity would be NaN.
 template <class B, class T>
 [[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
     t.scale(s.weight);
-    Truth<T> const nothing = s.tau[i] == T(0);
+    Truth<T> const nothing = s.tau[i] == RealOf<T>(0);
     if (all(nothing)) return;
     B along = x;
-    along.scale(s.x[i]);
+    along.scale(conjugate(s.x[i]));
     along.add(t);
     along.scale(s.tau[i]);
     if constexpr (!std::same_as<Truth<T>, bool>) along.clear(nothing);
@@ -78,18 +78,18 @@ template <class T>
 #pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
 }
-/// (a, b) = (c a + s b, c b - s a).
+/// (a, b) = (c a + s' b, c b - s a).
 template <class T>
 [[gnu::always_inline]] inline void rotate(Rotation<T> const& turn, T& a, T& b) {
-    T const up = turn.s * b, turned = turn.c * a + up, down = turn.s * a;
+    T const up = conjugate(turn.s) * b, turned = turn.c * a + up, down = turn.s * a;
     b = turn.c * b - down;
     a = turned;
 }
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(RotateIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
-    Rotation<T> const turn = givens(T(s.root_lambda * row[i]), x[i]);
-    row[i] = turn.r;
+    Rotation<T> const turn = givens<T>(RealOf<T>(s.root_lambda * real_part(row[i])), x[i]);
+    row[i] = T(turn.r);
     s.c[i0 + i] = turn.c;
     s.s[i0 + i] = turn.s;
 #pragma GCC unroll 8
@@ -99,28 +99,29 @@ template <class T>
         row[j] = t;
     }
     T t = s.root_lambda * s.z[i0 + i];
-    rotate(turn, t, *s.eta);
+    rotate(of_rows(turn), t, *s.eta);
     s.z[i0 + i] = t;
 }
 /// The step of ReflectIn for one pair: above = weight L_ji or z_i, below = x_j or eta.
 template <class T>
-[[gnu::always_inline]] inline void reflect(T const& tau, T const& v, T const& weight, T& above, T& below) {
+[[gnu::always_inline]] inline void reflect(RealOf<T> const& tau, T const& v, RealOf<T> const& weight, T& above, T& below) {
     above *= weight;
-    T t = tau * (above + v * below);
-    if constexpr (!std::same_as<Truth<T>, bool>) t = select(tau == T(0), T(0), t);
+    T t = tau * (above + conjugate(v) * below);
+    if constexpr (!std::same_as<Truth<T>, bool>) t = select(tau == RealOf<T>(0), T(0), t);
     above -= t;
     below -= t * v;
 }
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(ReflectIn<T> const& s, Index i0, Index i, Index m, T* x) {
     T* const row = s.L + (i0 + i) * s.ld + i0;
-    T const a = s.weight * row[i], here = x[i];
-    Reflector<T> const turn(a, norm(a, T(here * here), &here, 1));
-    row[i] = turn.r;
+    RealOf<T> const a = s.weight * real_part(row[i]);
+    T const here = x[i];
+    Reflector<RealOf<T>> const turn(a, norm(a, RealOf<T>(absolute_square(here)), &here, 1));
+    row[i] = T(turn.r);
     *s.ratio *= turn.cosine(a);
     T const v = x[i] = here / turn.pivot;
     s.tau[i0 + i] = turn.tau;
-    if (all(turn.tau == T(0))) {
+    if (all(turn.tau == RealOf<T>(0))) {
 #pragma GCC unroll 8
         for (Index j = i + 1; j < m; ++j) row[j] *= s.weight;
         s.z[i0 + i] *= s.weight;
@@ -128,7 +129,7 @@ template <class T>
     }
 #pragma GCC unroll 8
     for (Index j = i + 1; j < m; ++j) reflect(turn.tau, v, s.weight, row[j], x[j]);
-    reflect(turn.tau, v, s.weight, s.z[i0 + i], *s.eta);
+    reflect<T>(turn.tau, conjugate(v), s.weight, s.z[i0 + i], *s.eta);
 }
 /// All rows of a full corner, unrolled so that a copy of x stays in registers.
 template <int i, int m, class S, class T>

@@ -11,7 +11,7 @@ template <class B, class T>
     w.add_product(t, x);
 }
 
-// A = (A - w f') / lambda
+// A = (A - w f') / lambda; at(j) conjugates f_j
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SubtractRankOne<T> const& k, T const& f, B& t, B& w) {
     t.subtract_product(w, f);
@@ -50,7 +50,7 @@ template <class B, class T>
     turned.scale(at.s);
     turned.add_product(w, at.c);
     t.scale(at.c);
-    t.subtract_product(w, at.s);
+    t.subtract_product(w, conjugate(at.s));
     w.take(turned);
 }
 
@@ -210,7 +210,7 @@ template <class B, int K, class T>
         g[m].load(s.g + i);
     }
     for (Index j = 0; j < s.d; ++j) {
-        T const xj = s.x[j], gj = s.g[j];
+        T const xj = conjugate(s.x[j]), gj = conjugate(s.g[j]);
 #pragma GCC unroll 16
         for (int m = 0; m < K; ++m) {
             T* const here = s.A + j * s.ld + i0 + m * B::rows;
@@ -237,8 +237,9 @@ template <class B, class T>
 [[gnu::always_inline]] inline void evaluate(SubtractMirrored<T> const& s) {
     for (Index j = 0; j < s.d; ++j)
         for (Index i = 0; i <= j; ++i) {
-            T const t = s.A[j * s.ld + i] - s.w[i] * s.f[j];
+            T const t = s.A[j * s.ld + i] - s.w[i] * conjugate(s.f[j]);
             s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.correction;
+            if constexpr (ComplexScalar<T>) s.A[i * s.ld + j] = i == j ? T(t.re + t.re * s.correction) : conjugate(s.A[j * s.ld + i]);
         }
 }
 
