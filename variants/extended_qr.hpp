@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/rows_in_flight.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -23,6 +23,14 @@ class ExtendedQr {
     StateVector<T, N> theta_, z_, K_, x_, v_, s_;
     StateVector<RealOf<T>, N> c_;
     StateMatrix<T, N> L_, V_;    // R' and W', so that their rows are contiguous
+    [[no_unique_address]] RowsInFlight<T, N> rows_;
+
+    template <class Perturb>
+    void turn_inverse(T const& eta, Perturb& perturb) {
+        for (Index i = 0; i < s_.size(); ++i) s_[i] = -s_[i];    // W's row is the first of the pair, v the second
+        sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);                                       // (1)
+        add_scaled(theta_, -eta, v_);                                                                    // (2)
+    }
 
 public:
     using scalar = T;
@@ -31,7 +39,7 @@ public:
     explicit ExtendedQr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),
           theta_(start_theta<T, N>(problem)), z_(problem.size), K_(problem.size), x_(problem.size), v_(problem.size),
-          s_(problem.size), c_(problem.size), L_(problem.size), V_(start_root<T, N>(problem)) {
+          s_(problem.size), c_(problem.size), L_(problem.size), V_(start_root<T, N>(problem)), rows_(problem.size) {
         start_information_root(problem, L_, z_);
     }
 
@@ -47,12 +55,21 @@ public:
         for (Index i = 0; i < x_.size(); ++i) {
             finite = finite && is_finite(L_(i, i));
             root_gamma *= c_[i];
-            s_[i] = -s_[i];    // W's row is the first of the pair, v the second
         }
-        sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);
+        turn_inverse(eta, perturb);
         for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
-        add_scaled(theta_, -eta, v_);
         return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, Truth<T>(true)));
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns the last
+    /// step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        auto const fold = [&](Index k) {
+            NoPerturbation none;
+            rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, true);
+            for (Index n = 0; n < rows_.together; ++n) turn_inverse(rows_.rotation(n, c_, s_), none);
+        };
+        return update_rows(*this, rows_, x_.size(), psi, y, fold, theta_, K_);
     }
 
     auto theta() const { return theta_.view(); }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/rows_in_flight.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -24,6 +24,7 @@ class Qr {
     StateVector<RealOf<T>, N> c_;
     StateMatrix<T, N> L_;    // R'
     Lengths<T, N> lengths_;
+    [[no_unique_address]] RowsInFlight<T, N> rows_;
 
 public:
     using scalar = T;
@@ -32,7 +33,8 @@ public:
 
     explicit Qr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
-          x_(problem.size), s_(problem.size), c_(problem.size), L_(problem.size), lengths_(problem.size) {
+          x_(problem.size), s_(problem.size), c_(problem.size), L_(problem.size), lengths_(problem.size),
+          rows_(problem.size) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
@@ -46,6 +48,15 @@ public:
         for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
         Step<T> const step = report_rotated(eta, root_gamma, determined);                                // (2)
         return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !determined, step);
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns the last
+    /// step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        return update_rows(*this, rows_, x_.size(), psi, y, [&](Index k) {
+            rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, false);                                     // (1)
+            for (Index n = k; n < k + rows_.together; ++n) lengths_.add(lambda_, psi.col(n).data(), y[n], L_);
+        });
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

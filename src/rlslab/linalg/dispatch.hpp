@@ -47,12 +47,18 @@ inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
 
+template <>
+inline constexpr Wide wide<RotateInRows<double>>{.from = 8};
+
 /// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows
 /// need many registers: SubtractRankOne is not faster with 16 of them.
 template <class Pass>
 inline constexpr Index one_pass_from = std::numeric_limits<Index>::max();
 template <class T>
 inline constexpr Index one_pass_from<SubtractMirrored<T>> = 128;
+
+/// RotateInRows is faster than RotateIn for one row after another from this d on.
+inline constexpr Index together_from = 5;
 
 }  // namespace rlslab::kernels
 
@@ -151,7 +157,7 @@ template <class T, int N, class Kernel>
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
-        if constexpr (!OnColumns<Kernel>)
+        if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
             if (kernel.d <= 4) return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= 16) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);

@@ -109,10 +109,10 @@ class Lengths {
     }
 
     /// Updates right_ at once, and returns a function that updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it.
-    auto with(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y) {
+    auto with(RealOf<T> const& lambda, T const* psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
-        return [squares = squares_.data(), psi = psi.data(), weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
+        return [squares = squares_.data(), psi, weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
     }
     /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (Aside).
     template <class Solve>
@@ -179,15 +179,21 @@ public:
     Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
                   StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
-            x.size(), with(lambda, psi, y), [&](Index j) { return square(L(j, j)); }, right_);
+            x.size(), with(lambda, psi.data(), y), [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
     Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
                   StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
-            x.size(), with(lambda, psi, y), [&](Index j) { return Bound(D[j]); }, right_);
+            x.size(), with(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
+    }
+    /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d numbers.
+    void add(RealOf<T> const& lambda, T const* psi, T const& y, StateMatrix<T, N> const& L) {
+        auto const square_of = with(lambda, psi, y);
+        for (Index j = 0; j < squares_.size(); ++j) square_of(j);
+        determined_ = nonsingular(L);
     }
     /// The same for a block: take_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
     template <class Block>

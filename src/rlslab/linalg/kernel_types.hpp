@@ -288,6 +288,18 @@ struct ReflectIn {
 template <class K>
 concept ByPanels = requires { K::corners; };
 
+/// RotateIn for `together` rows, the first to the last: row r has x + r ld and eta[r]. Its rotations are written to c + r ld and s + r ld, or
+/// nowhere if c is null.
+template <class T>
+struct RotateInRows {
+    static constexpr int together = 4;
+    Index d, ld;
+    T *L, *x, *z, *eta, *c, *s;
+    T root_lambda;
+};
+template <class K>
+concept Together = requires { K::together; };
+
 // --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding ---------------------------------
 
 /// *sum = v'v, a dot product in eight lanes.

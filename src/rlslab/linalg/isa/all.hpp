@@ -8,6 +8,8 @@
 
 #include <rlslab/linalg/isa/lower.hpp>
 
+#include <rlslab/linalg/isa/rows.hpp>
+
 #include <rlslab/linalg/isa/reflect.hpp>
 
 /// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes` bytes.

@@ -37,15 +37,20 @@ template <class B, class T>
     x.subtract_product(old, s.e[i]);
 }
 
+// (root_lambda t, x) times the rotation (c, s)
+template <class B, class R, class C, class S>
+[[gnu::always_inline]] inline void rotate(B& t, B& x, R const& root_lambda, C const& c, S const& s) {
+    t.scale(root_lambda);
+    B const old = t;
+    t.scale(c);
+    t.add_product(x, conjugate(s));
+    x.scale(c);
+    x.subtract_product(old, s);
+}
 // (sqrt(lambda) L_ji, x_j) times the rotation i
 template <class B, class T>
 [[gnu::always_inline]] inline void step(RotateIn<T> const& s, Index i, B& t, B& x) {
-    t.scale(s.root_lambda);
-    B const old = t;
-    t.scale(s.c[i]);
-    t.add_product(x, conjugate(s.s[i]));
-    x.scale(s.c[i]);
-    x.subtract_product(old, s.s[i]);
+    rotate(t, x, s.root_lambda, s.c[i], s.s[i]);
 }
 
 // L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i' x_j). Without a reflection (tau_i = 0) a is set to 0: the
