@@ -67,10 +67,11 @@ Study const guard_cost{
                  return within(of(t, of_information).where("size", 64.0), {"variant"}, mean("share").as(Estimate::fixed), 0.3, 0.6);
              },
              finding("set before the run: 3 d^2 in qr, 2.5 d^2 in gentleman")},
-            {"on good rows policies that reset or rebuild take no operation more than one that reports",
+            {"on good rows policies that reset or rebuild take no operation more than one that reports, but in conventional, which breaks",
              [](Table const& t) {
                  std::vector<Finding> parts;
                  for (auto const& [name, group] : t.groups({"variant", "size"})) {
+                     if (name.starts_with("conventional")) continue;
                      double const report = group.where("policy", "report").number("operations");
                      for (std::string const policy : {"reset", "rebuild"})
                          parts.push_back(Finding(group.where("policy", policy).number("operations") == report, name));

@@ -175,7 +175,7 @@ Study const guard_policies{
         [](Budget budget) {
             std::vector<Cell> variants(guarded_variants().begin(), guarded_variants().end());
             return std::vector<Factor>{
-                {"arithmetic", {"float", "double"}}, {"variant", variants}, {"replicate", counted(budget == Budget::full ? 100 : 8)}};
+                {"arithmetic", {"float", "double"}}, {"variant", variants}, {"replicate", counted(budget == Budget::full ? 40 : 8)}};
         },
     .measures = {"policy", "disturbance", "since", "error", "during", "worst", "at_its_end", "afterwards", "bits", "outliers", "windups",
                  "breakdowns"},

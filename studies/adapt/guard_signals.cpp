@@ -33,17 +33,29 @@ struct Predicted {
 
     /// The size in sigma beyond which a row of |psi|^2 = q is an outlier.
     double threshold(double c, double q) const { return c * scale * std::sqrt(1 + q * d * p / lambda); }
-    /// P(|e + k sigma| is beyond it), where theta has moved by `step` sigma (in psi'theta) since.
-    double flagged(double c, double k, double step) const {
+    /// P(|e + k sigma| is beyond it).
+    double flagged(double c, double k) const {
         double sum = 0, weights = 0;
         double const width = (d + 8 * std::sqrt(2 * d)) / 100;
         for (int i = 0; i < 100; ++i) {
             double const q = (i + 0.5) * width, weight = correctly::exp((d / 2 - 1) * correctly::log(q) - q / 2);
-            double const deviation = std::sqrt(1 + r * q * p + step * step * q / d);
+            double const deviation = std::sqrt(1 + r * q * p);
             for (double side : {1 - root_of_relative_variance / 2, 1 + root_of_relative_variance / 2}) {
                 double const t = threshold(c, q) * side;
                 sum += weight / 2 * (upper_tail((t - k) / deviation) + upper_tail((t + k) / deviation));
             }
+            weights += weight;
+        }
+        return sum / weights;
+    }
+    /// The same where theta has moved by `step` sigma in a direction in which psi has z, normal: |psi|^2 = z^2 + chi^2 of d - 1. That sum
+    /// enters by its mean.
+    double flagged_after(double c, double step) const {
+        double sum = 0, weights = 0;
+        for (int i = 0; i < 400; ++i) {
+            double const z = (i + 0.5) * 0.0125, weight = correctly::exp(-z * z / 2), q = z * z + d - 1;
+            double const deviation = std::sqrt(1 + r * q * p), t = threshold(c, q);
+            sum += weight * (upper_tail((t - step * z) / deviation) + upper_tail((t + step * z) / deviation));
             weights += weight;
         }
         return sum / weights;
@@ -116,7 +128,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
         GuardCounts const before = filter->counts();
         for (Index k = 0; k < far; ++k) rows.next(), filter->update(rows.psi.data(), rows.y);
         GuardCounts const n = filter->counts();
-        out({"false alarms", c, 1e4 * double(n.outliers - before.outliers) / far, 1e4 * predicted.flagged(c, 0, 0)});
+        out({"false alarms", c, 1e4 * double(n.outliers - before.outliers) / far, 1e4 * predicted.flagged(c, 0)});
         if (c == 6) out({"other signals", c, double(n.changes + n.windups + n.breakdowns + n.unusable), 0.0});
     }
     {  // the threshold itself, at 20 rows: copies of the guard are shown the row with more and more added to it
@@ -149,7 +161,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
             rows.next();
             caught += filter->update(rows.psi.data(), rows.y + k * noise) == GuardSignal::outlier;
         }
-        out({"caught", k, caught / 25.0, predicted.flagged(6, k, 0)});
+        out({"caught", k, caught / 25.0, predicted.flagged(6, k)});
     }
     for (double step : {10.0, 30.0, 100.0, 1000.0}) {
         auto [filter, rows] = made("reset", 6);
@@ -164,7 +176,7 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
                 if (changed->update(after.psi.data(), after.y) == GuardSignal::change) break;
             }
         }
-        out({"delay", step, delay, Predicted::rows_to_five_of_six(predicted.flagged(6, 0, step))});
+        out({"delay", step, delay, Predicted::rows_to_five_of_six(predicted.flagged_after(6, step))});
     }
     {
         auto [filter, rows] = made("report", 6);
@@ -197,14 +209,15 @@ Study const guard_signals{
         "The test of a guard costs O(d) because it bounds psi'P psi by |psi|^2 tr P. That dilutes it: with c = 6 a row must be off by more "
         "than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with a memory of 50 rows. So there are fewer "
         "false alarms than a normal distribution's tail has, and more is missed. A change is known after 5 rows if each of them fails the "
-        "test. Windup is told of when P_jj has grown from its settled value to the limit, within one turn of the coordinates.",
+        "test; a change of 10 sigma is not, because half of its rows pass, and the noise is learnt from these. "
+        "Windup is told of when P_jj has grown from its settled value to the limit, within one turn of the coordinates.",
     .data = "white rows, normal noise of 0.1, lambda = 0.98; d = 4, the threshold and one rate at d = 2 to 32",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"arithmetic", {"float", "double"}},
                                        {"variant", {"symmetric", "ud", "qr"}},
                                        {"size", {2.0, 4.0, 8.0, 16.0, 32.0}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 6)}};
+                                       {"replicate", counted(budget == Budget::full ? 40 : 6)}};
         },
     .admits = [](Trial const& t) { return t.number("size") == 4 || (t.text("variant") == "ud" && t.text("arithmetic") == "double"); },
     .measures = {"signal", "at", "measured", "predicted"},
@@ -225,7 +238,7 @@ Study const guard_signals{
                .x_label = "size of the outlier / sigma",
                .y_label = "share",
                .where = {{"signal", {"caught"}}},
-               .guides = {{"predicted", [](double k) { return Predicted{4}.flagged(6, k, 0); }}}},
+               .guides = {{"predicted", [](double k) { return Predicted{4}.flagged(6, k); }}}},
               {.title = "False alarms in 10000 good rows, d = 4",
                .x = "at",
                .y = "measured",
@@ -234,7 +247,7 @@ Study const guard_signals{
                .x_label = "c",
                .y_label = "false alarms",
                .where = {{"signal", {"false alarms"}}, {"size", {"4"}}},
-               .guides = {{"predicted", [](double c) { return 1e4 * Predicted{4}.flagged(c, 0, 0); }},
+               .guides = {{"predicted", [](double c) { return 1e4 * Predicted{4}.flagged(c, 0); }},
                           {"normal tail", [](double c) { return 2e4 * upper_tail(c); }}}}},
     .claims =
         {
@@ -272,11 +285,18 @@ Study const guard_signals{
                  return difference(of(t, "caught"), {"at", "arithmetic", "variant"}, -0.05, 0.05);
              },
              finding("docs/theory.md 86")},
-            {"a change of 10 to 1000 sigma is met after as many rows as predicted, within 15 %",
+            {"a change of 30, 100 and 1000 sigma is met after as many rows as predicted, within 15 %",
              [](Table const& t) {
-                 return within(of(t, "delay"), {"at", "arithmetic", "variant"}, over_predicted, 0.85, 1.15);
+                 Table const mine = of(t, "delay").where("at", [](double step) { return step >= 30; });
+                 return within(mine, {"at", "arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
-             finding("docs/theory.md 86")},
+             finding("docs/theory.md 86, whose formula for one row was corrected after a quick run")},
+            {"and one of 10 sigma (fails: the rows that pass teach the guard a larger noise, and it waits for hundreds of rows)",
+             [](Table const& t) {
+                 Table const mine = of(t, "delay").where("at", 10.0);
+                 return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
+             },
+             finding("docs/theory.md 86, band set before the run")},
             {"windup is told of ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},
