@@ -189,7 +189,7 @@ Study const guard_policies{
                .x_label = "rows since",
                .y_label = "error of theta over a fresh filter's",
                .where = {{"arithmetic", {"float"}}, {"variant", {"ud"}}, {"disturbance", {"burst", "silence", "outlier", "change"}}}},
-              {.title = "Good rows alone, and one outlier, in float",
+              {.title = "One outlier of 1e6 sigma, in float",
                .x = "since",
                .y = "error",
                .panel = "policy",
