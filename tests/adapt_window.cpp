@@ -164,6 +164,12 @@ TEST(Windowed, IsSoInFloatToo) {
             EXPECT_LE((worst<Ud<float, d>>({.size = d, .prior = Prior<double>{.variance = 64}}, q, {.rows = W}, Seed{seed}).window), 10)
                 << q << ", seed " << seed;
 }
+/// Where P is stored, rounding may make 1 - psi'P psi large, and no digit is left: from outliers of 1/sqrt(u) on.
+TEST(Windowed, KnowsWhatItDoesNotKnowOfTheRemainder) {
+    Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
+    for (unsigned seed : {81, 82, 83})
+        for (double q : {4.0, 5.0, 6.0}) EXPECT_LE((worst<Symmetric<float, d>>(problem, q, {.rows = W}, Seed{seed}).window), 100) << q;
+}
 TEST(Windowed, StartsFromNothingAndForgetsInside) {
     for (unsigned seed : {81, 82, 83})
         EXPECT_LE((worst<Qr<double, d>>({.size = d, .forgetting = 0.96875, .prior = std::nullopt}, 4, {.rows = W}, Seed{seed}).window), 10);

@@ -110,6 +110,7 @@ std::vector<Folder> const house{
     {"studies/definiteness", {"studies/engine"}},
     {"studies/accuracy", {"studies/engine"}},
     {"studies/forgetting", {"studies/engine"}},
+    {"studies/adapt", {"studies/engine"}},
     {"studies/published", {"studies/engine"}},
     {"studies/theory", {"studies/engine"}},
     {"bench", {"catalogue", "report"}},

@@ -9,7 +9,8 @@ namespace rlslab {
 ///   remaining   alpha^2 = 1 - w psi'P psi, of the P before, w the row's weight: the share of the information along psi that other rows
 ///               gave. At most 1; <= 0 or NaN: there would be none left, the removal was refused, and no bit of the state has changed
 ///   noise       the error that the removal itself made, relative to the X after it, in units of u / alpha^2: 1 in a factored form and
-///               in the normal equations; 1 / alpha^2 where P is stored, whose psi'P psi has an error of its own
+///               in the normal equations; where P is stored, whose psi'P psi has an error of its own, the larger of 1 / alpha^2 and
+///               w sum psi_i^2 P_ii, since that error may have made alpha^2 large
 template <Field T>
 struct Removal {
     T remaining, noise;
@@ -47,9 +48,12 @@ Removal<T> remove(PlainCovariance<T, N> f, Regressor<T> psi, T const& y, T const
     multiply(f.P, psi.data(), f.f);
     T const remaining = T(1) - w * dot(psi, f.f), by = w / remaining;
     if (!(T(0) < remaining) || !is_finite(by)) return {T(0), T(1)};
+    T summed = T(0);  // u times this is the rms error of psi'P psi, whose terms are at most |psi_i psi_j| sqrt(P_ii P_jj)
+    for (Index i = 0; i < psi.size(); ++i) summed += psi[i] * psi[i] * f.P(i, i);
+    T const seen = T(1) / remaining, hidden = w * summed;
     add_scaled(f.theta, T(-(by * e)), f.f);
     inflate(f, by, Regressor<T>(f.f.data(), psi.size()));
-    return {remaining, T(1) / remaining};
+    return {remaining, hidden < seen ? seen : hidden};
 }
 template <class T, int N>
 Removal<T> remove(RootCovariance<T, N, true> f, Regressor<T> psi, T const& y, T const& w) {

@@ -1,0 +1,43 @@
+// Guarded filters by name.
+#include "studies/adapt/watched.hpp"
+
+#include <rlslab/arithmetic/counted.hpp>
+#include <rlslab/core/random.hpp>
+
+#include <cmath>
+
+namespace rlslab {
+
+std::vector<std::string> const& guard_policies_by_name() {
+    static std::vector<std::string> const names{"none", "report", "reset", "rebuild", "hand_over"};
+    return names;
+}
+std::vector<std::string> const& guarded_variants() {
+    static std::vector<std::string> const names{"conventional", "symmetric", "potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"};
+    return names;
+}
+
+std::unique_ptr<Watched> watched(std::string_view variant, std::string_view arithmetic, std::string_view policy,
+                                 Problem<double> const& problem, double innovation) {
+    auto const make = arithmetic == "float" ? watched_in_float(variant, policy) : watched_in_double(variant, policy);
+    return make ? make(problem, innovation) : nullptr;
+}
+
+double operations_of_a_row(std::string_view variant, std::string_view policy, Index size) {
+    auto const make = watched_counting(variant, policy);
+    if (!make) return NAN;
+    auto const filter = make({.size = size, .forgetting = 0.98, .prior = Prior<double>{.variance = 100}}, 6);
+    Seed seed{1};
+    std::vector<double> psi(size_t(size), 0.0);
+    auto const feed = [&](Index rows) {
+        for (Index k = 0; k < rows; ++k) {
+            double y = 0.1 * seed.bell();
+            for (double& x : psi) y += x = seed.bell();
+            filter->update(psi.data(), y);
+        }
+    };
+    feed(20 * size + 200);  // armed after 10 d + 20
+    return double(counted([&] { feed(20 * size); }).total()) / double(20 * size);
+}
+
+}  // namespace rlslab
