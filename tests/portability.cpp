@@ -147,6 +147,14 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
     EXPECT_EQ(tried.code, 0) << tried.text;
 }
 
+constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp", digest_options[] = "-O1 -ffp-contract=off -DNDEBUG ";
+void expect_the_bits_of_this_machine(std::string const& command) {
+    Outcome const there = shell(command), here = shell(RLSLAB_DIGEST);
+    EXPECT_EQ(there.code, 0);
+    EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
+    EXPECT_EQ(there.text, here.text);
+}
+
 /// Of another order of bytes, too (s390x). A minute each: all but the first are asked for.
 struct Processor {
     char const *name, *packages;
@@ -160,19 +168,26 @@ TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
     if (!there_is(compiler) || !there_is(emulator)) GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
-    Outcome const built =
-        shell(compiler + headers + "-O1 -ffp-contract=off -DNDEBUG -static " RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp -o " + out);
+    Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_source + " -o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
-    Outcome const there = shell(emulator + " " + out), here = shell(RLSLAB_DIGEST);
-    EXPECT_EQ(there.code, 0);
-    EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
-    EXPECT_EQ(there.text, here.text);
+    expect_the_bits_of_this_machine(emulator + " " + out);
 }
 INSTANTIATE_TEST_SUITE_P(Emulated, Processors,
                          testing::Values(Processor{"aarch64", "g++-aarch64-linux-gnu, libc6-dev-arm64-cross", false},
                                          Processor{"riscv64", "g++-riscv64-linux-gnu, libc6-dev-riscv64-cross", true},
                                          Processor{"s390x", "g++-s390x-linux-gnu, libc6-dev-s390x-cross", true}),
                          [](auto const& tested) { return std::string(tested.param.name); });
+
+TEST(ProcessorsOfPages, WebAssemblyLeavesTheSameBits) {
+    if (!std::getenv("RLSLAB_ALL_PROCESSORS")) GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
+    if (!there_is("em++") || !there_is("node")) GTEST_SKIP() << "needs the packages emscripten and nodejs";
+    files::Folder const folder;
+    std::string const out = (folder.path / "digest.js").string();  // one file: node's own fetch takes no path
+    Outcome const built = shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
+                                digest_source + " -o " + out);
+    ASSERT_EQ(built.code, 0) << built.text;
+    expect_the_bits_of_this_machine("node " + out);
+}
 
 }  // namespace
 }  // namespace rlslab

@@ -23,8 +23,8 @@ namespace detail {
 
 inline constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
 
-constexpr std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
-constexpr double from_bits(std::uint64_t bits) { return std::bit_cast<double>(bits); }
+constexpr std::uint64_t bits_of(double x) { return __builtin_bit_cast(std::uint64_t, x); }
+constexpr double from_bits(std::uint64_t bits) { return __builtin_bit_cast(double, bits); }
 constexpr double magnitude(double x) { return from_bits(bits_of(x) & ~sign_bit); }
 constexpr double with_sign_of(double x, double magnitude) { return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit)); }
 constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }  ///< -1022 <= e <= 1023

@@ -118,11 +118,11 @@ template <class T, class IsOne>
 struct EncodingInDouble {
     static_assert(sizeof(T) == sizeof(double) && std::is_trivially_copyable_v<T>);
     static constexpr std::size_t size = 8;
-    static void write(T const& x, std::byte* to) { Encoding<double>::write(std::bit_cast<double>(x), to); }
+    static void write(T const& x, std::byte* to) { Encoding<double>::write(__builtin_bit_cast(double, x), to); }
     static bool read(std::byte const* from, T& x) {
         double value;
         Encoding<double>::read(from, value);
-        x = std::bit_cast<T>(value);
+        x = __builtin_bit_cast(T, value);
         return IsOne{}(value);
     }
 };
