@@ -37,18 +37,6 @@ namespace rlslab {
 namespace {
 using namespace complex_tests;
 
-template <class T>
-Problem<T> problem(Index d, double forgetting = 0.9375, double variance = 16) {
-    return {.size = d, .forgetting = RealOf<T>(forgetting), .prior = Prior<T>{.variance = RealOf<T>(variance)}};
-}
-template <class A, class B>
-bool equal(A const& a, B const& b) {
-    for (Index j = 0; j < a.cols(); ++j)
-        for (Index i = 0; i < a.rows(); ++i)
-            if (!(a(i, j) == b(i, j))) return false;
-    return true;
-}
-
 // --- laws without a tolerance ---------------------------------------------------------------------------------------------
 
 /// Law 2: psi -> i psi with y -> -i y leaves theta, P and gamma, and e -> -i e. No bit changes: a product with i only exchanges parts, and

@@ -49,6 +49,18 @@ std::vector<T> as(std::vector<std::complex<double>> const& x) {
     return out;
 }
 
+template <class T>
+Problem<T> problem(Index d, double forgetting = 0.9375, double variance = 16) {
+    return {.size = d, .forgetting = RealOf<T>(forgetting), .prior = Prior<T>{.variance = RealOf<T>(variance)}};
+}
+template <class A, class B>
+bool equal(A const& a, B const& b) {
+    for (Index j = 0; j < a.cols(); ++j)
+        for (Index i = 0; i < a.rows(); ++i)
+            if (!(a(i, j) == b(i, j))) return false;
+    return true;
+}
+
 /// The textbook's recursion, every sum from the first term to the last. What it leaves unconjugated, the laws have to find.
 enum class Broken { nothing, innovation, innovation_variance, covariance, gain };
 template <ComplexScalar T, Broken broken>

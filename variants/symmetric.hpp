@@ -7,7 +7,7 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; each number below the diagonal is the one above it, bit for bit.
+/// Propagates P in full storage; each number below the diagonal is the one above it (its conjugate), bit for bit.
 ///
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji' = (P_ij - K_i f_j') / lambda for i <= j                 (5) theta += K e
