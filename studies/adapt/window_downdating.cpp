@@ -206,8 +206,8 @@ Study const window_downdating{
         "A window of 50 rows over 2000. A row 10^q times too large comes at 120 and leaves at 170. \"Nothing done\" still factors anew "
         "where a removal is refused. Without an alarm what it leaves is kept until the rows are factored anew (how it grows with q: study "
         "sliding_window), so that a schedule bounds how long the damage lasts and not how large it is. The alarm is the determinant's: it "
-        "is right where one direction loses information and the others keep theirs. The search looks for rows where it is not, where one "
-        "direction gains what another loses, and finds them: ten times is what is seen on ordinary rows, not a bound. Corrected "
+        "is right where one direction loses information and the others keep theirs. The search looks for rows where it is not, such as "
+        "where one direction gains what another loses, and finds worse windows: ten times is no bound. Corrected "
         "semi-normal equations take q and alpha from the rows that are at hand, and leave nothing of the outlier, for 3 W d a row.",
     .data =
         "white rows, d = 4; the same with condition 1000; one row 10^q times too large, or ten; 24 recipes a seed of rows that swing, jump "
