@@ -156,6 +156,7 @@ public:
 template <>
 std::unique_ptr<ComposedFilter> compose<RLSLAB_ARITHMETIC>(Composition const& c, std::string_view variant, Problem<double> const& given) {
     Problem<T> const problem = problem_as<T>(given);
+    for (double const x : c.parameters) expects(is_finite(round_to<T>(x)), "numbers of the control in the arithmetic's range");
     if (c.control == "random_walk" && variant == Walking::name)
         return std::make_unique<Composed>(AnyAdaptive<T>::around(Walking(problem, round_to<T>(c.parameters.at(0)))), problem.forgetting);
     AnyAdaptive<T> filter = innermost(c, variant, problem);

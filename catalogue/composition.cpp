@@ -13,17 +13,22 @@ std::vector<Control> const& controls() {
     static std::vector<Control> const all{
         {"constant", "lambda of --forgetting at every row, as without a control", {}},
         {"fortescue",
-         "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows",
+         "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below LEAST; "
+         "VARIANCE is the noise's, of the residuals where it is not given",
          {{"VARIANCE", given, 0, any, true}, {"MEMORY", 100, 1, any, false}, {"LEAST", 0.5, 0, 1, true}}},
         {"kulhavy",
          "forgets along the gain alone, after the row; rows of |psi|^2 < EXCITATION forget nothing",
          {{"LAMBDA", 0.98, 0, 1, true}, {"EXCITATION", 0, 0, any, false}}},
         {"cao_schwartz",
-         "forgets along the regressor alone, before the row; likewise",
+         "forgets along the regressor alone, before the row; rows of |psi|^2 < EXCITATION forget nothing",
          {{"LAMBDA", 0.98, 0, 1, true}, {"EXCITATION", 0, 0, any, false}}},
         {"ridge", "information that --forgetting below 1 does not wear down: P^-1 >= about RIDGE I", {{"RIDGE", 0.001, 0, any, true}}},
-        {"reset", "P = VARIANCE I every PERIOD rows", {{"PERIOD", 1000, 1, 1e7, false}, {"VARIANCE", given, 0, any, true}}},
-        {"random_walk", "theta walks at random: P + Q, Q = VARIANCE I in units of the noise's", {{"VARIANCE", given, 0, any, false}}},
+        {"reset",
+         "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given",
+         {{"PERIOD", 1000, 1, 1e7, false}, {"VARIANCE", given, 0, any, true}}},
+        {"random_walk",
+         "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns (kalman: all of Q)",
+         {{"VARIANCE", given, 0, any, false}}},
     };
     return all;
 }

@@ -67,7 +67,8 @@ std::vector<std::string> composition_warnings(Comparison const& c) {
     if (c.options.composition.control == "reset" && c.options.composition.parameters[0] > double(c.rows))
         out.emplace_back("the control resets P after the record's end: it did nothing");
     if (c.window_asked > 0 && c.window_asked < c.size)
-        out.push_back(fmt::format("the window of {} rows does not determine {} parameters: the prior does", c.window_asked, c.size));
+        out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
+                                  c.window_asked == 1 ? "1 row" : fmt::format("{} rows", c.window_asked), c.size));
     return out;
 }
 

@@ -109,13 +109,14 @@ std::string as_table(Comparison const& c, bool colour) {
         std::string const line =
             fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
                         asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        out += paint(best ? "32" : r.broken ? "31" : "0", line + (plain ? "" : "  " + happened_text(c, r))) + '\n';
+        std::string const what = plain ? "" : happened_text(c, r);
+        out += paint(best ? "32" : r.broken ? "31" : "0", line + (what.empty() ? "" : "  " + what)) + '\n';
     }
     out += "\nlow, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record";
     out += plain && c.options.forgetting == 1 ? " and three other\norders of its rows; " : ";\n";
     out += plain ? "against the exact answer for the data as stored, at most the arithmetic's own.\n"
                  : "for the data as stored, at most the arithmetic's own. A row's end says what the composition did, or why it cannot be.\n"
-                   "ops: of the variant alone.\n";
+                   "ops: of the variant alone. ns is not measured.\n";
     out +=
         "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.\n"

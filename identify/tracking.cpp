@@ -69,7 +69,8 @@ std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string
     TrackedRow const& last = t.rows.back();
     std::string const happened = happened_text(last.happened);
     std::vector<std::string> out{fmt::format(
-        "tracked over all rows by {}: one-step fit {} %, {} % of the outputs within their {:g} % interval; noise variance at the end {}{}{}",
+        "tracked over all rows by {}: one-step fit {} %, {} % of the outputs within their {:g} % interval; noise variance at the end "
+        "{}{}{}",
         t.text, number_text(t.fit, 4), number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
         happened.empty() ? "" : "; " + happened, t.broken > 0 ? fmt::format("; {} at row {}", t.kind, t.broken) : "")};
     std::vector<std::string> parts;

@@ -30,8 +30,8 @@ struct Tracked {
     std::string kind;  ///< "indefinite", "nonfinite"
 };
 
-/// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0. `mean` was
-/// taken off the output and is put back.
+/// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.
+/// `mean` was taken off the output and is put back.
 /// Throws InputError where the variant cannot be composed so.
 Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
               double noise, double confidence);

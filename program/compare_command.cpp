@@ -59,10 +59,11 @@ Command compare_command(CLI::App& app) {
         "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json\n"
         "The last 100 rows:        rlslab compare data.csv --input u --output y --order 4 --window 100\n"
         "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 --guard reset\n\n"
-        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that changed nothing, are\n"
-        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from where it changed\n"
-        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its\n"
-        "finite history --window.");
+        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that changed nothing, are "
+        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from where it changed "
+        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its "
+        "finite history --window.\n\n" +
+        control_notes());
     take_record(*comparing, a->record);
     take_forgetting(*comparing, a->options.forgetting);
     comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")

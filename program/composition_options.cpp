@@ -50,6 +50,18 @@ void take_composition(CLI::App& command, CompositionArguments& a) {
         ->type_name("POLICY");
 }
 
+std::string control_notes() {
+    std::string out = "Controls, which are rules of forgetting:\n";
+    for (Control const& control : controls()) {
+        std::vector<std::string> starts;
+        for (ControlParameter const& parameter : control.parameters)
+            if (!std::isnan(parameter.start)) starts.push_back(fmt::format("{} {}", parameter.name, parameter.start));
+        out += fmt::format("  {}:  {}{}\n", usage(control), control.what,
+                           starts.empty() ? "" : fmt::format("; default {}", fmt::join(starts, ", ")));
+    }
+    return out;
+}
+
 Composition composition_of(CompositionArguments const& a, double forgetting) {
     Composition out{.window = a.window, .guard = a.guard};
     if (!a.guard.empty()) expect_one_of(guard_names(), a.guard, "--guard", "policy");

@@ -181,8 +181,10 @@ Command identify_command(CLI::App& app) {
         "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
         "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n"
         "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 --out model\n\n"
-        "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise variance, theta and the\n"
-        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of --forgetting alone.\n\n"
+        "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise variance, theta and the "
+        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of --forgetting alone.\n\n" +
+        control_notes() +
+        "\n"
         "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")
         ->required()

@@ -151,6 +151,15 @@ TEST(Compositions, WalkAsKalmansOwnFilterDoes) {
     auto const other = composed({.control = "random_walk", .parameters = {0.02}}, "kalman", "double", problem);
     EXPECT_LT(rows_alike(typed, *other, rows_of(200, 1, 100, Seed{13})), 200);
 }
+TEST(Compositions, RefuseNumbersThatTheArithmeticCannotHold) {
+    Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
+    EXPECT_THROW(composed({.control = "fortescue", .parameters = {1e-300, 100, 0.5}}, "ud", "float", problem), std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "float", problem), std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "kalman", "float", problem), std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {NAN}}, "ud", "double", problem), std::invalid_argument);
+    EXPECT_NE(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "double", problem), nullptr);
+    EXPECT_EQ(composed({.window = 9}, "ud", "quad", problem), nullptr);
+}
 /// What obstacle() says is what composed() does, for every variant and composition.
 TEST(Compositions, ExistWhereNothingStandsInTheWay) {
     Problem<double> const problem{.size = d, .forgetting = 0.9, .prior = Prior<double>{.variance = 64}};
