@@ -1,5 +1,6 @@
 // From a comparison to a sentence and a few lines of C++.
 #include "compare/answer.hpp"
+#include "compare/composed_words.hpp"
 #include "compare/words.hpp"
 
 #include <rlslab/core/input_error.hpp>
@@ -56,10 +57,10 @@ std::string verdict(Comparison const& c) {
         Result const& best = result_of(c, r);
         PerMeasure<Spread> const& spread = *best.spread;
         out += fmt::format(
-            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P; {} "
-            "operations{}\n",
+            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P{}{}\n",
             r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
-            spread.covariance.median, *best.operations, best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
+            spread.covariance.median, c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
+            best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
     }
     for (auto const& [why, where] : without)
         out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
@@ -107,7 +108,8 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     auto const known = std::ranges::find(hardware, filter.arithmetic, &std::pair<std::string, std::string>::first);
     if (known == hardware.end()) return "";
     std::string const T = known->second;
-    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : "";
+    Composition const& composition = c.options.composition;
+    std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition, T);
     out += fmt::format("#include <rlslab/variants/{}.hpp>\n\n", filter.variant) + filter.remarks;
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
     out += comment("theta = ", c.names);
@@ -136,9 +138,13 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     std::string type =
         fmt::format("rlslab::{}<{}{}>", class_of(filter.variant), T, c.size <= largest_fixed ? fmt::format(", {}", c.size) : "");
     if (filter.guarded) type = fmt::format("rlslab::Guarded<{}>", type);
-    out += fmt::format("{} filter({{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}});\n", type, c.size, c.options.forgetting,
-                       T, prior);
-    out += filter.guarded
+    std::string const problem =
+        fmt::format("{{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}}", c.size, c.options.forgetting, T, prior);
+    if (composition.empty()) out += fmt::format("{} filter({});\n", type, problem);
+    else
+        out += fmt::format("rlslab::Problem<{}> const problem{};\n", T, problem) +
+               composition_code(composition, type, filter.variant, T, c.size);
+    out += filter.guarded || !composition.guard.empty()
                ? "// each row: filter.update(psi, y); filter.signal() tells what was met, filter.counts() how often\n"
                : "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";
     return out;

@@ -2,6 +2,8 @@
 // step. theta and P are compared with the reference for the same bits that the arithmetic was given.
 #include "compare/compare.hpp"
 #include "catalogue/catalogue.hpp"
+#include "catalogue/composed.hpp"
+#include "compare/composed_score.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
 
@@ -97,6 +99,10 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
+    for (std::string const& name : options.composition.empty() ? std::vector<std::string>() : options.arithmetics)
+        if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
+            throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
+                                         fmt::join(composed_arithmetics(), " and "), name));
     auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
         return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
     };
@@ -107,10 +113,53 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
     return out;
 }
 
+/// The entries, unless none of them can be composed so.
+std::vector<Entry const*> composable(std::vector<Entry const*> const& entries, Composition const& composition) {
+    if (composition.empty()) return entries;
+    if (std::string const why = contradiction(composition); !why.empty())
+        throw InputError("--control, --window, --guard: do not go together: " + why);
+    std::vector<std::string> reasons;
+    for (Entry const* const entry : entries) {
+        std::string const why = obstacle(composition, entry->variant);
+        if (why.empty()) return entries;
+        if (std::string const text = fmt::format("{} {}", entry->variant, why); std::ranges::find(reasons, text) == reasons.end())
+            reasons.push_back(text);
+    }
+    throw InputError(fmt::format("--variants: none of them can be composed so: {}", fmt::join(reasons, "; ")));
+}
+
+/// The composition with the numbers that follow from the data, and a window that is no longer than the record: nothing leaves either.
+Composition settled(Composition composition, Records const& records, Problem<double> const& problem, CertifiedSolution const& without) {
+    composition.window = std::min(composition.window, records.rows());
+    if (composition.parameters.empty()) return composition;
+    if (composition.control == "reset" && std::isnan(composition.parameters[1]))
+        composition.parameters[1] = problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff() : problem.prior->variance;
+    if (composition.control == "fortescue" && std::isnan(composition.parameters[0])) {
+        Vector<Reference> const theta = without.theta();
+        Reference squares = 0;
+        for (Index k = 0; k < records.rows(); ++k) {
+            Reference e = records.y[k];
+            for (Index i = 0; i < theta.size(); ++i) e -= theta[i] * records.psi(i, k);
+            squares += e * e;
+        }
+        composition.parameters[0] = static_cast<double>(squares) / double(records.rows() - records.parameters());
+    }
+    for (double const x : composition.parameters)
+        if (!std::isfinite(x) || (composition.control == "fortescue" && !(x > 0)))
+            throw InputError(fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly",
+                                         composition.control));
+    return composition;
+}
+Composition as_stored(Composition composition, double (*round)(double)) {
+    for (double& x : composition.parameters) x = round(x);
+    return composition;
+}
+
 }  // namespace
 
 Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress) {
-    std::vector<Entry const*> const entries = chosen(options);
+    std::vector<Entry const*> const entries = composable(chosen(options), options.composition);
+    bool const plain = options.composition.empty();
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
 
     // The data as they are: the solution that is shown, and whether they determine theta at all.
@@ -151,6 +200,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
+    out.options.composition = settled(options.composition, records, problem, without);
+    out.window_asked = options.composition.window;
 
     // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
     std::vector<Arithmetic const*> used;
@@ -159,13 +210,15 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     int most_digits = 0;
     for (Arithmetic const* a : used) most_digits = std::max(most_digits, int(a->decimal_digits()));
     auto const rounding_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
-    auto const orders = row_orders(rows, options.forgetting, options.seed);
+    auto const orders = plain ? row_orders(rows, options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
     std::map<std::string_view, StoredProblem> stored;
+    std::map<std::string_view, CompositionReference> references;
     for (Arithmetic const* a : used) {
         if (stored.contains(rounding_of(a))) continue;
         bool const wide = a->digits >= 53;
-        StoredProblem const& one = stored[rounding_of(a)] =
-            stored_problem(records, problem, wide ? &as_is : a->round, orders, wide ? std::max(30, most_digits + 15) : 30);
+        int const digits = wide ? std::max(30, most_digits + 15) : 30;
+        StoredProblem const& one = stored[rounding_of(a)] = stored_problem(records, problem, wide ? &as_is : a->round, orders, digits);
+        references.try_emplace(rounding_of(a), as_stored(out.options.composition, wide ? &as_is : a->round), one, digits);
         if (!wide) out.storage.push_back(storage(*a, one, with, scales));
     }
 
@@ -176,15 +229,18 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     size_t done = 0;
     arena.execute([&] {
         tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
-            out.results[i] = score(*entries[i], stored.at(rounding_of(entries[i]->arithmetic)), options.seed);
+            std::string_view const rounding = rounding_of(entries[i]->arithmetic);
+            out.results[i] = plain ? score(*entries[i], stored.at(rounding), options.seed)
+                                   : score_composed(*entries[i], stored.at(rounding), references.at(rounding));
             std::lock_guard const lock(one_at_a_time);
             if (progress) progress(double(++done) / double(entries.size()));
         });
     });
     // Timed last, when no other thread of this program runs.
     for (Result& r : out.results) {
+        if (!r.obstacle.empty()) continue;
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
-        if (options.timings && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
+        if (options.timings && plain && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
             r.ns_per_update = r.entry->time(stored.at(rounding_of(r.entry->arithmetic)).problem, records, Seed{options.seed});
     }
     for (Arithmetic const* a : used) out.recommendations.push_back(recommend(*a, out));

@@ -1,6 +1,7 @@
 // Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
 #pragma once
 
+#include "catalogue/composition.hpp"
 #include "report/progress.hpp"
 
 #include <rlslab/lab/any_filter.hpp>
@@ -23,6 +24,7 @@ struct CompareOptions {
     double prior_times = 1;                     ///< c of that prior is multiplied by this power of two
     std::vector<std::string> variants = {};     ///< empty: all
     std::vector<std::string> arithmetics = {};  ///< empty: all
+    Composition composition = {};               ///< around each variant; only in float and double, and in the record's order of rows
     std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows
     int threads = 0;                            ///< 0: all cores; the results do not depend on it
     bool timings = true;                        ///< false: ns_per_update is left out
@@ -65,6 +67,10 @@ struct Result {
     std::optional<double> asymmetry = {};           ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
     std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
+    // With a composition around the variant:
+    std::string obstacle = {};            ///< why it cannot be; the rest is then empty
+    std::vector<Happened> happened = {};  ///< at each checkpoint
+    Index certified_to = 0;               ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
 };
 
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
@@ -105,7 +111,8 @@ struct Comparison {
     double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
     double component_bias;                     ///< the same of the worst component (largest_relative_change)
     double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
-    CompareOptions options;                    ///< with which it was made
+    CompareOptions options;                    ///< with which it was made; the composition with all its numbers
+    Index window_asked = 0;                    ///< which may be longer than the record
     std::vector<Index> checkpoints;
     std::vector<Storage> storage;
     std::vector<Result> results;

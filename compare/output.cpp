@@ -1,6 +1,7 @@
 // A comparison as a table for people, as JSON and CSV for programs.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
+#include "compare/composed_words.hpp"
 #include "compare/words.hpp"
 
 #include <rlslab/core/text.hpp>
@@ -78,6 +79,11 @@ std::string as_table(Comparison const& c, bool colour) {
                                   c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size, c.size == 1 ? "" : "s",
                                   std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition), c.options.forgetting);
     out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n';
+    bool const plain = c.options.composition.empty();
+    if (!plain) {
+        out += "composition " + wrapped(composition_text(c.options.composition), 12, 12, text_width) + '\n';
+        out += "digits      " + wrapped(against_text(c), 12, 12, text_width) + '\n';
+    }
     for (std::string const& warning : warnings(c)) out += paint("31", "warning     " + wrapped(warning, 12, 12, text_width) + '\n');
     out += '\n' + paint("32", verdict(c));
     if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(paste);
@@ -103,18 +109,54 @@ std::string as_table(Comparison const& c, bool colour) {
         std::string const line =
             fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
                         asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        out += paint(best ? "32" : r.broken ? "31" : "0", line) + '\n';
+        std::string const what = plain ? "" : happened_text(c, r);
+        out += paint(best ? "32" : r.broken ? "31" : "0", line + (what.empty() ? "" : "  " + what)) + '\n';
     }
     out += "\nlow, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record";
-    out += c.options.forgetting == 1 ? " and three other\norders of its rows; " : ";\n";
+    out += plain && c.options.forgetting == 1 ? " and three other\norders of its rows; " : ";\n";
+    out += plain ? "against the exact answer for the data as stored, at most the arithmetic's own.\n"
+                 : "for the data as stored, at most the arithmetic's own. A row's end says what the composition did, or why it cannot be.\n"
+                   "ops: of the variant alone. ns is not measured.\n";
     out +=
-        "against the exact answer for the data as stored, at most the arithmetic's own.\n"
         "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.\n"
         "The recommendation never broke down and is as accurate as the best: in theta, worst component and P its spread reaches the\n"
         "best's. Of several: a factor before P or its inverse, covariance before information, then the fewest operations.\n";
     return out;
 }
+
+namespace {
+
+Json composition_json(Comparison const& c) {
+    Composition const& of = c.options.composition;
+    if (of.empty()) return nullptr;
+    Json numbers = Json::object();
+    for (size_t i = 0; i < of.parameters.size(); ++i)
+        numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
+    return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
+            {"parameters", numbers},
+            {"window", c.window_asked > 0 ? Json(c.window_asked) : Json(nullptr)},
+            {"guard", of.guard.empty() ? Json(nullptr) : Json(of.guard)},
+            {"text", composition_text(of)},
+            {"digits", against_text(c)}};
+}
+
+/// What a composition did, at each checkpoint.
+constexpr std::pair<char const*, Index Happened::*> counted[] = {
+    {"refactored", &Happened::refactored}, {"unusable", &Happened::unusable}, {"outliers", &Happened::outliers},
+    {"changes", &Happened::changes},       {"windups", &Happened::windups},   {"breakdowns", &Happened::breakdowns}};
+Json happened_json(Result const& r) {
+    Json out;
+    for (auto const& [name, count] : counted) {
+        out[name] = Json::array();
+        for (Happened const& h : r.happened) out[name].push_back(h.*count);
+    }
+    out["handed_over"] = Json::array();
+    for (Happened const& h : r.happened) out["handed_over"].push_back(h.handed_over);
+    return out;
+}
+
+}  // namespace
 
 std::string as_json(Comparison const& c) {
     Json out;
@@ -140,6 +182,7 @@ std::string as_json(Comparison const& c) {
                         {"condition", short_json(c.condition)},
                         {"prior_bias", short_json(c.prior_bias)},
                         {"component_bias", short_json(c.component_bias)}};
+    if (!c.options.composition.empty()) out["composition"] = composition_json(c);
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
     out["storage"] = Json::array();
@@ -174,6 +217,11 @@ std::string as_json(Comparison const& c) {
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
+        if (c.options.composition.empty()) continue;
+        Json& row = out["results"].back();
+        row["obstacle"] = r.obstacle.empty() ? Json(nullptr) : Json(r.obstacle);
+        row["certified_to"] = r.certified_to;
+        row["happened"] = happened_json(r);
     }
     out["code"] = code(c);
     out["recommendation"] = Json::array();
@@ -189,6 +237,12 @@ std::string as_csv(Comparison const& c) {
         "asymmetry,operations,ns_per_update,runs,broken";
     for (char const* of : {"theta", "worst", "covariance"})
         for (char const* point : {"low", "median", "high"}) out += fmt::format(",{}_{}", of, point);
+    bool const plain = c.options.composition.empty();
+    if (!plain) {
+        out += ",obstacle,certified_to";
+        for (auto const& [name, count] : counted) out += fmt::format(",{}", name);
+        out += ",handed_over";
+    }
     out += '\n';
     auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
     for (Result const& r : c.results) {
@@ -201,6 +255,12 @@ std::string as_csv(Comparison const& c) {
             out += r.spread ? fmt::format(",{},{},{}", cell(tenths_json(((*r.spread).*m).low)), cell(tenths_json(((*r.spread).*m).median)),
                                           cell(tenths_json(((*r.spread).*m).high)))
                             : ",,,";
+        if (!plain) {
+            Happened const last = r.happened.empty() ? Happened{} : r.happened.back();
+            out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);
+            for (auto const& [name, count] : counted) out += fmt::format(",{}", last.*count);
+            out += fmt::format(",{}", last.handed_over ? 1 : 0);
+        }
         out += '\n';
     }
     return out;

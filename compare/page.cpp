@@ -1,5 +1,6 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
 #include "compare/answer.hpp"
+#include "compare/composed_words.hpp"
 #include "compare/words.hpp"
 #include "report/page.hpp"
 
@@ -197,10 +198,12 @@ std::string tables(Comparison const& c) {
             row.push_back(asymmetry_text(x->asymmetry));
             row.push_back(operations_text(x->operations));
             if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
+            if (!c.options.composition.empty()) row.push_back(happened_text(c, *x));
             rows.push_back(std::move(row));
         }
         std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
         if (c.options.timings) head.emplace_back("ns");
+        if (!c.options.composition.empty()) head.emplace_back("what the composition did");
         out += table_html(head, rows, best);
     });
     return out;
@@ -221,17 +224,22 @@ std::string as_page(Comparison const& c) {
         "<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab "
         "{}</p>\n",
         escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
+    bool const plain = c.options.composition.empty();
+    if (!plain)
+        body += fmt::format("<p>Around each variant: {}. Digits are counted {}.</p>\n", escaped(composition_text(c.options.composition)),
+                            escaped(against_text(c)));
     std::string told;
     for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
     if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
     body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty()) body += pre(paste);
     body += fmt::format(
-        "<section><h2>Along the record</h2>\n<p>Each point compares a variant with the exact solution for the rows so far, as the "
-        "arithmetic stores them. "
+        "<section><h2>Along the record</h2>\n<p>{} "
         "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "
         "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
         "A star and the strong line mark the recommended variant.</p>\n",
+        plain ? "Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them."
+              : "Each point compares a composition with what it would answer without rounding.",
         std::ranges::any_of(c.results, [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
             ? fmt::format("; one left of its line broke down before the first checkpoint, row {}", c.checkpoints.front())
             : "",
@@ -241,7 +249,7 @@ std::string as_page(Comparison const& c) {
         "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the spread over the "
         "checkpoints{}: "
         "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
-        c.options.forgetting == 1 ? " and over four orders of the rows" : "");
+        plain && c.options.forgetting == 1 ? " and over four orders of the rows" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
     body +=
         "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one tenth of the counts "

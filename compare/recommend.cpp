@@ -75,7 +75,7 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta),
                               spread_text(spread.worst), spread_text(spread.covariance));
     } else if (tried == 0) {
-        out.why = "no variant was tried that takes single rows";
+        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows" : "no variant can be composed so";
     } else if (sound.empty()) {
         out.why = fmt::format("all {} variants that take single rows broke down", tried);
     } else {

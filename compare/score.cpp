@@ -16,19 +16,6 @@ std::optional<double> at_most(double digits, double largest) {
     return std::min(digits, largest);
 }
 
-/// max |F_ij - F_ji| / max |F_ij|.
-std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
-    if (stored.form == Stored<Reference>::Form::factor) return 0.0;
-    Reference difference = 0, largest = 0;
-    for (Index j = 0; j < stored.F.cols(); ++j)
-        for (Index i = 0; i < stored.F.rows(); ++i) {
-            if (!is_finite(stored.F(i, j))) return {};
-            difference = std::max(difference, absolute(Reference(stored.F(i, j) - stored.F(j, i))));
-            largest = std::max(largest, absolute(stored.F(i, j)));
-        }
-    return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
-}
-
 /// One pass over the rows in one order.
 struct Run {
     std::vector<Digits> digits;  ///< at each checkpoint
@@ -98,6 +85,24 @@ Spread spread_of(std::vector<std::optional<double>> const& digits) {
     return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
 }
 
+std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
+    if (stored.form == Stored<Reference>::Form::factor) return 0.0;
+    Reference difference = 0, largest = 0;
+    for (Index j = 0; j < stored.F.cols(); ++j)
+        for (Index i = 0; i < stored.F.rows(); ++i) {
+            if (!is_finite(stored.F(i, j))) return {};
+            difference = std::max(difference, absolute(Reference(stored.F(i, j) - stored.F(j, i))));
+            largest = std::max(largest, absolute(stored.F(i, j)));
+        }
+    return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
+}
+
+void set_spread(Result& result, PerMeasure<std::vector<std::optional<double>>> const& all) {
+    result.last = result.path.back();
+    result.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
+    result.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
+}
+
 Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed) {
     Result result{.entry = &entry};
     if (!stored.in_range) {
@@ -124,11 +129,7 @@ Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed
         result.factor = one.factor;
         result.path = one.digits;
     }
-    if (!result.path.empty()) {
-        result.last = result.path.back();
-        result.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
-        result.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
-    }
+    if (!result.path.empty()) set_spread(result, all);
     return result;
 }
 

@@ -1,5 +1,6 @@
 // Sentences, and lines of a certain width.
 #include "compare/words.hpp"
+#include "compare/composed_words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,7 @@ std::string listed(std::vector<std::string> const& items, std::string const& ind
 std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("{:.1f}", digits + 0.0) : "-"; }
 
 std::string breakdown_text(Result const& r) {
+    if (!r.obstacle.empty()) return "-";
     if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);
     return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
@@ -69,7 +71,7 @@ std::string prior_text(Comparison const& c) {
 }
 
 std::vector<std::string> warnings(Comparison const& c) {
-    std::vector<std::string> out;
+    std::vector<std::string> out = composition_warnings(c);
     std::string const remedy =
         c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
     if (!(c.prior_bias <= most_prior_bias))

@@ -223,6 +223,13 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
             return std::tuple(c.aic, c.bic, c.fpe);
         }(criteria(J, out.fitted, fitted.parameters()));
     }
+    if (!options.composition.empty()) {
+        Vector<double> const scales = Eigen::Map<Vector<double> const>(out.scales.data(), Index(out.scales.size()));
+        Matrix<double> const P0 = (out.c / scales.array()).square().matrix().asDiagonal();
+        out.tracked = track(options.composition, options.variant,
+                            {.size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}}, all,
+                            out.means.back(), out.sigma2, options.confidence);
+    }
     advise(out, given ? 0 : int(std::min<Index>(most, supported)));
     return out;
 }

@@ -1,7 +1,9 @@
 // From a record to a model: structure, parameters with their uncertainty, and checks of both.
 #pragma once
 
+#include "catalogue/composition.hpp"
 #include "identify/order.hpp"
+#include "identify/tracking.hpp"
 #include "report/progress.hpp"
 
 #include <rlslab/lab/any_filter.hpp>
@@ -30,6 +32,7 @@ struct IdentifyOptions {
     std::optional<double> p0 = {};  ///< c^2 of P0 = c^2 I; none: scaled to the data
     double validate = 1.0 / 3;      ///< the last part of the record, not fitted
     double confidence = 0.95;
+    Composition composition = {};  ///< around the variant, beside the model: Identified::tracked
 };
 
 /// A term of the equation: theta times -y[k-lag], u[k-lag] of an input, or 1.
@@ -92,6 +95,7 @@ struct Identified {
     double digits, digits_worst;         ///< the variant kept of the certified minimiser for its problem; NaN: none
     double condition;                    ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory;
+    std::optional<Tracked> tracked;            ///< where there is a composition
     Signal measured, one_step, simulated;      ///< from the first row of the equation on, means put back
     std::vector<std::string> warnings, hints;  ///< what is wrong, and what to do; what may make it better
 };

@@ -107,6 +107,12 @@ std::vector<std::string> order_lines(Identified const& m) {
     return {fmt::format("{} ({}{}){}", m.structure, m.why, how, said), equation_text(m.terms, m.options.output)};
 }
 
+std::vector<std::string> parameter_names(Identified const& m) {
+    std::vector<std::string> out;
+    for (Term const& t : m.terms) out.push_back(printable(t.name));
+    return out;
+}
+
 std::vector<std::string> result_lines(Identified const& m) {
     std::vector<std::string> out;
     bool const model = !m.model.b.empty();
@@ -136,6 +142,8 @@ std::vector<std::string> result_lines(Identified const& m) {
         out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe,
                                   m.terms.size(), m.fitted));
     out.push_back(arithmetic_line(m));
+    if (m.tracked)
+        for (std::string const& line : tracked_lines(*m.tracked, parameter_names(m), m.options.confidence)) out.push_back(line);
     for (std::string const& hint : m.hints) out.push_back("next: " + hint);
     return out;
 }
@@ -165,6 +173,29 @@ std::string as_table(Identified const& m) {
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;
 }
+
+namespace {
+
+/// What was tracked, a row each.
+Json tracked_json(Tracked const& t) {
+    Json rows = Json::array();
+    for (TrackedRow const& r : t.rows)
+        rows.push_back({{"row", r.row},
+                        {"y", number(r.y)},
+                        {"predicted", number(r.predicted)},
+                        {"predicted_sd", number(r.sd)},
+                        {"noise_variance", number(r.noise_variance)},
+                        {"theta", numbers({r.theta.begin(), r.theta.end()})},
+                        {"sd", numbers({r.theta_sd.begin(), r.theta_sd.end()})}});
+    return {{"composition", t.text},
+            {"quantile", number(t.quantile)},
+            {"fit_one_step", number(t.fit)},
+            {"covered", number(t.covered)},
+            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", t.kind}} : Json(nullptr)},
+            {"rows", rows}};
+}
+
+}  // namespace
 
 std::string as_json(Identified const& m) {
     Json parameters = Json::array(), orders = Json::array(), inputs = Json::array(), cancelling = Json::array();
@@ -252,7 +283,9 @@ std::string as_json(Identified const& m) {
         {"bound", number(m.bound)},
         {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}},
         {"condition", number(m.condition)}};
-    return out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+    Json all = out;
+    if (m.tracked) all["tracked"] = tracked_json(*m.tracked);
+    return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace rlslab

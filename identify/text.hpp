@@ -7,6 +7,8 @@ namespace rlslab {
 
 /// A number to so many significant digits; "-" where there is none.
 std::string number_text(double x, int digits);
+/// a1, b0, b0[u2], c.
+std::vector<std::string> parameter_names(Identified const& model);
 /// The record, how it was estimated, with which prior.
 std::vector<std::string> data_lines(Identified const& model);
 /// What each input excites.

@@ -1,6 +1,7 @@
 // rlslab compare: every variant in every arithmetic on a record.
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
+#include "program/composition_options.hpp"
 #include "program/record_options.hpp"
 #include "program/run.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 
 struct CompareArguments {
     RecordArguments record;
+    CompositionArguments composition;
     std::string out;
     bool json = false, csv = false, all = false;
     CompareOptions options;
@@ -25,6 +27,9 @@ struct CompareArguments {
 int run_compare(CompareArguments const& a) {
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
     CompareOptions options = a.options;
+    options.composition = composition_of(a.composition, options.forgetting);
+    if (a.all && !options.composition.empty())
+        throw InputError("--all: does not go with --control, --window or --guard, which exist in float and double");
     if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
     if (!a.all && options.arithmetics.empty()) options.arithmetics = {"float", "double"};
     Question const question = question_of(a.record);
@@ -51,7 +56,14 @@ Command compare_command(CLI::App& app) {
     CLI::App* const comparing = app.add_subcommand("compare", "Every variant in every arithmetic on a record.");
     comparing->footer(
         "An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
-        "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json");
+        "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json\n"
+        "The last 100 rows:        rlslab compare data.csv --input u --output y --order 4 --window 100\n"
+        "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 --guard reset\n\n"
+        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that changed nothing, are "
+        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from where it changed "
+        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its "
+        "finite history --window.\n\n" +
+        control_notes());
     take_record(*comparing, a->record);
     take_forgetting(*comparing, a->options.forgetting);
     comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
@@ -60,6 +72,7 @@ Command compare_command(CLI::App& app) {
     take_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
     take_names(*comparing, "--arithmetic", a->options.arithmetics, "only these (rlslab list); default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
+    take_composition(*comparing, a->composition);
     take_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
     take_count(*comparing, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");

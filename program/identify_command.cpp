@@ -1,6 +1,8 @@
 // rlslab identify, simulate and excitation: from a record to a model, and from a model to a record.
 #include "identify/identify.hpp"
+#include "identify/text.hpp"
 #include "program/commands.hpp"
+#include "program/composition_options.hpp"
 
 #include <rlslab/core/files.hpp>
 
@@ -58,17 +60,20 @@ struct IdentifyArguments {
     std::string file, out;
     bool json = false, keep_mean = false;
     int na = -1;
+    CompositionArguments composition;
     IdentifyOptions options;
 };
 
 int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     if (a.na >= 0) a.options.na = a.na;
+    a.options.composition = composition_of(a.composition, a.options.forgetting);
     Identified const model = identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
     if (!a.out.empty()) {
         create_folder(a.out);
         replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
         replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
+        if (model.tracked) replace_file(std::filesystem::path(a.out) / "tracked.csv", tracked_csv(*model.tracked, parameter_names(model)));
     }
     print(a.json ? as_json(model) : as_table(model) + (a.out.empty() ? "" : fmt::format("\n{}/model.html, {}/model.json\n", a.out, a.out)));
     return model.failure ? 1 : 0;
@@ -174,7 +179,12 @@ Command identify_command(CLI::App& app) {
         "(nb counts from b0: MATLAB's arx calls this [na nb+1 delay].)\n\n"
         "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
         "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
-        "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n\n"
+        "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n"
+        "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 --out model\n\n"
+        "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise variance, theta and the "
+        "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of --forgetting alone.\n\n" +
+        control_notes() +
+        "\n"
         "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")
         ->required()
@@ -197,6 +207,7 @@ Command identify_command(CLI::App& app) {
          "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")->type_name("NAME");
     take_forgetting(*c, a->options.forgetting);
+    take_composition(*c, a->composition);
     c->add_option("--p0", a->options.p0, "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");
@@ -209,7 +220,9 @@ Command identify_command(CLI::App& app) {
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
-    c->add_option("--out", a->out, "folder for model.html and model.json")->check(named("the name of a folder"))->type_name("DIR");
+    c->add_option("--out", a->out, "folder for model.html, model.json and, with a composition, tracked.csv")
+        ->check(named("the name of a folder"))
+        ->type_name("DIR");
     return {c, [a] {
                 a->options.inputs = unquoted(a->options.inputs), a->options.regressors = unquoted(a->options.regressors);
                 return run_identify(*a);

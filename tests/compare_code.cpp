@@ -1,5 +1,6 @@
 // The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
 #include "catalogue/catalogue.hpp"
+#include "catalogue/composed.hpp"
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "tests/files.hpp"
@@ -67,7 +68,11 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records const& records
     std::string out;
     for (Entry const& entry : catalogue()) {
         if (entry.variant != r.variant || entry.arithmetic->name != r.arithmetic) continue;
-        auto const filter = entry.make({.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior}, Seed{1});
+        Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
+        std::unique_ptr<AnyFilter> const filter =
+            c.options.composition.empty()
+                ? entry.make(problem, Seed{1})
+                : std::unique_ptr<AnyFilter>(composed(c.options.composition, entry.variant, entry.arithmetic->name, problem));
         for (Index k = 0; k < records.rows(); ++k) {
             filter->update(records.sample(k), records.y[k]);
             for (Reference const& x : filter->theta()) out += hex(static_cast<double>(x)) + " ";
@@ -101,6 +106,18 @@ TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
     EXPECT_NE(text.find("rlslab::Guarded<"), text.npos);
     EXPECT_TRUE(learnt_by(text, records) == learnt_by_the_catalogues(c, records)) << text;
 }
+
+class ComposedCode : public testing::TestWithParam<Composition> {};
+TEST_P(ComposedCode, CompilesAndLearnsTheSameBits) {
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 2),
+                                      {.forgetting = 0.96875, .variants = {"ud"}, .arithmetics = {"float"}, .composition = GetParam()});
+}
+INSTANTIATE_TEST_SUITE_P(Compositions, ComposedCode,
+                         testing::Values(Composition{.window = 60, .guard = "reset"},
+                                         Composition{.control = "kulhavy", .parameters = {0.97, 0}},
+                                         Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"},
+                                         Composition{.guard = "hand_over"}),
+                         [](auto const& one) { return one.param.control + std::to_string(one.param.window) + one.param.guard; });
 
 struct Source {
     char const *file, *input, *output;

@@ -25,12 +25,12 @@ Index window_rows(F const& f) {
     else if constexpr (requires { f.filter(); }) return window_rows(f.filter());
     else return -1;
 }
-/// A rule of its own says how F forgets.
+/// A rule of its own says how f forgets. Where only the run knows, f tells.
 template <class F>
-constexpr bool has_a_rule() {
-    if constexpr (requires(F const& f) { f.rule(); }) return true;
-    else if constexpr (requires(F const& f) { f.filter(); })
-        return has_a_rule<std::remove_cvref_t<decltype(std::declval<F const&>().filter())>>();
+bool has_a_rule(F const& f) {
+    if constexpr (requires { f.follows_a_rule(); }) return f.follows_a_rule();
+    else if constexpr (requires { f.rule(); }) return true;
+    else if constexpr (requires { f.filter(); }) return has_a_rule(f.filter());
     else return false;
 }
 /// The guard that f is, or is around; or none, which never did anything.
@@ -109,9 +109,9 @@ public:
     F const& filter() const { return filter_; }
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.power_, f.s2_, f.learnt_, f.in_power_); }
 
-    T noise_variance() const { return s2_; }                                                         ///< s2; 0 before the first row
-    Index degrees() const { return learnt_; }                                                        ///< of freedom of s2, about
-    T share() const { return detail::has_a_rule<F>() ? T(1) : (T(1) + power_) / (T(1) + lambda_); }  ///< r, (1)
+    T noise_variance() const { return s2_; }                                                             ///< s2; 0 before the first row
+    Index degrees() const { return learnt_; }                                                            ///< of freedom of s2, about
+    T share() const { return detail::has_a_rule(filter_) ? T(1) : (T(1) + power_) / (T(1) + lambda_); }  ///< r, (1)
 
     /// (3)
     Interval<T> interval(Index j, T const& q = T(1.96)) {

@@ -43,8 +43,10 @@ public:
     static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
-    explicit Forgetting(Problem<T> const& problem, Rule const& rule = {})
-        : filter_(problem), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
+    explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
+    /// Around a filter that was made of this problem, with options of its own.
+    Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
+        : filter_(filter), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
         rule_.start(problem, memory_);
     }
 

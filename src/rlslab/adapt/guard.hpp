@@ -113,8 +113,10 @@ public:
     static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
-    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
-        : filter_(problem), options_(options), lambda_(problem.forgetting),
+    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {}) : Guarded(F(problem), problem, options) {}
+    /// Around a filter that was made of this problem, with options of its own, and has taken no row.
+    Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
+        : filter_(filter), options_(options), lambda_(problem.forgetting),
           limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(problem.size), variances_(problem.size),
           theta_(problem.size), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(), policy.rebuilds() ? (options.rows > 0 ? options.rows : 10 * psi_.size()) : 0), learnt_{0, squares_.size()},

@@ -81,9 +81,13 @@ public:
     static constexpr std::string_view name = F::name;
 
     explicit Windowed(Problem<T> const& problem, WindowOptions<T> const& options = {})
-        : start_(problem), filter_(start_), psi_(problem.size), options_(checked(options)), ring_(psi_.size(), options.rows),
+        : Windowed(F(problem), problem.forgetting, options) {}
+    /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
+    Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
+        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options)), ring_(psi_.size(), options.rows),
           spoilt_{0, options.rows} {
-        for (Index k = 0; k < options.rows; ++k) weight_ *= problem.forgetting;
+        expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
+        for (Index k = 0; k < options.rows; ++k) weight_ *= forgetting;
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -99,6 +103,7 @@ public:
     }
     Index rows() const { return ring_.held(); }       ///< in the window
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
+    Index since() const { return since_; }            ///< rows since then, those that it kept apart; since the start: all
     bool spoilt() const { return spoilt_.n > 0; }     ///< a row that is not finite is in the window
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.

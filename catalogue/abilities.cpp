@@ -1,0 +1,25 @@
+// What each variant lets others do to its state.
+#include "catalogue/compose.hpp"
+
+#include <rlslab/variants/variants.hpp>
+
+namespace rlslab {
+
+VariantAbilities abilities_of(std::string_view variant) {
+    VariantAbilities out;
+    for_each(Variants<double>{}, [&]<class F>() {
+        if (F::name != variant) return;
+        out.single_rows = !TakesBlocks<F>;
+        out.relays = ReportsLeastShare<F> && Downdates<F>;
+        out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
+        out.abilities = {TimeUpdates<F> && ReportsVariances<F>,
+                         Inflates<F>,
+                         Downdates<F>,
+                         ReportsInformationAlong<F>,
+                         Guardable<F>,
+                         ReportsVariances<F>};
+    });
+    return out;
+}
+
+}  // namespace rlslab

@@ -1,0 +1,254 @@
+// A filter of a variant that is named while the program runs, in one arithmetic, with all that windows, guards and rules ask of a filter.
+#pragma once
+
+#include "catalogue/composition.hpp"
+
+#include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/arithmetic/multiprecision.hpp>
+
+#include <memory>
+
+namespace rlslab {
+
+/// What a filter can do beside updates.
+struct Abilities {
+    bool form = false;         ///< discounts, resets, takes another lambda, reports variances
+    bool inflates = false;     ///< takes P + c a a'
+    bool downdates = false;    ///< takes a row back
+    bool information = false;  ///< has psi'P^-1 psi at hand
+    bool guardable = false;
+    bool variances = false;  ///< has P_jj and psi'P psi at hand
+};
+
+template <Real T>
+class AnyAdaptive;
+
+/// The form of a filter that only the run knows.
+template <Real T>
+struct AnyForm {
+    using scalar = T;
+    typename AnyAdaptive<T>::Interface& filter;
+};
+
+/// A value: copies are filters of their own. Around a variant, or around what is composed around one: so a window, a guard or a rule is
+/// compiled once an arithmetic, and not once a variant. Each call is one virtual call to F's own text: the bits are those of the type F.
+/// By its type it models everything that adapt/ asks for. What F cannot do throws std::logic_error: ask `abilities` before composing.
+/// Allocates at copies, and where theta or gain are reported.
+template <Real T>
+class AnyAdaptive {
+public:
+    using scalar = T;
+    static constexpr std::string_view name = "any";
+
+    struct Interface {
+        virtual ~Interface() = default;
+        virtual std::unique_ptr<Interface> clone() const = 0;
+        virtual Abilities abilities() const = 0;
+        virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
+        virtual Vector<T> theta() const = 0;
+        virtual Vector<T> gain() const = 0;
+        virtual Stored<T> stored() const = 0;
+        virtual void forget_by(T const& lambda) = 0;
+        virtual void shrink(T const& lambda) = 0;
+        virtual void grow(T const& c, Regressor<T> a) = 0;
+        virtual void start_at(T const& variance, Regressor<T> theta) = 0;
+        virtual void start_over(T const& variance, Regressor<T> theta, T const& lambda) = 0;
+        virtual Step<T> hold_down(Regressor<T> psi, T const& y, T const& lambda) = 0;
+        virtual Removal<T> take_back(Regressor<T> psi, T const& y, T const& w) = 0;
+        virtual T variance_of(Index j) = 0;
+        virtual T variance_of(Regressor<T> psi) = 0;
+        virtual T information_of(Regressor<T> psi) = 0;
+        virtual T asymmetry_of(Index j) = 0;
+        virtual bool hand_over() = 0;
+        virtual Index window_rows() const = 0;
+        virtual bool follows_a_rule() const = 0;
+        virtual bool set_aside() const = 0;
+        virtual bool started_over() const = 0;
+        virtual void tell(Happened& happened) const = 0;
+    };
+
+    /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for another name.
+    explicit AnyAdaptive(Problem<T> const& problem, std::string_view variant = "ud") : filter_(named(variant, problem)) {}
+    /// A copy of this filter; a function, since a constructor from anything would ask whether AnyAdaptive is a filter to know what it is.
+    template <class F>
+    static AnyAdaptive around(F const& filter) {
+        return AnyAdaptive(std::make_unique<Around<F>>(filter));
+    }
+    AnyAdaptive(AnyAdaptive const& other) : filter_(other.filter_->clone()) {}
+    AnyAdaptive(AnyAdaptive&&) noexcept = default;
+    AnyAdaptive& operator=(AnyAdaptive other) noexcept {
+        filter_ = std::move(other.filter_);
+        return *this;
+    }
+
+    Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
+    Vector<T> theta() const { return filter_->theta(); }
+    Vector<T> gain() const { return filter_->gain(); }
+    Stored<T> stored() const { return filter_->stored(); }
+    AnyForm<T> form() { return {*filter_}; }
+    Abilities abilities() const { return filter_->abilities(); }
+    bool hand_over() { return filter_->hand_over(); }
+
+    /// What Assessed asks for.
+    Index rows() const { return filter_->window_rows(); }
+    Index refactored() const { return happened().refactored; }
+    bool follows_a_rule() const { return filter_->follows_a_rule(); }
+    bool set_aside() const { return filter_->set_aside(); }
+    bool started_over() const { return filter_->started_over(); }
+    Happened happened() const {
+        Happened out;
+        filter_->tell(out);
+        return out;
+    }
+
+    /// Instead of those by form: what is inside may have its own.
+    friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance_of(j); }
+    friend T variance_along(AnyAdaptive& f, Regressor<T> psi) { return f.filter_->variance_of(psi); }
+    friend T asymmetry(AnyAdaptive& f, Index j) { return f.filter_->asymmetry_of(j); }
+    friend void restart(AnyAdaptive& f, T const& variance, Regressor<T> theta, T const& lambda) {
+        f.filter_->start_over(variance, theta, lambda);
+    }
+    friend Step<T> hold(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) { return f.filter_->hold_down(psi, y, lambda); }
+
+private:
+    template <class F>
+    struct Around;
+    std::unique_ptr<Interface> filter_;
+
+    explicit AnyAdaptive(std::unique_ptr<Interface> filter) : filter_(std::move(filter)) {}
+    static std::unique_ptr<Interface> named(std::string_view variant, Problem<T> const& problem);
+};
+
+template <Real T>
+template <class F>
+struct AnyAdaptive<T>::Around final : Interface {
+    F f;
+    explicit Around(F const& filter) : f(filter) {}
+
+    static constexpr bool reports_variances = requires(F& g, Regressor<T> psi) { variance(g, Index(0)), variance_along(g, psi); };
+    [[noreturn]] static void cannot() { throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name)); }
+
+    std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
+    Abilities abilities() const override {
+        return {TimeUpdates<F> && reports_variances, Inflates<F>,  Downdates<F>,
+                ReportsInformationAlong<F>,          Guardable<F>, reports_variances};
+    }
+    Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
+    Vector<T> theta() const override { return f.theta(); }
+    Vector<T> gain() const override { return f.gain(); }
+    Stored<T> stored() const override { return f.stored(); }
+    void forget_by(T const& lambda) override {
+        if constexpr (TimeUpdates<F>) set_forgetting(f, lambda);
+        else cannot();
+    }
+    void shrink(T const& lambda) override {
+        if constexpr (TimeUpdates<F>) discount(f, lambda);
+        else cannot();
+    }
+    void grow(T const& c, Regressor<T> a) override {
+        if constexpr (Inflates<F>) inflate(f, c, a);
+        else cannot();
+    }
+    void start_at(T const& variance, Regressor<T> theta) override {
+        if constexpr (TimeUpdates<F>) reset(f, variance, theta);
+        else cannot();
+    }
+    void start_over(T const& variance, Regressor<T> theta, T const& lambda) override {
+        if constexpr (Guardable<F>) restart(f, variance, theta, lambda);
+        else cannot();
+    }
+    Step<T> hold_down(Regressor<T> psi, T const& y, T const& lambda) override {
+        if constexpr (Guardable<F>) return hold(f, psi, y, lambda);
+        else cannot();
+    }
+    Removal<T> take_back(Regressor<T> psi, T const& y, T const& w) override {
+        if constexpr (Downdates<F>) return remove(f, psi, y, w);
+        else cannot();
+    }
+    T variance_of(Index j) override {
+        if constexpr (reports_variances) return variance(f, j);
+        else cannot();
+    }
+    T variance_of(Regressor<T> psi) override {
+        if constexpr (reports_variances) return variance_along(f, psi);
+        else cannot();
+    }
+    T information_of(Regressor<T> psi) override {
+        if constexpr (ReportsInformationAlong<F>) return information_along(f, psi);
+        else cannot();
+    }
+    /// 0 of a form that has none: a guard then finds nothing, as where it does not look.
+    T asymmetry_of(Index j) override {
+        if constexpr (requires { asymmetry(f, j); }) return asymmetry(f, j);
+        else return T(0);
+    }
+    bool hand_over() override {
+        if constexpr (HandsOver<F>) return f.hand_over();
+        else return false;
+    }
+    Index window_rows() const override { return detail::window_rows(f); }
+    bool follows_a_rule() const override { return detail::has_a_rule(f); }
+    bool set_aside() const override { return detail::guard_of(f).set_aside(); }
+    bool started_over() const override { return detail::guard_of(f).started_over(); }
+    void tell(Happened& out) const override {
+        if constexpr (requires { f.filter().happened(); }) out = f.filter().happened();
+        if constexpr (requires { f.since(); }) out.refactored = f.refactored(), out.since = f.since();
+        if constexpr (requires { f.counts().windups; }) {
+            GuardCounts const& n = f.counts();
+            out.unusable = n.unusable, out.outliers = n.outliers, out.changes = n.changes, out.windups = n.windups;
+            out.breakdowns = n.breakdowns;
+        }
+        if constexpr (requires { f.handed_over(); }) out.handed_over = f.handed_over();
+    }
+};
+
+// In the arithmetics of compositions.
+template <>
+std::unique_ptr<AnyAdaptive<float>::Interface> AnyAdaptive<float>::named(std::string_view, Problem<float> const&);
+template <>
+std::unique_ptr<AnyAdaptive<double>::Interface> AnyAdaptive<double>::named(std::string_view, Problem<double> const&);
+template <>
+std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view, Problem<Reference> const&);
+
+// --- a form that only the run knows -------------------------------------------------------------------------------------------------
+
+template <Real T>
+void set_forgetting(AnyForm<T> f, T const& lambda) {
+    f.filter.forget_by(lambda);
+}
+template <Real T>
+void discount(AnyForm<T> f, T const& lambda) {
+    f.filter.shrink(lambda);
+}
+template <Real T>
+void inflate(AnyForm<T> f, T const& c, Regressor<T> a) {
+    f.filter.grow(c, a);
+}
+template <Real T>
+void reset(AnyForm<T> f, T const& variance, Regressor<T> theta) {
+    f.filter.start_at(variance, theta);
+}
+template <Real T>
+Removal<T> remove(AnyForm<T> f, Regressor<T> psi, T const& y, T const& w) {
+    return f.filter.take_back(psi, y, w);
+}
+template <Real T>
+T variance(AnyForm<T> f, Index j) {
+    return f.filter.variance_of(j);
+}
+template <Real T>
+T variance_along(AnyForm<T> f, Regressor<T> psi) {
+    return f.filter.variance_of(psi);
+}
+template <Real T>
+T information_along(AnyForm<T> f, Regressor<T> psi) {
+    return f.filter.information_of(psi);
+}
+template <Real T>
+T asymmetry(AnyForm<T> f, Index j) {
+    return f.filter.asymmetry_of(j);
+}
+
+}  // namespace rlslab

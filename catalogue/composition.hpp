@@ -1,0 +1,53 @@
+// What may be composed around a variant, named while the program runs: a rule of forgetting, a window, a guard.
+#pragma once
+
+#include <rlslab/core/problem.hpp>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rlslab {
+
+/// One number of a rule of forgetting. A start that is NaN has no value of its own: it must be given, or follows from the data.
+struct ControlParameter {
+    std::string_view name;
+    double start;
+    double least, most;  ///< both included, but a `least` of 0 where `positive`
+    bool positive;
+};
+/// A rule of src/rlslab/adapt/forgetting.hpp by name.
+struct Control {
+    std::string_view name, what;
+    std::vector<ControlParameter> parameters;
+};
+std::vector<Control> const& controls();
+
+/// Guards by what they do about a breakdown, as GuardPolicy's constants: report, reset, rebuild, hand_over.
+std::vector<std::string_view> const& guard_names();
+
+/// Names that are empty and a window of 0 rows are not there. Throughout: a window stands next to the filter, a guard outermost.
+struct Composition {
+    std::string control = "";
+    std::vector<double> parameters = {};  ///< of the control, all of them
+    Index window = 0;                     ///< rows
+    std::string guard = "";
+
+    bool empty() const { return control.empty() && window == 0 && guard.empty(); }
+    /// Whether theta and P minimise the J of some rows with constant lambda: no rule changes the forgetting.
+    bool keeps_the_problem() const { return control.empty() || control == "constant"; }
+};
+/// Why no variant can be composed so, or "".
+std::string contradiction(Composition const& composition);
+/// Why this variant cannot, or "". The reason is the same in every arithmetic.
+std::string obstacle(Composition const& composition, std::string_view variant);
+
+/// What a composition did so far. Counts of what is not part of it stay 0.
+struct Happened {
+    Index refactored = 0;                                                        ///< times that a window's kept rows were factored anew
+    Index since = 0;                                                             ///< rows since then, or since the start
+    Index unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as a guard counts them (GuardCounts)
+    bool handed_over = false;                                                    ///< to the sounder variant
+};
+
+}  // namespace rlslab

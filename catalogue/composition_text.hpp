@@ -1,0 +1,14 @@
+// A composition in words.
+#pragma once
+
+#include "catalogue/composition.hpp"
+
+namespace rlslab {
+
+/// "window of 60 rows; guard reset".
+std::string composition_text(Composition const& composition);
+
+/// "factored anew 3 times, 2 outliers"; "" where nothing happened.
+std::string happened_text(Happened const& happened);
+
+}  // namespace rlslab

@@ -1,0 +1,100 @@
+// The composition takes the rows one by one; before each it says what it expects.
+#include "identify/tracking.hpp"
+
+#include "catalogue/catalogue.hpp"
+#include "catalogue/composed.hpp"
+#include "catalogue/composition_text.hpp"
+#include "identify/text.hpp"
+
+#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/model/fit.hpp>
+#include <rlslab/reference/distributions.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rlslab {
+namespace {
+
+std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""; }
+
+}  // namespace
+
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
+              double noise, double confidence) {
+    if (std::string const why = obstacle(composition, variant); !why.empty())
+        throw InputError(fmt::format("--variant {}: {}", variant, why));
+    composition.window = std::min(composition.window, records.rows());
+    for (size_t i = 0; i < composition.parameters.size(); ++i)
+        if (std::isnan(composition.parameters[i]))
+            composition.parameters[i] = composition.control == "fortescue" ? noise
+                                        : problem.prior->covariance        ? problem.prior->covariance->diagonal().maxCoeff()
+                                                                           : problem.prior->variance;
+    if (composition.control == "fortescue" && !(composition.parameters[0] > 0))
+        throw InputError("--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly");
+    Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
+    constexpr double normal = 1e9;  // so many degrees of freedom
+    out.quantile = correctly::student_quantile(normal, 0.5 + confidence / 2);
+    auto const filter = composed(composition, variant, "double", problem);
+    Arithmetic const& arithmetic = *find_entry(variant)->arithmetic;
+    Index const d = records.parameters();
+    Vector<double> predicted(records.rows());
+    Index known = 0, within = 0;
+    for (Index k = 0; k < records.rows(); ++k) {
+        Interval<double> const expected = filter->prediction(records.sample(k), out.quantile);
+        double const y = records.y[k];
+        predicted[k] = expected.value;
+        if (std::isfinite(expected.deviation)) ++known, within += expected.low <= y && y <= expected.high;
+        filter->update(records.sample(k), y);
+        TrackedRow row{records.presample + k + 1, y + mean,          expected.value + mean, expected.deviation,
+                       filter->noise_variance(),  Vector<double>(d), Vector<double>(d),     filter->happened()};
+        for (Index j = 0; j < d; ++j) {
+            Interval<double> const at = filter->interval(j, out.quantile);
+            row.theta[j] = at.value, row.theta_sd[j] = at.deviation;
+        }
+        if (out.broken == 0) {
+            out.kind = breakdown(*filter, arithmetic);
+            if (out.kind.empty() && !row.theta.allFinite()) out.kind = "nonfinite";
+            if (!out.kind.empty()) out.broken = row.row;
+        }
+        out.rows.push_back(std::move(row));
+    }
+    out.fit = fit_percent(records.y, predicted);
+    out.covered = known > 0 ? double(within) / double(known) : std::nan("");
+    return out;
+}
+
+std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string> const& names, double confidence) {
+    TrackedRow const& last = t.rows.back();
+    std::string const happened = happened_text(last.happened);
+    std::vector<std::string> out{fmt::format(
+        "tracked over all rows by {}: one-step fit {} %, {} % of the outputs within their {:g} % interval; noise variance at the end "
+        "{}{}{}",
+        t.text, number_text(t.fit, 4), number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
+        happened.empty() ? "" : "; " + happened, t.broken > 0 ? fmt::format("; {} at row {}", t.kind, t.broken) : "")};
+    std::vector<std::string> parts;
+    for (Index j = 0; j < last.theta.size(); ++j)
+        parts.push_back(
+            fmt::format("{} = {} +- {}", names[size_t(j)], number_text(last.theta[j], 5), number_text(t.quantile * last.theta_sd[j], 2)));
+    out.push_back(fmt::format("at the end {}", fmt::join(parts, ", ")));
+    return out;
+}
+
+std::string tracked_csv(Tracked const& t, std::vector<std::string> const& names) {
+    std::string out = "row,y,predicted,predicted_sd,noise_variance";
+    for (std::string name : names) {
+        std::replace(name.begin(), name.end(), '"', '\'');
+        out += fmt::format(",\"{}\",\"{}_sd\"", name, name);
+    }
+    out += ",refactored,unusable,outliers,changes,windups,breakdowns\n";
+    for (TrackedRow const& r : t.rows) {
+        out += fmt::format("{},{},{},{},{}", r.row, cell(r.y), cell(r.predicted), cell(r.sd), cell(r.noise_variance));
+        for (Index j = 0; j < r.theta.size(); ++j) out += fmt::format(",{},{}", cell(r.theta[j]), cell(r.theta_sd[j]));
+        Happened const& h = r.happened;
+        out += fmt::format(",{},{},{},{},{},{}\n", h.refactored, h.unusable, h.outliers, h.changes, h.windups, h.breakdowns);
+    }
+    return out;
+}
+
+}  // namespace rlslab

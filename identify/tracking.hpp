@@ -1,0 +1,44 @@
+// A composition along the record: theta and the next output, with their intervals, at every row.
+#pragma once
+
+#include "catalogue/composition.hpp"
+
+#include <rlslab/core/records.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rlslab {
+
+struct TrackedRow {
+    Index row;                       ///< of the record, from 1
+    double y, predicted, sd;         ///< the prediction from the rows before, and its standard deviation; NaN where there is none yet
+    double noise_variance;           ///< after the row
+    Vector<double> theta, theta_sd;  ///< after the row
+    Happened happened;
+};
+
+/// The composition around a variant in double, over all rows: the fitted ones and those held out. Formulas: Assessed.
+struct Tracked {
+    std::string text;  ///< "window of 60 rows; guard reset"
+    std::vector<TrackedRow> rows;
+    double fit;        ///< of the predictions, in percent of the outputs they are made for; NaN: not known
+    double covered;    ///< share of the outputs within their interval
+    double quantile;   ///< of the intervals: the normal distribution's
+    Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
+    std::string kind;  ///< "indefinite", "nonfinite"
+};
+
+/// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.
+/// `mean` was taken off the output and is put back.
+/// Throws InputError where the variant cannot be composed so.
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
+              double noise, double confidence);
+
+/// Lines for the text and the page.
+std::vector<std::string> tracked_lines(Tracked const& tracked, std::vector<std::string> const& names, double confidence);
+/// A line a row: row, y, predicted, sd, noise_variance, then each theta and its standard deviation, then what happened.
+std::string tracked_csv(Tracked const& tracked, std::vector<std::string> const& names);
+
+}  // namespace rlslab
