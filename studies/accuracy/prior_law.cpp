@@ -120,7 +120,7 @@ Study const prior_law{
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
                                        {"kappa", powers(10, 2, 5)},
                                        {"noise", powers(10, -6, -3)},
-                                       {"replicate", counted(budget == Budget::full ? 60 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 200 : 5)}};
         },
     .admits = admits,
     .measures = {"variant", "c2", "bias", "rounding", "total", "bias_of_law", "of_law"},

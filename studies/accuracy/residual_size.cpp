@@ -119,7 +119,7 @@ Study const residual_size{
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
                                        {"kappa", powers(10, 2, 5)},
                                        {"rho", powers(10, -7, 0)},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 200 : 5)}};
         },
     .measures = {"variant", "error", "of_law"},
     .measure = measure,
