@@ -121,7 +121,12 @@ Study const rival_estimators{
     .formula =
         R"tex(\hat\theta_Z = (Z^\top\Phi)^{-1}Z^\top Y, \qquad
               \operatorname{cov}\hat\theta_Z = \sigma^2(Z^\top\Phi)^{-1}Z^\top Z(\Phi^\top Z)^{-1} \ge \sigma^2(\Phi^\top\Phi)^{-1})tex",
-    .interpretation = "To be written by the numbers of the full run.",
+    .interpretation =
+        "Least squares against four other estimators that are linear in y and unbiased: wrong weights, half of the rows, and "
+        "two choices of instruments. In rationals each covariance exceeds that of least squares by a semidefinite matrix. "
+        "Measured, the ratios of the mean square errors are those of the moments of the regressors, and least squares itself "
+        "meets the unconditional bound in the limit. With 20 rows it does not: it has 1.25 times the bound, the mean of an "
+        "inverse Wishart matrix. Nothing of this asks for normal noise.",
     .data = "white normal rows, d = 3, normal and exponential noise; for the order of the covariances integers, d = 2",
     .factors =
         [](Budget budget) {
