@@ -107,9 +107,9 @@ Study const residual_size{
     .name = "residual_size",
     .question = "Which variants inherit the factor kappa^2 ||r|| of least squares, on data that are not integers?",
     .source = "derived (docs/theory.md 49, 73); docs/literature.md 5, question 7",
-    .formula = R"tex(\frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} \approx c\,u\,\frac1{\lVert\theta\rVert}
-\Bigl\lbrace\sum_{ikj}a_{kj}^2\bigl(A^+_{ik}\theta_j - M^{-1}_{ij}r_k\bigr)^2 + \sum_{ik}(A^+_{ik}y_k)^2\Bigr\rbrace^{1/2}
-\;\sim\; u\,\kappa\Bigl(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\Bigr))tex",
+    .formula = R"tex(\begin{aligned} \frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} &\approx \frac{c\,u}{\lVert\theta\rVert}
+\sqrt{\sum_{ikj}a_{kj}^2\left(A^+_{ik}\theta_j - M^{-1}_{ij}r_k\right)^2 + \sum_{ik}\left(A^+_{ik}y_k\right)^2} \\
+&\sim u\,\kappa\left(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\right) \end{aligned})tex",
     .interpretation =
         "One law for every backward stable form: independent errors of size c u in the data, c about 1.5 to 3.5. While kappa "
         "||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it grows as kappa^2 "
@@ -126,7 +126,7 @@ Study const residual_size{
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
                                        {"kappa", powers(10, 2, 5)},
                                        {"rho", powers(10, -7, 0)},
-                                       {"replicate", counted(budget == Budget::full ? 200 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 100 : 5)}};
         },
     .measures = {"variant", "error", "of_law"},
     .measure = measure,
