@@ -112,12 +112,12 @@ Study const residual_size{
 &\sim u\,\kappa\left(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\right) \end{aligned})tex",
     .interpretation =
         "One law for every backward stable form: independent errors of size c u in the data, c about 1.5 to 3.5. While kappa "
-        "||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it grows as kappa^2 "
-        "||r||. With geometric singular values the slopes in kappa are a little below the powers of the bound, for kappa is the "
-        "worst direction and the columns mix all of them. The information form loses kappa^2 without any residual and nothing "
-        "more with one: it inherits nothing, because it has lost that before. With a residual as large as the data its error is "
-        "still about ten times that of qr. The symmetric form's error is proportional to the residual over five decades, "
-        "through the rounding of its prior.",
+        "||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it grows as "
+        "kappa^2 ||r||. With geometric singular values the slopes in kappa are a little below the powers of the bound, for "
+        "kappa is the worst direction and the columns mix all of them. The information form loses kappa^2 without any "
+        "residual and nothing more with one: it inherits nothing, because it has lost that before. With a residual as large "
+        "as the data its error is still seven to eleven times that of qr. The symmetric form's error is proportional to the "
+        "residual over five decades, through the rounding of its prior.",
     .data =
         "d = 6, N = 60: geometric singular values, one small, one large; kappa = 1e2 to 1e5; residuals orthogonal to the columns, of "
         "length 1e-7 to 1",
