@@ -133,7 +133,7 @@ Study const rival_estimators{
             bool const full = budget == Budget::full;
             return std::vector<Factor>{{"noise", {"normal", "exponential"}},
                                        {"rows", full ? std::vector<Cell>{20.0, 100.0, 500.0} : std::vector<Cell>{20.0, 100.0}},
-                                       {"batch", counted(full ? 200 : 20)}};
+                                       {"batch", counted(full ? 100 : 20)}};
         },
     .measures = {"estimator", "of_bound", "ratio"},
     .measure = measure,
