@@ -116,11 +116,11 @@ Study const accuracy_steps{
                                1.05);
              },
              finding("docs/theory.md 28, law ii")},
-            {"inverse_qr's P in float: exponent 1.2 +- 0.2, the more the less of the run is past the drift's onset",
+            {"inverse_qr's P in float: the drift is linear, exponent 1.0 +- 0.1 (fails: part of the run lies before its onset)",
              [](Table const& t) {
-                 return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 1.0, 1.4);
+                 return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 0.9, 1.1);
              },
-             finding("first edition, set after its run")},
+             finding("docs/theory.md 45, in place of a band set after its run")},
             {"P in double of the forms without a drift: at most sqrt(N) u from 1024 rows on, but for the constant 2",
              [](Table const& t) {
                  Number const share(

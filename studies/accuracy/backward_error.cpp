@@ -19,15 +19,6 @@ std::vector<Cell> const spectra{"geometric", "one small", "one large"}, special{
 
 // --- data -----------------------------------------------------------------------------------------------------------------------
 
-std::vector<double> singular_values(std::string const& shape, double kappa) {
-    std::vector<double> out;
-    for (Index j = 0; j < size; ++j) {
-        if (shape == "one small") out.push_back(j + 1 < size ? 1 : 1 / kappa);
-        else if (shape == "one large") out.push_back(j == 0 ? 1 : 1 / kappa);
-        else out.push_back(correctly::pow(kappa, -double(j) / double(size - 1)));
-    }
-    return out;
-}
 /// The powers 1, t ... t^5 of t = 1/N, 2/N ... 1 in random order; or white rows in which two neighbouring columns differ by 1e-5 of one.
 Matrix<double> special_rows(std::string const& data, Index rows, Seed& seed) {
     Matrix<double> psi = white(size, rows, Seed{seed.next()}).psi;
@@ -63,7 +54,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = trial.number("P0")}};
     Seed seed = trial.seed({"data", "kappa", "rows", "replicate"});  // the same rows for every P0
     bool const shaped = std::ranges::count(spectra, Cell(data)) > 0;
-    Records const records = shaped ? with_singular_values(singular_values(data, trial.number("kappa")), rows, seed, noise)
+    Records const records = shaped ? with_singular_values(singular_values(data, size, trial.number("kappa")), rows, seed, noise)
                                    : answered(special_rows(data, rows, seed), seed, noise);
     GivenProblem const given(problem, records);
     CertifiedSolution const certain = certified(problem, records, {rows}, 60).front();

@@ -99,13 +99,14 @@ Study const stagnation{
                  return together(all);
              },
              finding("docs/theory.md 42")},
-            {"rounded to nearest no variant comes down to 1 from P0 = 100: k P at least 50 in bfloat16 and 9 in binary16 at k = 20000",
+            {"rounded to nearest no variant comes down to 1 from P0 = 100: k P at k = 20000 is at least k u / sqrt(2) less a spacing, 54.8 "
+             "in bfloat16 and 6.9 in binary16",
              [](Table const& t) {
-                 Finding const a = within(last(t, "bfloat16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 50, 300);
-                 Finding const b = within(last(t, "binary16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 9, 40);
+                 Finding const a = within(last(t, "bfloat16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 54.8, 300);
+                 Finding const b = within(last(t, "binary16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 6.9, 40);
                  return a && b;
              },
-             finding("first edition, set after its run")},
+             finding("docs/theory.md 42, in place of a band set after its run")},
             {"stochastic rounding from P0 = 100: the mean of k P at k = 20000 in 0.8 ... 1.25 for every variant, and in bfloat16 of "
              "symmetric in 0.9 ... 1.1",
              [](Table const& t) {
@@ -114,7 +115,7 @@ Study const stagnation{
                  Finding const c = within(last(t, "bfloat16-stochastic", 100).where("variant", "symmetric"), {}, mean_rows_P, 0.9, 1.1);
                  return a && b && c;
              },
-             finding("first edition, set after its run")},
+             finding("docs/theory.md 75, to a factor of 1.25; of symmetric first edition, set after its run")},
             {"from P0 = 1e4 > 1/u the subtracting forms are at P = 0 after one row in bfloat16 and binary16, and in most stochastic runs "
              "of bfloat16 too",
              [](Table const& t) {

@@ -1,6 +1,8 @@
 // Sums are loops in order: Eigen's reductions depend on the instruction set, and data must not.
 #include "studies/engine/spectra.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
+
 #include <cmath>
 
 namespace rlslab {
@@ -40,6 +42,16 @@ Matrix<double> orthonormal(Index size, Index n, Seed& seed) {
 }
 
 }  // namespace
+
+std::vector<double> singular_values(std::string_view shape, Index size, double kappa) {
+    std::vector<double> out;
+    for (Index j = 0; j < size; ++j) {
+        if (shape == "one small") out.push_back(j + 1 < size ? 1 : 1 / kappa);
+        else if (shape == "one large") out.push_back(j == 0 ? 1 : 1 / kappa);
+        else out.push_back(correctly::pow(kappa, -double(j) / double(size - 1)));
+    }
+    return out;
+}
 
 Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise) {
     Index const size = Index(sigma.size());

@@ -148,15 +148,15 @@ Study const nist{
                                1);
              },
              finding("first edition, set after its run")},
-            {"from c^2 = 1e20 to 1e40 the median digits of Filip fall by less than one in carlson, ud and inverse_qr",
+            {"from c^2 = 1e20 to 1e40 the median digits of Filip stay to 0.15 in carlson, ud and inverse_qr",
              [](Table const& t) {
                  Number const loss =
                      Number([](Table const& v) { return median("digits")(prior_of(v, 1e20)) - median("digits")(prior_of(v, 1e40)); },
                             Estimate::middle)
                          .over("order");
-                 return within(t.where("set", "filip").where("variant", {"carlson", "ud", "inverse_qr"}), {"variant"}, loss, -1, 1);
+                 return within(t.where("set", "filip").where("variant", {"carlson", "ud", "inverse_qr"}), {"variant"}, loss, -0.15, 0.15);
              },
-             finding("first edition, set after its run")},
+             finding("docs/theory.md 44, 78: as for other roundings of the same order; in place of a band set after its run")},
         },
 };
 

@@ -1,8 +1,8 @@
 // Bias, covariance, efficiency and normality of the least squares estimate, by Monte Carlo in lockstep.
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
+#include "studies/theory/second_order.hpp"
 
-#include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <array>
@@ -11,17 +11,9 @@
 namespace rlslab {
 namespace {
 
-using P = Pack<double, 8>;
-constexpr double sigma = 0.5;
+using namespace second_order;
 constexpr int packs = 128;  // a trial: 1024 records, under a second
 
-/// y_k + a_1 y_{k-1} + a_2 y_{k-2} = b_0 u_k + b_1 u_{k-1} + b_2 u_{k-2} + xi_k; without a: a finite impulse response.
-struct System {
-    bool recursive;
-    double colour;  // xi_k = colour xi_{k-1} + white
-    Index size() const { return recursive ? 5 : 3; }
-    std::array<double, 5> theta() const { return recursive ? std::array{-1.5, 0.7, 1.0, 0.5, -0.3} : std::array{1.0, 0.5, -0.3, 0.0, 0.0}; }
-};
 System system_named(std::string const& name) { return {name != "impulse_response", name == "coloured" ? 0.7 : 0.0}; }
 
 /// What is added up over the records, for each parameter.
@@ -38,26 +30,12 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int pack = 0; pack < packs; ++pack) {
         // So large a prior weighs nothing here: sigma^2 / variance beside N.
         Ud<P> filter(Problem<P>{.size = d, .prior = Prior<P>{.variance = P(0x1p40)}});
-        std::vector<P> psi(5, P(0.0));
-        P y1(0.0), y2(0.0), u1(0.0), u2(0.0), xi(0.0), J(0.0);
-        constexpr Index burn_in = 50;  // until the system has forgotten its rest: 0.84^50
-        for (Index k = -burn_in; k < N; ++k) {
-            std::array<double, 8> input, noise;
-            for (double& x : input) x = seed.next() >> 63 ? 1.0 : -1.0;
-            for (double& x : noise) x = sigma * seed.bell();
-            P const u(input), white(noise);
-            xi = P(system.colour) * xi + white;
-            size_t next = 0;
-            if (system.recursive) psi[next++] = -y1, psi[next++] = -y2;
-            psi[next++] = u, psi[next++] = u1, psi[next++] = u2;
-            P y = xi;
-            for (size_t i = 0; i < size_t(d); ++i) y += psi[i] * P(truth[i]);
-            if (k >= 0) {
-                Step<P> const step = filter.update(Regressor<P>(psi.data(), d), y);
-                J += step.innovation * step.residual;  // docs/theory.md 15
-            }
-            y2 = y1, y1 = y, u2 = u1, u1 = u;
-        }
+        P J(0.0);
+        auto const bell = [](Seed& of) { return of.bell(); };
+        simulate(system, N, seed, bell, [&](std::vector<P> const& psi, P const& y) {
+            Step<P> const step = filter.update(Regressor<P>(psi.data(), d), y);
+            J += step.innovation * step.residual;  // docs/theory.md 15
+        });
         Vector<P> const theta = filter.theta();
         Matrix<P> const covariance = filter.covariance();
         for (Index i = 0; i < d; ++i)
@@ -91,37 +69,6 @@ Number const kurtosis = Number([](Table const& t) {
                         }).over("batch");
 Number const inside = mean("inside").over("batch");
 
-/// R of E[psi psi'] by the responses of the system to its input (white, variance 1) and to its noise (variance sigma^2), 400 terms: the
-/// poles have modulus 0.84.
-Matrix<Reference> second_moments(System const& system) {
-    Index const d = system.size();
-    if (!system.recursive) return Matrix<Reference>::Identity(d, d);
-    auto const theta = system.theta();
-    constexpr size_t terms = 400;
-    std::vector<Reference> g(terms), h(terms);  // responses of y
-    for (size_t k = 0; k < terms; ++k) {
-        auto const fed_back = [&](std::vector<Reference> const& r) {
-            Reference sum = 0;
-            for (size_t i = 1; i <= std::min<size_t>(k, 2); ++i) sum -= Reference(theta[i - 1]) * r[k - i];
-            return sum;
-        };
-        g[k] = fed_back(g) + (k < 3 ? Reference(theta[2 + k]) : Reference(0));
-        h[k] = fed_back(h) + (k == 0 ? Reference(sigma) : Reference(0));
-    }
-    // psi = (-y_{k-1}, -y_{k-2}, u_k, u_{k-1}, u_{k-2})
-    auto const of_y = [&](size_t lag) {
-        Reference sum = 0;
-        for (size_t k = 0; k + lag < terms; ++k) sum += g[k] * g[k + lag] + h[k] * h[k + lag];
-        return sum;
-    };
-    Matrix<Reference> R = Matrix<Reference>::Identity(d, d);
-    for (Index i = 0; i < 2; ++i) {
-        for (Index j = 0; j < 2; ++j) R(i, j) = of_y(size_t(std::abs(i - j)));
-        for (Index j = 0; j < 3; ++j)  // E[-y_{k-1-i} u_{k-j}] = -g_{j-1-i}
-            R(i, 2 + j) = R(2 + j, i) = j >= 1 + i ? Reference(-g[size_t(j - 1 - i)]) : Reference(0);
-    }
-    return R;
-}
 /// The mean square error over sigma^2 (R^-1)_ii / N, the Cramer-Rao bound without regard to the regressors that were drawn.
 Number efficiency(std::string const& name) {
     System const system = system_named(name);
