@@ -1,4 +1,5 @@
-// The JSON that Google Benchmark writes, made JSON: it writes NaN and Infinity, which JSON has not (the relative scatter of times that are 0).
+// The JSON that Google Benchmark writes, made JSON: it writes NaN and Infinity, which JSON has not, for the relative scatter of times that
+// are 0.
 #pragma once
 
 #include <nlohmann/json.hpp>
