@@ -275,7 +275,10 @@ TEST(Complex, APriorMayBeWhatAnotherFormStores) {
             EXPECT_THROW(handed_over<Ud<C>>(from), std::invalid_argument);
             return;
         }
-        double const budget = F::name.starts_with("conventional") || F::name == "kalman" ? 1e6 : 2000;  // asymmetric by lambda^-20 errors
+        // A few roundings an entry. Plain storage: the factors read one triangle, and the other differs from it by rounding errors, which
+        // one vector for row and column makes grow by lambda^-20.
+        bool const grows = F::name == "conventional" || F::name == "kalman";
+        double const budget = grows ? 1e4 : F::name == "conventional_two_sided" || F::name == "joseph" ? 500 : 20;
         EXPECT_LE(handed_over<Ud<C>>(from), budget) << F::name;
         EXPECT_LE(handed_over<Symmetric<C>>(from), budget) << F::name;
         EXPECT_LE(handed_over<Carlson<C>>(from), budget) << F::name;
