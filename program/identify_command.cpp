@@ -69,13 +69,19 @@ int run_identify(IdentifyArguments a) {
     if (a.na >= 0) a.options.na = a.na;
     a.options.composition = composition_of(a.composition, a.options.forgetting);
     Identified const model = identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
+    std::string written;
     if (!a.out.empty()) {
         create_folder(a.out);
         replace_file(std::filesystem::path(a.out) / "model.json", as_json(model));
         replace_file(std::filesystem::path(a.out) / "model.html", as_page(model));
-        if (model.tracked) replace_file(std::filesystem::path(a.out) / "tracked.csv", tracked_csv(*model.tracked, parameter_names(model)));
+        written = fmt::format("\n{0}/model.html, {0}/model.json", a.out);
+        if (model.tracked) {
+            replace_file(std::filesystem::path(a.out) / "tracked.csv", tracked_csv(*model.tracked, parameter_names(model)));
+            written += fmt::format(", {}/tracked.csv", a.out);
+        }
+        written += "\n";
     }
-    print(a.json ? as_json(model) : as_table(model) + (a.out.empty() ? "" : fmt::format("\n{}/model.html, {}/model.json\n", a.out, a.out)));
+    print(a.json ? as_json(model) : as_table(model) + written);
     return model.failure ? 1 : 0;
 }
 
