@@ -11,29 +11,29 @@
 namespace rlslab {
 namespace {
 
-using Complex = std::complex<double>;
+using Point = std::complex<double>;
 using ComplexVector = Eigen::VectorXcd;
 
 /// A root of z^n p_0 + ... + p_n, and d root / d theta where theta_i is the coefficient p_(at[i]); at[i] < 0: not one of them.
 struct Root {
-    Complex value;
+    Point value;
     ComplexVector gradient;
     double apart;  ///< half the distance to the next root
 };
 
 /// z^n by products alone.
-Complex power(Complex z, int n) {
-    Complex out = 1;
+Point power(Point z, int n) {
+    Point out = 1;
     for (int i = 0; i < n; ++i) out *= z;
     return out;
 }
 
-std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const& at, std::vector<Complex> const& values) {
+std::vector<Root> roots_of(std::vector<double> const& p, std::vector<int> const& at, std::vector<Point> const& values) {
     int const n = int(p.size()) - 1;
     std::vector<Root> out;
     for (size_t r = 0; r < values.size(); ++r) {
-        Complex const z = values[r];
-        Complex slope = 0;
+        Point const z = values[r];
+        Point slope = 0;
         for (int i = 0; i < n; ++i) slope = slope * z + double(n - i) * p[size_t(i)];
         ComplexVector gradient = ComplexVector::Zero(Index(at.size()));
         for (size_t i = 0; i < at.size(); ++i)
@@ -64,7 +64,7 @@ Spread spread(ComplexVector const& g, Estimation const& e) {
 }
 
 /// (3) in the quantile's units: q, and the degrees of freedom.
-std::pair<double, double> distance(Complex delta, Spread const& S, bool real) {
+std::pair<double, double> distance(Point delta, Spread const& S, bool real) {
     if (real) return {delta.real() * delta.real() / S.rr, 1};
     double const det = S.rr * S.ii - S.ri * S.ri;
     if (!(det > 1e-12 * (S.rr + S.ii) * (S.rr + S.ii))) return {std::norm(delta) / (S.rr + S.ii), 1};  // they move along a line
@@ -73,7 +73,7 @@ std::pair<double, double> distance(Complex delta, Spread const& S, bool real) {
 
 struct Pair {
     size_t pole;
-    Complex zero;
+    Point zero;
     double q, sd;
 };
 
@@ -103,7 +103,7 @@ std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const
     return out;
 }
 
-std::string text(Complex z) {
+std::string text(Point z) {
     return z.imag() == 0 ? fmt::format("{:.4g}", z.real()) : fmt::format("{:.4g} +- {:.4g}i", z.real(), std::abs(z.imag()));
 }
 
@@ -142,7 +142,7 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
         auto const cancels = [&](std::vector<Pair> const& of) {
             return std::ranges::any_of(of, [&](Pair const& p) { return p.pole == first.pole; });
         };
-        Complex const p = ps[first.pole].value;
+        Point const p = ps[first.pole].value;
         if (std::ranges::all_of(pairs, cancels)) out.push_back({p, first.zero, std::abs(p - first.zero), first.sd});
     }
     return out;
@@ -258,7 +258,7 @@ void advise(Identified& m, int most) {
         m.warnings.push_back(fmt::format(
             "one step ahead the fit falls from {:.3g} % to {:.3g} % held out: the system or its level changed, or the order is too high",
             m.fit_one_step, m.held_out_one_step));
-    if (std::ranges::any_of(m.poles, [](Complex p) { return std::abs(p) >= 1; }))
+    if (std::ranges::any_of(m.poles, [](Point p) { return std::abs(p) >= 1; }))
         m.warnings.push_back(
             "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high");
     for (size_t j = 0; j < o.inputs.size(); ++j)

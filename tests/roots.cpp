@@ -8,7 +8,7 @@
 namespace rlslab {
 namespace {
 
-using Complex = std::complex<double>;
+using Point = std::complex<double>;
 
 Reference value(std::vector<double> const& p, double at) {
     Reference out = 1;
@@ -40,7 +40,7 @@ TEST(Roots, RealOnesAreTheNearestDoubles) {
         p.erase(p.begin());
         auto const found = roots(p);
         ASSERT_EQ(found.size(), size_t(n));
-        for (Complex const z : found) {
+        for (Point const z : found) {
             EXPECT_EQ(z.imag(), 0);
             EXPECT_TRUE(is_nearest(p, z.real())) << z.real();
         }
@@ -49,18 +49,18 @@ TEST(Roots, RealOnesAreTheNearestDoubles) {
     EXPECT_FALSE(is_nearest({-2, 0.75}, std::nextafter(1.5, 2)));
 }
 TEST(Roots, MultipleOnesAreEqual) {
-    EXPECT_EQ(roots({-1, 0.25}), (std::vector<Complex>{0.5, 0.5}));
-    EXPECT_EQ(roots({-1.5, 0.75, -0.125}), (std::vector<Complex>{0.5, 0.5, 0.5}));
-    EXPECT_EQ(roots({0, 2, 0, 1}), (std::vector<Complex>{{0, 1}, {0, 1}, {0, -1}, {0, -1}}));
+    EXPECT_EQ(roots({-1, 0.25}), (std::vector<Point>{0.5, 0.5}));
+    EXPECT_EQ(roots({-1.5, 0.75, -0.125}), (std::vector<Point>{0.5, 0.5, 0.5}));
+    EXPECT_EQ(roots({0, 2, 0, 1}), (std::vector<Point>{{0, 1}, {0, 1}, {0, -1}, {0, -1}}));
 }
 TEST(Roots, AtZeroAndFarApart) {
-    EXPECT_EQ(roots({}), std::vector<Complex>{});
-    EXPECT_EQ(roots({0, 0}), (std::vector<Complex>{0, 0}));
-    EXPECT_EQ(roots({-3, 2, 0}), (std::vector<Complex>{2, 1, 0}));
+    EXPECT_EQ(roots({}), std::vector<Point>{});
+    EXPECT_EQ(roots({0, 0}), (std::vector<Point>{0, 0}));
+    EXPECT_EQ(roots({-3, 2, 0}), (std::vector<Point>{2, 1, 0}));
     auto const far = roots({-0x1p500, 1});  // z = 2^500 and nearly 2^-500
-    EXPECT_EQ(far[0], Complex(0x1p500));
-    EXPECT_EQ(far[1], Complex(0x1p-500));
-    EXPECT_EQ(roots({0, -0x1p-1000}), (std::vector<Complex>{0x1p-500, -0x1p-500}));
+    EXPECT_EQ(far[0], Point(0x1p500));
+    EXPECT_EQ(far[1], Point(0x1p-500));
+    EXPECT_EQ(roots({0, -0x1p-1000}), (std::vector<Point>{0x1p-500, -0x1p-500}));
 }
 TEST(Roots, OfCoefficientsOfAnySize) {
     Seed seed{5};
@@ -69,7 +69,7 @@ TEST(Roots, OfCoefficientsOfAnySize) {
         for (int i = 0; i < n; ++i) p.push_back(std::ldexp(2 * seed.uniform() - 1, int(2000 * seed.uniform()) - 1000));
         auto const found = roots(p);
         ASSERT_EQ(found.size(), size_t(n));
-        for (Complex const z : found) {
+        for (Point const z : found) {
             EXPECT_TRUE(z.imag() != 0 || !std::isnormal(z.real()) || is_nearest(p, z.real())) << n << " " << z;
         }
     }
@@ -82,7 +82,7 @@ TEST(Roots, ComplexPairs) {
 }
 TEST(Roots, OfWhatIsNotFinite) {
     for (double const bad : {double(INFINITY), double(NAN)})
-        for (Complex const z : roots({1, bad})) EXPECT_TRUE(std::isnan(z.real()) && std::isnan(z.imag()));
+        for (Point const z : roots({1, bad})) EXPECT_TRUE(std::isnan(z.real()) && std::isnan(z.imag()));
 }
 
 }  // namespace
