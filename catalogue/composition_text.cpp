@@ -32,7 +32,7 @@ std::string happened_text(Happened const& h) {
     if (h.outliers > 0) out.push_back(times(h.outliers, "outlier", "outliers"));
     if (h.changes > 0) out.push_back(times(h.changes, "change", "changes"));
     if (h.windups > 0) out.push_back(fmt::format("windup in {}", times(h.windups, "row", "rows")));
-    if (h.breakdowns > 0) out.push_back(times(h.breakdowns, "breakdown", "breakdowns"));
+    if (h.breakdowns > 0) out.push_back(times(h.breakdowns, "breakdown met", "breakdowns met"));
     if (h.handed_over) out.emplace_back("handed over");
     return fmt::format("{}", fmt::join(out, ", "));
 }

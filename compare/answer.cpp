@@ -146,7 +146,7 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
                composition_code(composition, type, filter.variant, T, c.size);
     out += filter.guarded || !composition.guard.empty()
                ? "// each row: filter.update(psi, y); filter.signal() tells what was met, filter.counts() how often\n"
-               : "// each row: step = filter.update(psi, y); do not use filter.theta() once step.health is not rlslab::Health::sound\n";
+               : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not rlslab::Health::sound\n";
     return out;
 }
 

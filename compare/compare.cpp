@@ -128,9 +128,8 @@ std::vector<Entry const*> composable(std::vector<Entry const*> const& entries, C
     throw InputError(fmt::format("--variants: none of them can be composed so: {}", fmt::join(reasons, "; ")));
 }
 
-/// The composition with the numbers that follow from the data, and a window that is no longer than the record: nothing leaves either.
+/// The composition with the numbers that follow from the data.
 Composition settled(Composition composition, Records const& records, Problem<double> const& problem, CertifiedSolution const& without) {
-    composition.window = std::min(composition.window, records.rows());
     if (composition.parameters.empty()) return composition;
     if (composition.control == "reset" && std::isnan(composition.parameters[1]))
         composition.parameters[1] = problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff() : problem.prior->variance;
@@ -201,7 +200,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
                    .recommendations = {}};
     out.model.regressors = out.names;
     out.options.composition = settled(options.composition, records, problem, without);
-    out.window_asked = options.composition.window;
+    Composition tried = out.options.composition;
+    tried.window = std::min(tried.window, rows);  // a longer one takes memory alone: nothing leaves either
 
     // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
     std::vector<Arithmetic const*> used;
@@ -218,7 +218,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
         bool const wide = a->digits >= 53;
         int const digits = wide ? std::max(30, most_digits + 15) : 30;
         StoredProblem const& one = stored[rounding_of(a)] = stored_problem(records, problem, wide ? &as_is : a->round, orders, digits);
-        references.try_emplace(rounding_of(a), as_stored(out.options.composition, wide ? &as_is : a->round), one, digits);
+        references.try_emplace(rounding_of(a), as_stored(tried, wide ? &as_is : a->round), one, digits);
         if (!wide) out.storage.push_back(storage(*a, one, with, scales));
     }
 

@@ -112,7 +112,6 @@ struct Comparison {
     double component_bias;                     ///< the same of the worst component (largest_relative_change)
     double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
     CompareOptions options;                    ///< with which it was made; the composition with all its numbers
-    Index window_asked = 0;                    ///< which may be longer than the record
     std::vector<Index> checkpoints;
     std::vector<Storage> storage;
     std::vector<Result> results;

@@ -62,13 +62,15 @@ std::string happened_text(Comparison const& comparison, Result const& r) {
 
 std::vector<std::string> composition_warnings(Comparison const& c) {
     std::vector<std::string> out;
-    if (c.window_asked > c.rows || (c.window_asked > 0 && c.window_asked == c.rows))
-        out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.window_asked));
+    if (c.options.composition.window > c.rows || (c.options.composition.window > 0 && c.options.composition.window == c.rows))
+        out.push_back(
+            fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.options.composition.window));
     if (c.options.composition.control == "reset" && c.options.composition.parameters[0] > double(c.rows))
         out.emplace_back("the control resets P after the record's end: it did nothing");
-    if (c.window_asked > 0 && c.window_asked < c.size)
+    if (c.options.composition.window > 0 && c.options.composition.window < c.size)
         out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
-                                  c.window_asked == 1 ? "1 row" : fmt::format("{} rows", c.window_asked), c.size));
+                                  c.options.composition.window == 1 ? "1 row" : fmt::format("{} rows", c.options.composition.window),
+                                  c.size));
     return out;
 }
 

@@ -135,7 +135,7 @@ Json composition_json(Comparison const& c) {
         numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
-            {"window", c.window_asked > 0 ? Json(c.window_asked) : Json(nullptr)},
+            {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
             {"guard", of.guard.empty() ? Json(nullptr) : Json(of.guard)},
             {"text", composition_text(of)},
             {"digits", against_text(c)}};

@@ -43,9 +43,11 @@ void take_composition(CLI::App& command, CompositionArguments& a) {
         ->type_name("NAME");
     take_count(command, "--window", a.window, 1, 1000000000, "the variant over its last N rows: older ones are taken back");
     command
-        .add_option("--guard", a.guard,
-                    "a guard around the variant, and what it does about a breakdown: report, reset, rebuild or hand_over (to ud, of the "
-                    "next longer arithmetic)")
+        .add_option(
+            "--guard", a.guard,
+            "a guard around the variant, which keeps out what is not finite: report only counts what it sees besides; reset also skips "
+            "outliers, restarts at a change, caps windup and resets at a breakdown; rebuild and hand_over (to ud, of the next "
+            "longer arithmetic) do so but at a breakdown")
         ->check(named("the name of a guard"))
         ->type_name("POLICY");
 }

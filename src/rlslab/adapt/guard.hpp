@@ -73,7 +73,7 @@ struct GuardOptions {
     T least_noise = T(0);          ///< a standard deviation below which the noise is not believed to be
     Index noise_memory = 200;      ///< rows that the noise's variance is averaged over, >= 1
     T asymmetry = T(1) / T(1024);  ///< of a P in full storage, relative
-    Index rows = 0;                ///< kept for rebuilding; 0: 10 d
+    Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
 };
 
 /// F, with every row looked at before and after it in O(d), one coordinate j = k mod d of P at each (d^2/6 more where F holds a factor of
@@ -119,10 +119,10 @@ public:
         : filter_(filter), options_(options), lambda_(problem.forgetting),
           limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(problem.size), variances_(problem.size),
           theta_(problem.size), squares_(10 * psi_.size() + 20),
-          ring_(psi_.size(), policy.rebuilds() ? (options.rows > 0 ? options.rows : 10 * psi_.size()) : 0), learnt_{0, squares_.size()},
-          coordinate_{0, psi_.size() - 1} {
+          ring_(psi_.size(), policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
+          learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1} {
         expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise, "options >= 0");
-        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rows >= 0, "options that make sense");
+        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rebuild_rows >= 0, "options that make sense");
         for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
         if (!(T(0) < start_) || !is_finite(start_)) start_ = T(16384);
         if (options_.largest_variance == T(0)) options_.largest_variance = T(16) * start_;
