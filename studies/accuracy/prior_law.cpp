@@ -107,8 +107,8 @@ Study const prior_law{
     .name = "prior_law",
     .question = "By which law does the best prior variance c^2 depend on condition, spectrum and noise?",
     .source = "derived (docs/theory.md 72); its constants from study prior_size, condition 100",
-    .formula = R"tex(\begin{aligned} \frac{\lVert\theta_N-\theta_{LS}\rVert}{\lVert\theta\rVert} &\approx
-\underbrace{\frac1{c^2}\sqrt{\tfrac1d\sum_i\sigma_i^{-4}}}_{\text{bias}} +
+    .formula = R"tex(\begin{aligned} \frac{\lVert\theta_N-\theta_{LS}\rVert}{\lVert\theta\rVert} &\approx \;
+\underbrace{\frac1{c^2}\sqrt{\tfrac1d\sum_i\sigma_i^{-4}}}_{\text{bias}} + \;
 \underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P \text{ stored}} \\
 \text{Potter:}\quad & C\,u\,c\,\frac{\sigma\,\lVert A\rVert_F\,\lVert A^+\rVert_F}{N\sqrt d} \end{aligned})tex",
     .interpretation =
