@@ -4,11 +4,7 @@
 #include "tests/adapt.hpp"
 
 #include <rlslab/reference/certified.hpp>
-#include <rlslab/variants/carlson.hpp>
-#include <rlslab/variants/gentleman.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/symmetric.hpp>
-#include <rlslab/variants/ud.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
@@ -169,6 +165,39 @@ TEST(Windowed, KnowsWhatItDoesNotKnowOfTheRemainder) {
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
     for (unsigned seed : {81, 82, 83})
         for (double q : {4.0, 5.0, 6.0}) EXPECT_LE((worst<Symmetric<float, d>>(problem, q, {.rows = W}, Seed{seed}).window), 100) << q;
+}
+/// Of theta, not of P: a large y that has left leaves the rounding errors of a large theta.
+template <class F>
+void check_theta_after_a_large_y() {
+    for (double large : {1e8, 1e12, 1e18, 1e150})
+        for (unsigned seed : {81, 82, 83}) {
+            Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
+            Records records = outliers<double>(2 * W + 5, 0, Seed{seed});
+            records.y[W] = large;
+            Windowed<F> w(problem, {.rows = W});
+            F without_alarm(problem);
+            for (int k = 0; k < records.rows(); ++k) {
+                take(w, records, k);
+                take(without_alarm, records, k);
+                if (k < W) continue;
+                Vector<double> const oldest = records.psi.col(k - W);
+                remove(without_alarm, Regressor<double>(oldest.data(), d), records.y[k - W], 1.0);
+            }
+            Vector<double> const theta = fresh<F>(problem, records, 2 * W + 5).theta();
+            auto const error = [&](F const& f) { return (Vector<double>(f.theta()) - theta).norm() / theta.norm(); };
+            EXPECT_LE(error(w.filter()), 1e-11) << F::name << large;
+            EXPECT_GT(error(without_alarm), large < 1e12 ? 1e-11 : 1e-7) << F::name << large;
+        }
+}
+TEST(Windowed, LosesNoDigitOfThetaToALargeOutputThatHasLeft) {
+    check_theta_after_a_large_y<Conventional<double, d>>();
+    check_theta_after_a_large_y<Symmetric<double, d>>();
+    check_theta_after_a_large_y<Potter<double, d>>();
+    check_theta_after_a_large_y<Carlson<double, d>>();
+    check_theta_after_a_large_y<Ud<double, d>>();
+    check_theta_after_a_large_y<InverseQr<double, d>>();
+    check_theta_after_a_large_y<Qr<double, d>>();
+    check_theta_after_a_large_y<Gentleman<double, d>>();
 }
 TEST(Windowed, StartsFromNothingAndForgetsInside) {
     for (unsigned seed : {81, 82, 83})

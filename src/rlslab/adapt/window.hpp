@@ -53,6 +53,8 @@ public:
 ///
 ///   (1) row:      V = gamma^2 V + 1          (2) removal: V = (V + noise^2) / alpha^4
 ///   (3) V > worse^2 V0, V0 what (1) gave for the rows from which F was last factored, or a removal refused: factor the kept rows anew
+///   (4) so too where E > worse^2 V0 Y: Y = sum w y^2 over the window bounds |z|^2 = theta'X theta, and E, the square of the error of z in
+///       units of u^2, follows (1) and (2) with Y for 1, so that what a large y leaves behind when it has left is seen
 ///
 /// After (3) the state is, bit for bit, that of a fresh F fed these rows. A row that is not finite spoils the window while it is in it,
 /// as it spoils F, and leaves no trace: the rows are factored anew when the last such row has left. A prior counts from the last
@@ -66,13 +68,17 @@ class Windowed {
     StateVector<T, detail::size_of<F>> psi_;
     WindowOptions<T> options_;
     RowRing<T> ring_;
-    T weight_ = T(1), loss_ = T(0), fresh_ = T(0);  // lambda^W, V, V0
-    BoundedCount spoilt_;                           // rows until the last that is not finite has left
-    Index since_ = 0, refactored_ = 0;              // rows since the last factoring
+    T forgetting_, weight_ = T(1), loss_ = T(0), fresh_ = T(0);  // lambda, lambda^W, V, V0
+    T size_of_y_ = T(0), loss_of_z_ = T(0);                      // Y, E
+    BoundedCount spoilt_;                                        // rows until the last that is not finite has left
+    Index since_ = 0, refactored_ = 0;                           // rows since the last factoring
 
     void take(T const* psi, T const& y, Step<T>& step) {
         step = filter_.update(Regressor<T>(psi, size()), y);
-        loss_ = step.gamma * step.gamma * loss_ + T(1);  // (1)
+        T const kept = step.gamma * step.gamma;
+        loss_ = kept * loss_ + T(1);  // (1)
+        size_of_y_ = forgetting_ * size_of_y_ + y * y;
+        loss_of_z_ = kept * loss_of_z_ + size_of_y_;
     }
     Index size() const { return psi_.size(); }
 
@@ -85,7 +91,7 @@ public:
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
         : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options)), ring_(psi_.size(), options.rows),
-          spoilt_{0, options.rows} {
+          forgetting_(forgetting), spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         for (Index k = 0; k < options.rows; ++k) weight_ *= forgetting;
     }
@@ -99,7 +105,8 @@ public:
     Stored<T> stored() const { return filter_.stored(); }
     F const& filter() const { return filter_; }
     static auto state(auto& w) {
-        return std::tie(w.filter_, w.start_, w.ring_, w.weight_, w.loss_, w.fresh_, w.spoilt_, w.since_, w.refactored_);
+        return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.loss_, w.fresh_, w.size_of_y_, w.loss_of_z_, w.spoilt_,
+                        w.since_, w.refactored_);
     }
     Index rows() const { return ring_.held(); }       ///< in the window
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
@@ -110,7 +117,7 @@ public:
     Step<T> refactor() {
         Step<T> last{undefined<T>(), undefined<T>(), undefined<T>()};
         filter_ = start_;
-        loss_ = T(0);
+        loss_ = size_of_y_ = loss_of_z_ = T(0);
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
             take(row, row[size()], last);
@@ -144,7 +151,7 @@ public:
         reset(w.start_, variance, theta);  // theta may be the filter's own
         w.filter_ = w.start_;
         w.ring_.clear();
-        w.loss_ = w.fresh_ = T(0);
+        w.loss_ = w.fresh_ = w.size_of_y_ = w.loss_of_z_ = T(0);
         w.since_ = w.spoilt_.n = 0;
     }
     friend Step<T> hold(Windowed& w, Regressor<T> psi, T const& y, T const& lambda)
@@ -170,8 +177,11 @@ private:
             T const* const oldest = ring_.row(0);
             Removal<T> const removal = remove(filter_, Regressor<T>(oldest, size()), oldest[size()], weight_);
             T const remaining = removal.remaining * removal.remaining;
-            loss_ = (loss_ + removal.noise * removal.noise) / remaining;                        // (2)
-            alarm = removal.refused() || !(loss_ <= options_.worse * options_.worse * fresh_);  // (3)
+            T const made = removal.noise * removal.noise, most = options_.worse * options_.worse * fresh_, left = oldest[size()];
+            loss_ = (loss_ + made) / remaining;  // (2)
+            loss_of_z_ = (loss_of_z_ + made * size_of_y_) / remaining;
+            size_of_y_ -= weight_ * (left * left);
+            alarm = removal.refused() || !(loss_ <= most) || !(loss_of_z_ <= most * size_of_y_);  // (3), (4)
         } else if (!leaves) {
             fresh_ = loss_;
         }
