@@ -110,7 +110,8 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     std::string const T = known->second;
     Composition const& composition = c.options.composition;
     std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition, T);
-    out += fmt::format("#include <rlslab/variants/{}.hpp>\n\n", filter.variant) + filter.remarks;
+    std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);
+    out += (out.find(variant) == out.npos ? variant : "") + "\n" + filter.remarks;
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
     out += comment("theta = ", c.names);
     std::vector<std::string> means;

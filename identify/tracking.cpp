@@ -25,7 +25,6 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
               double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
-    composition.window = std::min(composition.window, records.rows());
     for (size_t i = 0; i < composition.parameters.size(); ++i)
         if (std::isnan(composition.parameters[i]))
             composition.parameters[i] = composition.control == "fortescue" ? noise
@@ -34,7 +33,8 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
     if (composition.control == "fortescue" && !(composition.parameters[0] > 0))
         throw InputError("--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly");
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
-    constexpr double normal = 1e9;  // so many degrees of freedom
+    composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
+    constexpr double normal = 1e9;                                      // so many degrees of freedom
     out.quantile = correctly::student_quantile(normal, 0.5 + confidence / 2);
     auto const filter = composed(composition, variant, "double", problem);
     Arithmetic const& arithmetic = *find_entry(variant)->arithmetic;
