@@ -181,7 +181,8 @@ private:
             loss_ = (loss_ + made) / remaining;  // (2)
             loss_of_z_ = (loss_of_z_ + made * size_of_y_) / remaining;
             size_of_y_ -= weight_ * (left * left);
-            alarm = removal.refused() || !(loss_ <= most) || !(loss_of_z_ <= most * size_of_y_);  // (3), (4)
+            T const remains = T(0) < size_of_y_ ? size_of_y_ : T(0);                           // rounding may leave less than nothing
+            alarm = removal.refused() || !(loss_ <= most) || !(loss_of_z_ / most <= remains);  // (3), (4)
         } else if (!leaves) {
             fresh_ = loss_;
         }
