@@ -265,7 +265,7 @@ Study const window_downdating{
                                greatest("over_orders").as(Estimate::every), 0, 10);
              },
              finding("the same band; the measure set after a quick run, where lucky fresh filters decided")},
-            {"and potter's full root (fails in float: ten rows 10^6 times too large hide what remains, as where P is stored)",
+            {"and potter's full root",
              [](Table const& t) {
                  return within(slid(t, "alarm").where("variant", "potter"), {"arithmetic", "model"},
                                greatest("over_orders").as(Estimate::every), 0, 10);
