@@ -26,10 +26,9 @@ class ExtendedQr {
     [[no_unique_address]] RowsInFlight<T, N> rows_;
 
     template <class Perturb>
-    void turn_inverse(T const& eta, Perturb& perturb) {
+    void turn_inverse(Perturb& perturb) {
         for (Index i = 0; i < s_.size(); ++i) s_[i] = -s_[i];    // W's row is the first of the pair, v the second
-        sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);                                       // (1)
-        add_scaled(theta_, -eta, v_);                                                                    // (2)
+        sweep_rotations(V_, c_, s_, by_root_lambda_, v_, perturb);
     }
 
 public:
@@ -56,8 +55,9 @@ public:
             finite = finite && is_finite(L_(i, i));
             root_gamma *= c_[i];
         }
-        turn_inverse(eta, perturb);
+        turn_inverse(perturb);
         for (Index i = 0; i < x_.size(); ++i) K_[i] = -(root_gamma * v_[i]);                                     // (2)
+        add_scaled(theta_, -eta, v_);
         return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, Truth<T>(true)));
     }
 
@@ -67,7 +67,11 @@ public:
         auto const fold = [&](Index k) {
             NoPerturbation none;
             rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, true);
-            for (Index n = 0; n < rows_.together; ++n) turn_inverse(rows_.rotation(n, c_, s_), none);
+            for (Index n = 0; n < rows_.together; ++n) {
+                T const eta = rows_.rotation(n, c_, s_);
+                turn_inverse(none);
+                add_scaled(theta_, -eta, v_);
+            }
         };
         return update_rows(*this, rows_, x_.size(), psi, y, fold, theta_, K_);
     }
