@@ -61,16 +61,15 @@ std::string happened_text(Comparison const& comparison, Result const& r) {
 }
 
 std::vector<std::string> composition_warnings(Comparison const& c) {
+    Composition const& of = c.options.composition;
     std::vector<std::string> out;
-    if (c.options.composition.window > c.rows || (c.options.composition.window > 0 && c.options.composition.window == c.rows))
-        out.push_back(
-            fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.options.composition.window));
-    if (c.options.composition.control == "reset" && c.options.composition.parameters[0] > double(c.rows))
+    if (of.window >= std::max<Index>(c.rows, 1))
+        out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", of.window));
+    if (of.control == "reset" && of.parameters[0] > double(c.rows))
         out.emplace_back("the control resets P after the record's end: it did nothing");
-    if (c.options.composition.window > 0 && c.options.composition.window < c.size)
+    if (of.window > 0 && of.window < c.size)
         out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
-                                  c.options.composition.window == 1 ? "1 row" : fmt::format("{} rows", c.options.composition.window),
-                                  c.size));
+                                  of.window == 1 ? "1 row" : fmt::format("{} rows", of.window), c.size));
     return out;
 }
 

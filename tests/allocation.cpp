@@ -1,4 +1,6 @@
 // Fixed-size filters never touch the heap; dynamic ones only when they are made.
+#include "tests/counted_heap.hpp"
+
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
@@ -10,28 +12,6 @@
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <new>
-
-namespace {
-long allocations = 0;
-}
-// noinline: g++ otherwise sees malloc and delete meet and warns.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++allocations;
-    size_t const unit = size_t(alignment);
-    if (void* p = std::aligned_alloc(unit, (size + unit - 1) / unit * unit)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace rlslab {
 namespace {

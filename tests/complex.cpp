@@ -1,5 +1,6 @@
 // Complex scalars in rounded arithmetic: what holds bit for bit, what within a budget, what costs no heap, and what is refused.
 #include "tests/complex.hpp"
+#include "tests/counted_heap.hpp"
 
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/adapt/guard.hpp>
@@ -10,28 +11,6 @@
 #include <rlslab/arithmetic/chopped.hpp>
 
 #include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <new>
-
-namespace {
-long allocations = 0;
-}
-// noinline: g++ otherwise sees malloc and delete meet and warns.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++allocations;
-    size_t const unit = size_t(alignment);
-    if (void* p = std::aligned_alloc(unit, (size + unit - 1) / unit * unit)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace rlslab {
 namespace {
