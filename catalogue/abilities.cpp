@@ -12,12 +12,7 @@ VariantAbilities abilities_of(std::string_view variant) {
         out.single_rows = !TakesBlocks<F>;
         out.relays = ReportsLeastShare<F> && Downdates<F>;
         out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
-        out.abilities = {TimeUpdates<F> && ReportsVariances<F>,
-                         Inflates<F>,
-                         Downdates<F>,
-                         ReportsInformationAlong<F>,
-                         Guardable<F>,
-                         ReportsVariances<F>};
+        out.abilities = abilities_by_type<F>;
     });
     return out;
 }

@@ -22,6 +22,18 @@ struct Abilities {
     bool variances = false;  ///< has P_jj and psi'P psi at hand
 };
 
+template <class F>
+inline constexpr bool reports_variances = requires(F& f, Regressor<typename F::scalar> psi) {
+    variance(f, Index(0)), variance_along(f, psi);
+};
+template <class F>
+inline constexpr Abilities abilities_by_type{.form = TimeUpdates<F> && reports_variances<F>,
+                                             .inflates = Inflates<F>,
+                                             .downdates = Downdates<F>,
+                                             .information = ReportsInformationAlong<F>,
+                                             .guardable = Guardable<F>,
+                                             .variances = reports_variances<F>};
+
 template <Real T>
 class AnyAdaptive;
 
@@ -127,14 +139,10 @@ struct AnyAdaptive<T>::Around final : Interface {
     F f;
     explicit Around(F const& filter) : f(filter) {}
 
-    static constexpr bool reports_variances = requires(F& g, Regressor<T> psi) { variance(g, Index(0)), variance_along(g, psi); };
     [[noreturn]] static void cannot() { throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name)); }
 
     std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
-    Abilities abilities() const override {
-        return {TimeUpdates<F> && reports_variances, Inflates<F>,  Downdates<F>,
-                ReportsInformationAlong<F>,          Guardable<F>, reports_variances};
-    }
+    Abilities abilities() const override { return abilities_by_type<F>; }
     Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
     Vector<T> theta() const override { return f.theta(); }
     Vector<T> gain() const override { return f.gain(); }
@@ -168,11 +176,11 @@ struct AnyAdaptive<T>::Around final : Interface {
         else cannot();
     }
     T variance_of(Index j) override {
-        if constexpr (reports_variances) return variance(f, j);
+        if constexpr (reports_variances<F>) return variance(f, j);
         else cannot();
     }
     T variance_of(Regressor<T> psi) override {
-        if constexpr (reports_variances) return variance_along(f, psi);
+        if constexpr (reports_variances<F>) return variance_along(f, psi);
         else cannot();
     }
     T information_of(Regressor<T> psi) override {

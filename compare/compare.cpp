@@ -145,7 +145,8 @@ Composition settled(Composition composition, Records const& records, Problem<dou
     }
     for (double const x : composition.parameters)
         if (!std::isfinite(x) || (composition.control == "fortescue" && !(x > 0)))
-            throw InputError(fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly",
+            throw InputError(fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or "
+                                         "of whose residuals double cannot hold the squares",
                                          composition.control));
     return composition;
 }

@@ -31,7 +31,8 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
                                         : problem.prior->covariance        ? problem.prior->covariance->diagonal().maxCoeff()
                                                                            : problem.prior->variance;
     if (composition.control == "fortescue" && !(composition.parameters[0] > 0))
-        throw InputError("--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly");
+        throw InputError("--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly, or of whose "
+                         "residuals double cannot hold the squares");
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
     constexpr double normal = 1e9;                                      // so many degrees of freedom

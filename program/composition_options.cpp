@@ -27,9 +27,10 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
     bool const whole = p.name != "PERIOD" || x == std::floor(x);
     if (error != std::errc() || end != text.data() + text.size() || !(p.least <= x && x <= p.most) || (p.positive && x == p.least) ||
         !whole)
-        throw InputError(fmt::format("--control {}: {}: expected a {} {} {}{}, found \"{}\"", control.name, p.name,
+        throw InputError(fmt::format("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
                                      p.name == "PERIOD" ? "whole number" : "number", p.positive ? "above" : "from", p.least,
-                                     p.most < 1e300 ? fmt::format(" to {}", p.most) : "", printable(text)));
+                                     p.most < 1e300 ? fmt::format(" to {}", p.most) : "",
+                                     error == std::errc::result_out_of_range ? " that double can hold" : "", printable(text)));
     return x;
 }
 

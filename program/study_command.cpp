@@ -185,7 +185,7 @@ Command study_command(CLI::App& app) {
         "One study:    rlslab study gain_error\n"
         "All of them:  rlslab study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
-        "A claim is a verification (the code does what the formula says), a reproduction (a published number) or a finding (ours). It "
+        "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a finding (ours). It "
         "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided otherwise. The "
         "verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and in this program.\n\n"
         "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could not be run.");

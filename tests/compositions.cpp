@@ -260,6 +260,8 @@ TEST_F(ComposedCommand, SkipsMissingValuesAndNamesAnExactFit) {
         }());
     refused("compare exact.csv --regressors u --output y --control fortescue", "none follows from a record that the model fits exactly");
     EXPECT_LE(shell("rlslab compare exact.csv --regressors u --output y --control fortescue:0.01").code, 1);
+    refused("compare exact.csv --regressors u --output y --control cao_schwartz:1e-400",
+            "LAMBDA: expected a number above 0 to 1 that double can hold");
 }
 
 // --- identify -----------------------------------------------------------------------------------------------------------------------

@@ -91,6 +91,7 @@ TEST(Verdicts, FailuresAreListedFirst) {
     EXPECT_LT(page.find("a number"), page.find("ours"));
     EXPECT_LT(page.find("ours"), page.find("a &lt;law&gt;"));
     EXPECT_THAT(page, HasSubstr("expected to be wrong"));
+    EXPECT_THAT(page, HasSubstr("Of the findings 1 say that the band was set before the run, 0 that a result had been seen by then"));
 }
 TEST(Verdicts, AChangeIsSeenAndAFindingThatFailsAsRecordedIsNone) {
     Study const study = of_three();

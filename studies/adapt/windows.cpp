@@ -43,8 +43,7 @@ public:
     Stored<Reference> stored() const override { return window_.stored().template mapped<Reference>(&widened<T>); }
     Index refactored() const override { return window_.refactored(); }
     double predicted() const override {
-        auto const state = Windowed<F>::state(window_);  // filter, start, ring, lambda, lambda^W, V, V0, ...
-        return std::sqrt(double(std::get<5>(state)) / double(std::get<6>(state)));
+        return std::sqrt(double(window_.grown()));
     }
 };
 

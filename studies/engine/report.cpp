@@ -53,19 +53,28 @@ std::string summary(std::vector<Outcome> const& outcomes) {
         Count const& c = counts[size_t(kind)];
         rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", name_of(kind), c.holds, c.fails, c.undecided);
     }
+    size_t before = 0, after = 0, unsaid = 0;
+    for (Outcome const& outcome : outcomes)
+        for (size_t i = 0; i < outcome.findings.size(); ++i) {
+            Basis const& basis = outcome.study->claims[i].basis;
+            auto const says = [&](char const* word) { return basis.band.find(word) != std::string::npos; };
+            if (basis.kind == Kind::finding) ++(says("after") ? after : says("before") ? before : unsaid);
+        }
     return fmt::format(
         "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose interval reaches over an "
         "end of the band, or that have fewer than {} seeds</summary>{}</details>\n<h2>How many claims</h2>\n"
         "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n{}</tbody></table>\n"
-        "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction has the band of the number "
-        "published, a finding one that stood before the run. A claim that is estimated from seeds holds when its interval lies inside "
-        "the band, fails when it lies outside, and is undecided otherwise. Each interval misses its number with probability {} at most, "
-        "so that at most {:.2f} of these verdicts are expected to be wrong. Intervals: Student's t over the seeds, on logarithms where "
-        "the number is a size; from {} seeds on order statistics of a median, else the wider of Student's t and the percentiles of {} "
-        "resamples (SplitMix64, its seed the number of seeds). Fewer than {} seeds have none. A claim about every run fails by one "
-        "counterexample.</p></section>\n",
-        list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, claim_risk, expected_errors(outcomes),
-        many_seeds, resamples, fewest_seeds);
+        "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction repeats an earlier number: "
+        "published, a textbook's, or the project's own earlier experiment's, as its band says. Of the findings {} say that the band was "
+        "set before the run, {} that a result had been seen by then, and {} name a formula and no time. A claim that is estimated from "
+        "seeds holds when its interval lies inside the band, fails when it lies outside, and is undecided otherwise. Each interval misses "
+        "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are expected to be "
+        "wrong, as far as their bands were set beforehand. A claim about every run carries no such risk: it fails by one counterexample. "
+        "Intervals: Student's t over the seeds, on logarithms where the number is a size; from {} seeds on order statistics of a median, "
+        "else the wider of Student's t and the percentiles of {} resamples (SplitMix64, its seed the number of seeds). Fewer than {} "
+        "seeds have none.</p></section>\n",
+        list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after, unsaid, claim_risk,
+        expected_errors(outcomes), many_seeds, resamples, fewest_seeds);
 }
 
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {

@@ -81,14 +81,15 @@ struct Plot {
 /// What a claim is.
 enum class Kind {
     verification,  ///< the code does what the formula says; no finding
-    reproduction,  ///< a published number comes out again, in the band as published
-    finding        ///< ours: hypothesis and band stand before the full run
+    reproduction,  ///< an earlier number comes out again: published, a textbook's, or the project's own earlier experiment's
+    finding        ///< ours
 };
 
 /// What a claim stands on. There is no claim without.
 struct Basis {
     Kind kind;
-    std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run"
+    std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run";
+                       ///< a finding's says "after" where a result had been seen, "before" where it had not
     std::string data;  ///< the data it was tried on; the study's if empty
 
     Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}

@@ -106,7 +106,7 @@ extern Study const error_recursion;
 Study const error_recursion{
     .name = "error_recursion",
     .question = "In which norm does the error of theta contract, and what does the noise add?",
-    .source = "derived (docs/theory.md 18, 19, 23, 25), against the lecture's conclusion from the eigenvalues",
+    .source = "derived (docs/theory.md 18, 19, 23, 25), against the conclusion from the eigenvalues in a lecture that is not public",
     .formula = R"tex(\begin{aligned} \tilde\theta_k &= (I - K\psi^\top)\tilde\theta_{k-1} - K\xi_k, \qquad
 V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \\
 \lVert\tilde\theta_N\rVert &\le \sqrt{\kappa_2(P_0)}\,\lVert\tilde\theta_0\rVert \ \text{ without noise} \end{aligned})tex",

@@ -1,4 +1,4 @@
-// Which inputs excite: correlation matrices of the lecture's inputs, their dominance, their least eigenvalue, and how a record finds them.
+// Which inputs excite: correlation matrices of a lecture's inputs, their dominance, their least eigenvalue, and how a record finds them.
 #include "studies/engine/findings.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -120,7 +120,7 @@ extern Study const persistent_excitation;
 Study const persistent_excitation{
     .name = "persistent_excitation",
     .question = "Which inputs excite a model of any order, and does diagonal dominance tell?",
-    .source = "the lecture's condition, corrected (docs/theory.md 3, 4)",
+    .source = "the condition of a lecture that is not public, corrected (docs/theory.md 3, 4)",
     .formula = R"tex(R_u = (R(i-j)), \quad R(\tau) = a^{|\tau|}: \;
 \text{dominant at every order only for } \frac{2|a|}{1-|a|} \le 1, \quad
 u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",

@@ -112,6 +112,7 @@ public:
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
     Index since() const { return since_; }            ///< rows since then, those that it kept apart; since the start: all
     bool spoilt() const { return spoilt_.n > 0; }     ///< a row that is not finite is in the window
+    T grown() const { return loss_ / fresh_; }        ///< V / V0, which (3) watches; undefined before the window is first full
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
     Step<T> refactor() {

@@ -241,12 +241,7 @@ struct Eliminate {
 };
 /// x_i /= L_ii, then x_j -= x_i L_ji for i = 0, 1, ... and j > i.
 template <class T>
-struct SolveLower {
-    static constexpr bool writes = false, corners = true;
-    Index d, ld;
-    T const* L;
-    T* x;
-};
+struct SolveLower : Eliminate<T> {};
 /// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 0, 1, ... and j > i, t the old L_ji. The diagonal of L stays.
 template <class T>
 struct SweepGentleman {

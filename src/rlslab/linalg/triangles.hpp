@@ -65,7 +65,7 @@ void solve_lower(StateMatrix<T, N> const& L, X& x) {
 
 template <Field T, int N>
 void solve_lower(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
-    run_kernel<T, N>(kernels::SolveLower<T>{L.size(), L.stride(), L.column(0), x.data()});
+    run_kernel<T, N>(kernels::SolveLower<T>{{L.size(), L.stride(), L.column(0), x.data()}});
 }
 
 /// x = L^-T x in place, L lower triangular with a real diagonal, d^2/2 multiplications. Complex numbers: the inverse of L', conjugated.

@@ -23,11 +23,6 @@ template <class B, class T>
     x.subtract_product(t, s.x[i]);
 }
 
-template <class B, class T>
-[[gnu::always_inline]] inline void step(SolveLower<T> const& s, Index i, B& t, B& x) {
-    x.subtract_product(t, s.x[i]);
-}
-
 // L_ji = c_i t + s_i' x_j,  x_j -= e_i t
 template <class B, class T>
 [[gnu::always_inline]] inline void step(SweepGentleman<T> const& s, Index i, B& t, B& x) {
@@ -78,10 +73,8 @@ template <class T>
 }
 template <class T>
 [[gnu::always_inline]] inline void finish_corner_row(SolveLower<T> const& s, Index i0, Index i, Index m, T* x) {
-    T const* const row = s.L + (i0 + i) * s.ld + i0;
-    x[i] /= row[i];
-#pragma GCC unroll 8
-    for (Index j = i + 1; j < m; ++j) x[j] -= x[i] * row[j];
+    x[i] /= s.L[(i0 + i) * (s.ld + 1)];
+    finish_corner_row(static_cast<Eliminate<T> const&>(s), i0, i, m, x);
 }
 /// (a, b) = (c a + s' b, c b - s a).
 template <class T>
