@@ -23,9 +23,8 @@ struct Abilities {
 };
 
 template <class F>
-inline constexpr bool reports_variances = requires(F& f, Regressor<typename F::scalar> psi) {
-    variance(f, Index(0)), variance_along(f, psi);
-};
+inline constexpr bool reports_variances =
+    requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); };
 template <class F>
 inline constexpr Abilities abilities_by_type{.form = TimeUpdates<F> && reports_variances<F>,
                                              .inflates = Inflates<F>,

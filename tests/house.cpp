@@ -121,6 +121,7 @@ std::vector<Folder> const house{
     {"tests/embedded", {"src/rlslab/adapt", "variants"}},
     {"examples/echo_canceller", {"src/rlslab/adapt", "variants"}},
     {"examples/battery_cell", {"src/rlslab/adapt", "variants"}},
+    {"examples/guarded_oven", {"src/rlslab/adapt", "variants"}},
     {"examples/drift_and_silence", {"src/rlslab/adapt", "variants"}},
     {"examples/many_sensors", {"src/rlslab/adapt", "variants"}},
     {"examples/chosen_at_run_time", {"src/rlslab/adapt", "variants"}},

@@ -1,6 +1,8 @@
 // One line for each variant of fixed size: a digest of every bit that 100 rows leave. No heap, no exceptions, no streams. The
 // same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
 #include <rlslab/adapt/delay_line.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/state.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -105,10 +107,37 @@ void digest_of_delayed() {
     print("\n");
 }
 
+/// Outliers, rows that are not finite and a change under a guard; half-way the state goes on in another filter.
+void digest_of_guarded() {
+    using F = Guarded<Ud<float, 5>>;
+    Problem<float> const problem{.size = 5, .forgetting = 0.984375f, .prior = Prior<float>{.variance = 100}};
+    F first(problem), second(problem);
+    static std::byte memory[4096];
+    Seed seed{5};
+    float psi[5];
+    for (int k = 0; k < 400; ++k) {
+        for (float& x : psi) x = float(seed.bell());
+        float y = (k < 300 ? psi[0] : psi[1]) + 0.125f * float(seed.bell());
+        if (k % 50 == 20) y = 1e6f;
+        if (k % 50 == 30) psi[2] = std::numeric_limits<float>::infinity();
+        (k < 200 ? first : second).update(psi, y);
+        if (k == 199 && load(second, std::span<std::byte const>(memory, save(first, memory))) != StateFault::none) return;
+    }
+    Digest out;
+    out.add_all(second.filter().covariance());
+    out.add_all(Vector<float, 5>(second.theta()));
+    out.add(double(second.counts().outliers));
+    out.add(double(second.counts().changes));
+    print("ud guarded 5 ");
+    print_hex(out.hash);
+    print("\n");
+}
+
 }  // namespace
 
 int main() {
     digest_of_delayed();
+    digest_of_guarded();
     for_each(Variants<float>{}, []<class F>() { Sizes<F>::all(); });
     for_each(Variants<double>{}, []<class F>() { Sizes<F>::all(); });
     for_each(Variants<Complex<float>>{}, []<class F>() { Sizes<F>::all(); });
