@@ -156,7 +156,9 @@ public:
 template <>
 std::unique_ptr<ComposedFilter> compose<RLSLAB_ARITHMETIC>(Composition const& c, std::string_view variant, Problem<double> const& given) {
     Problem<T> const problem = problem_as<T>(given);
-    for (double const x : c.parameters) expects(is_finite(round_to<T>(x)), "numbers of the control in the arithmetic's range");
+    constexpr char const* in_range = "numbers of the control in the arithmetic's range";
+    for (double const x : c.parameters) expects(is_finite(round_to<T>(x)) && (x == 0 || !(round_to<T>(x) == T(0))), in_range);
+    if (c.control == "kulhavy" || c.control == "cao_schwartz") expects(is_finite(T(1) / round_to<T>(c.parameters.at(0))), in_range);
     if (c.control == "random_walk" && variant == Walking::name)
         return std::make_unique<Composed>(AnyAdaptive<T>::around(Walking(problem, round_to<T>(c.parameters.at(0)))), problem.forgetting);
     AnyAdaptive<T> filter = innermost(c, variant, problem);

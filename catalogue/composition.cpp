@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace rlslab {
 
@@ -64,6 +65,18 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     if (c.control == "cao_schwartz" && !a.information) return "has psi'P^-1 psi not at hand: it stores P, or no triangle";
     if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
     return "";
+}
+
+std::vector<std::string> warnings_of(Composition const& c, Index rows, Index parameters) {
+    std::vector<std::string> out;
+    if (c.window >= std::max<Index>(rows, 1))
+        out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.window));
+    if (c.control == "reset" && c.parameters[0] > double(rows))
+        out.emplace_back("the control resets P after the record's end: it did nothing");
+    if (c.window > 0 && c.window < parameters)
+        out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
+                                  c.window == 1 ? "1 row" : fmt::format("{} rows", c.window), parameters));
+    return out;
 }
 
 }  // namespace rlslab

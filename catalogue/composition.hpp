@@ -42,6 +42,9 @@ std::string contradiction(Composition const& composition);
 /// Why this variant cannot, or "". The reason is the same in every arithmetic.
 std::string obstacle(Composition const& composition, std::string_view variant);
 
+/// What is odd about it on a record of so many rows and parameters.
+std::vector<std::string> warnings_of(Composition const& composition, Index rows, Index parameters);
+
 /// What a composition did so far. Counts of what is not part of it stay 0.
 struct Happened {
     Index refactored = 0;                                                        ///< times that a window's kept rows were factored anew

@@ -12,6 +12,7 @@
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <mutex>
@@ -66,9 +67,12 @@ std::vector<Index> constant_regressors(Records const& records) {
 double offset(Records const& records) {
     if (!constant_regressors(records).empty()) return 0;
     Index const N = records.rows();
+    int unit = 0;  // in units of a power of two, whose squares double can hold
+    std::frexp(records.y.cwiseAbs().maxCoeff(), &unit);
+    auto const y = [&](Index k) { return std::ldexp(records.y[k], -unit); };
     double mean = 0, squares = 0;
-    for (Index k = 0; k < N; ++k) mean += records.y[k] / double(N);
-    for (Index k = 0; k < N; ++k) squares += (records.y[k] - mean) * (records.y[k] - mean) / double(N);
+    for (Index k = 0; k < N; ++k) mean += y(k) / double(N);
+    for (Index k = 0; k < N; ++k) squares += (y(k) - mean) * (y(k) - mean) / double(N);
     return mean == 0 ? 0 : std::abs(mean) / std::sqrt(squares);
 }
 
@@ -145,9 +149,10 @@ Composition settled(Composition composition, Records const& records, Problem<dou
     }
     for (double const x : composition.parameters)
         if (!std::isfinite(x) || (composition.control == "fortescue" && !(x > 0)))
-            throw InputError(fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or "
-                                         "of whose residuals double cannot hold the squares",
-                                         composition.control));
+            throw InputError(
+                fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or "
+                            "of whose residuals double cannot hold the squares",
+                            composition.control));
     return composition;
 }
 Composition as_stored(Composition composition, double (*round)(double)) {

@@ -62,14 +62,11 @@ std::string happened_text(Comparison const& comparison, Result const& r) {
 
 std::vector<std::string> composition_warnings(Comparison const& c) {
     Composition const& of = c.options.composition;
-    std::vector<std::string> out;
-    if (of.window >= std::max<Index>(c.rows, 1))
-        out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", of.window));
-    if (of.control == "reset" && of.parameters[0] > double(c.rows))
-        out.emplace_back("the control resets P after the record's end: it did nothing");
-    if (of.window > 0 && of.window < c.size)
-        out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",
-                                  of.window == 1 ? "1 row" : fmt::format("{} rows", of.window), c.size));
+    std::vector<std::string> out = warnings_of(of, c.rows, c.size);
+    double const weighs = double(c.rows) / double(std::max<Index>(of.window, 1));
+    if (of.window >= c.size && of.window < c.rows && !(c.component_bias * weighs <= most_component_bias / 10))
+        out.push_back(fmt::format("what the prior moves is said of all rows: on the {} of the window it weighs {:.2g} times as much",
+                                  of.window, weighs));
     return out;
 }
 

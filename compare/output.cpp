@@ -46,8 +46,9 @@ std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.
 std::string theta_text(Comparison const& c) {
     size_t width = 11;
     for (std::string const& name : c.names) width = std::max(width, name.size());
-    std::string out = fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior",
-                                  "with the prior: what filters are after", "agree");
+    std::string out =
+        fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior",
+                    c.options.composition.empty() ? "with the prior: what filters are after" : "with the prior, of all rows", "agree");
     for (size_t i = 0; i < c.names.size(); ++i)
         out += fmt::format("{:<{}} {:>37} {:>37}  {:>5}\n", c.names[i], width, plain_exponent(c.least_squares[i]),
                            plain_exponent(c.theta[i]), tenths(c.agreement[i]));

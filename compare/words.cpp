@@ -63,7 +63,8 @@ std::string prior_text(Comparison const& c) {
     } else {
         out += fmt::format("{} I: ", *c.options.p0);
     }
-    out += fmt::format("moves theta by {:.1e} of itself, its worst component by {:.1e}", c.prior_bias, c.component_bias);
+    out += fmt::format("moves theta{} by {:.1e} of itself, its worst component by {:.1e}",
+                       c.options.composition.empty() ? "" : ", of all rows without the composition,", c.prior_bias, c.component_bias);
     if (c.scaled_prior && c.scaled_prior->reached)
         out += fmt::format(" (c is the least power of two from 32 on that leaves at most 1e-3 and 1e-2{})",
                            c.options.forgetting == 1 ? "" : ", at this lambda and at 1");

@@ -31,9 +31,11 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
                                         : problem.prior->covariance        ? problem.prior->covariance->diagonal().maxCoeff()
                                                                            : problem.prior->variance;
     if (composition.control == "fortescue" && !(composition.parameters[0] > 0))
-        throw InputError("--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly, or of whose "
-                         "residuals double cannot hold the squares");
+        throw InputError(
+            "--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly, or of whose "
+            "residuals double cannot hold the squares");
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
+    out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
     constexpr double normal = 1e9;                                      // so many degrees of freedom
     out.quantile = correctly::student_quantile(normal, 0.5 + confidence / 2);
@@ -71,9 +73,13 @@ std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string
     std::string const happened = happened_text(last.happened);
     std::vector<std::string> out{fmt::format(
         "tracked over all rows by {}: one-step fit {} %, {} % of the outputs within their {:g} % interval; noise variance at the end "
-        "{}{}{}",
+        "{}{}",
         t.text, number_text(t.fit, 4), number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
-        happened.empty() ? "" : "; " + happened, t.broken > 0 ? fmt::format("; {} at row {}", t.kind, t.broken) : "")};
+        happened.empty() ? "" : "; " + happened)};
+    if (t.broken > 0)
+        out.push_back(
+            fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on", t.text, t.kind, t.broken));
+    for (std::string const& warning : t.warnings) out.push_back("warning: " + warning);
     std::vector<std::string> parts;
     for (Index j = 0; j < last.theta.size(); ++j)
         parts.push_back(

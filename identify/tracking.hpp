@@ -28,6 +28,7 @@ struct Tracked {
     double quantile;   ///< of the intervals: the normal distribution's
     Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
     std::string kind;  ///< "indefinite", "nonfinite"
+    std::vector<std::string> warnings = {};
 };
 
 /// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.

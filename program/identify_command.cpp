@@ -82,7 +82,7 @@ int run_identify(IdentifyArguments a) {
         written += "\n";
     }
     print(a.json ? as_json(model) : as_table(model) + written);
-    return model.failure ? 1 : 0;
+    return model.failure || (model.tracked && model.tracked->broken > 0) ? 1 : 0;
 }
 
 struct SimulateArguments {
@@ -138,9 +138,9 @@ struct ExcitationArguments {
 int run_excitation(ExcitationArguments const& a) {
     Columns const columns = read_data({a.file, a.format}, {a.input});
     Signal const& u = columns[a.input];
-    if (std::ranges::any_of(u, [](double x) { return x != x; }))
-        throw InputError(
-            fmt::format("{}: column \"{}\": expected a number in every row, found a missing value", a.file, printable(a.input)));
+    if (auto const missing = std::ranges::find_if(u, [](double x) { return x != x; }); missing != u.end())
+        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
+                                     columns.lines[size_t(missing - u.begin())], printable(a.input)));
     Excitation const e = excitation(u, a.most, progress_after_a_second("looking at the excitation"));
     std::string text = fmt::format(
         "{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",
@@ -191,7 +191,8 @@ Command identify_command(CLI::App& app) {
         "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of --forgetting alone.\n\n" +
         control_notes() +
         "\n"
-        "Exit code: 0 a model; 1 the variant broke down, and is named; 2 options or a record that do not make sense.");
+        "Exit code: 0 a model; 1 the variant, or it with its composition, broke down, and is named; 2 options or a record that do not "
+        "make sense.");
     c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")
         ->required()
         ->type_name("");

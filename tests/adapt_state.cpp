@@ -174,6 +174,14 @@ TEST(State, OfWhatIsAroundIsRefusedWhereDamaged) {
     EXPECT_EQ((accepted<Forgetting<Ud<double, 3>, Fortescue<double>>>()), 0);
     EXPECT_EQ((accepted<Relay<Symmetric<float, 3>, Ud<double, 3>>>()), 0);
 }
+/// With another number at a place, and the checksum made right.
+Bytes forged(Bytes bytes, size_t at, std::uint64_t number) {
+    detail::write_low(number, 8, &bytes[at]);
+    Checksum sum;
+    sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
+    detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
+    return bytes;
+}
 /// A forged checksum does not make a program reach outside its memory: places in a ring and counts of what is kept have an end.
 TEST(State, OfAWindowHoldsNoPlaceOutsideItsRing) {
     using W = Windowed<Ud<float, 3>>;
@@ -187,17 +195,23 @@ TEST(State, OfAWindowHoldsNoPlaceOutsideItsRing) {
         std::uint64_t count = 0;
         std::memcpy(&count, &whole[at], 8);
         if (count != 5) continue;  // rows held, the next place, rows since
-        for (std::uint64_t wrong : {std::uint64_t(8), std::uint64_t(1) << 40, ~std::uint64_t(0)}) {
-            Bytes bytes = whole;
-            detail::write_low(wrong, 8, &bytes[at]);
-            Checksum sum;
-            sum.add(std::span(bytes).first(bytes.size() - 4));
-            detail::write_low(sum.value(), 4, bytes.data() + bytes.size() - 4);
-            (load(g, bytes) == StateFault::value ? refused : taken) += 1;
-        }
+        for (std::uint64_t wrong : {std::uint64_t(8), std::uint64_t(1) << 40, ~std::uint64_t(0)})
+            (load(g, forged(whole, at, wrong)) == StateFault::value ? refused : taken) += 1;
     }
     EXPECT_EQ(refused, 6);
     EXPECT_EQ(taken, 3) << "rows since the last factoring are a count alone";
+}
+/// A rule goes round the coordinates by the number of its rows, the last number of its state.
+TEST(State, OfARuleHoldsNoNumberOfRowsBelowNone) {
+    using F = Forgetting<Ud<double, 3>, RotatingRidge<double>>;
+    F f({.size = 3});
+    reports(f, 5, Seed{3});
+    Bytes const whole = bytes_of(f);
+    F g({.size = 3});
+    size_t const last = whole.size() - StateHeader::checksum - 8;
+    EXPECT_EQ(load(g, forged(whole, last, 6)), StateFault::none);
+    for (std::uint64_t wrong : {std::uint64_t(-2), std::uint64_t(1) << 63})
+        EXPECT_EQ(load(g, forged(whole, last, wrong)), StateFault::value);
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ TEST(Windowed, ForgetsARowThatIsNotFinite) {
 TEST(Windowed, RefusesOptionsThatMakeNoSense) {
     using Window = Windowed<Ud<double>>;
     EXPECT_THROW(Window({.size = 2}, {.rows = 0}), std::invalid_argument);
+    EXPECT_THROW(Window({.size = 2}, {.rows = Index(1) << 62}), std::invalid_argument);
     EXPECT_THROW(Window({.size = 2}, {.worse = 1}), std::invalid_argument);
     EXPECT_THROW(Window({.size = 2}, {.worse = NAN}), std::invalid_argument);
     EXPECT_THROW(Window({.size = 2}, {.refactor_every = -1}), std::invalid_argument);

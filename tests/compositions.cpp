@@ -310,6 +310,19 @@ TEST_F(ComposedIdentify, PredictsWithItsVariance) {
         }
     }
 }
+TEST_F(ComposedIdentify, SaysThatItBrokeDownAndWhatIsOdd) {
+    record(4, false);
+    Outcome const broken = shell("rlslab identify data.csv --input u --output y --order 1 --control random_walk:1e308");
+    EXPECT_EQ(broken.code, 1);
+    EXPECT_THAT(broken.out, testing::HasSubstr("broke down: nonfinite at row "));
+    Outcome const short_window = shell("rlslab identify data.csv --input u --output y --order 1 --window 2");
+    EXPECT_THAT(short_window.out, testing::HasSubstr("does not determine"));
+    EXPECT_THAT(shell("rlslab identify data.csv --input u --output y --order 1 --window 100000").out,
+                testing::HasSubstr("no row leaves it"));
+    EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --control cao_schwartz:1e-320").code, 2);
+    EXPECT_THAT(shell("rlslab compare data.csv --input u --output y --order 1 --window 50").out,
+                testing::HasSubstr("with the prior, of all rows"));
+}
 TEST_F(ComposedIdentify, FollowsADrift) {
     record(5, true);
     json const still = identified("--control constant")["tracked"], walks = identified("--control random_walk:1e-4")["tracked"];

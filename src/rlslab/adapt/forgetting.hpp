@@ -1,8 +1,10 @@
 // Forgetting as a value: a filter and the rule by which its memory is shortened, apart.
 #pragma once
 
+#include <rlslab/adapt/bounded_count.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
 
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -11,10 +13,10 @@ namespace rlslab {
 /// What a rule may keep from row to row.
 template <Field T, int N>
 struct RuleMemory {
-    T lambda;             ///< Problem::forgetting, which the filter applies at every row besides the rule
-    T strength = T(0);    ///< what the rule computed from its options and the problem
-    Index rows = 0;       ///< taken so far
-    StateVector<T, N> a;  ///< workspace
+    T lambda;           ///< Problem::forgetting, which the filter applies at every row besides the rule
+    T strength = T(0);  ///< what the rule computed from its options and the problem
+    BoundedCount rows{0, std::numeric_limits<Index>::max() / 2};  ///< taken so far
+    StateVector<T, N> a;                                          ///< workspace
 };
 
 /// A rule is an aggregate of options with
@@ -52,7 +54,7 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         Step<T> const step = rule_.update(filter_, memory_, psi, y);
-        ++memory_.rows;
+        ++memory_.rows.n;
         return step;
     }
     auto theta() const { return filter_.theta(); }
@@ -193,8 +195,8 @@ struct RotatingRidge {
     }
     template <TimeUpdates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
-        Step<T> const step = f.update(psi, y);       // (1)
-        Index const d = m.a.size(), j = m.rows % d;  // (2)
+        Step<T> const step = f.update(psi, y);         // (1)
+        Index const d = m.a.size(), j = m.rows.n % d;  // (2)
         for (Index i = 0; i < d; ++i) m.a[i] = T(0);
         m.a[j] = m.strength;
         T const output = toward_zero ? T(0) : T(m.strength * f.theta()[j]);
@@ -217,7 +219,7 @@ struct CovarianceReset {
     template <TimeUpdates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
         Step<T> const step = f.update(psi, y);
-        if ((m.rows + 1) % period == 0) {
+        if ((m.rows.n + 1) % period == 0) {
             auto const theta = f.theta();
             reset(f, variance, theta);
         }
@@ -239,7 +241,7 @@ struct RandomWalk {
     }
     template <Inflates F, int N>
     Step<T> update(F& f, RuleMemory<T, N>& m, Regressor<T> psi, T y) const {
-        Index const d = m.a.size(), j = m.rows % d;
+        Index const d = m.a.size(), j = m.rows.n % d;
         for (Index i = 0; i < d; ++i) m.a[i] = T(i == j ? 1 : 0);
         inflate(f, m.strength, Regressor<T>(m.a.data(), d));
         return f.update(psi, y);

@@ -116,7 +116,7 @@ public:
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
     Step<T> refactor() {
-        Step<T> last{undefined<T>(), undefined<T>(), undefined<T>()};
+        Step<T> last{undefined<T>(), undefined<T>(), undefined<T>(), Health::undetermined};
         filter_ = start_;
         loss_ = size_of_y_ = loss_of_z_ = T(0);
         for (Index k = 0; k < ring_.held(); ++k) {
@@ -163,7 +163,7 @@ public:
 
 private:
     static WindowOptions<T> const& checked(WindowOptions<T> const& options) {
-        expects(options.rows >= 1, "a window of at least one row");
+        expects(options.rows >= 1 && options.rows <= (Index(1) << 40), "a window of 1 to 2^40 rows");
         expects(T(1) < options.worse, "an alarm at more than 1 times a fresh filter's error");
         expects(options.refactor_every >= 0, "a schedule of >= 0 rows");
         return options;

@@ -27,6 +27,25 @@ namespace {
 char unfinished_name[PATH_MAX];
 std::atomic<bool> unfinished = false;
 
+/// false: errno says why.
+bool write_all(int file, std::string_view text) {
+    if (file < 0) return false;
+    while (!text.empty()) {
+        ssize_t const written = ::write(file, text.data(), text.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return false;
+        text.remove_prefix(size_t(written));
+    }
+    return true;
+}
+/// A device or a pipe takes the text itself: renamed over it, a file would take its place.
+void write_into(std::filesystem::path const& path, std::string_view text) {
+    int const file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    bool const written = write_all(file, text);
+    int const why = errno;
+    if ((file >= 0 && ::close(file) != 0) || !written) refuse(path, "write", written ? errno : why);
+}
+
 /// The temporary file, until it is renamed.
 class Unfinished {
     std::string const name_;
@@ -49,13 +68,7 @@ public:
 
     /// false: errno says why.
     bool write(std::string_view text, bool on_disk) {
-        if (file_ < 0) return false;
-        while (!text.empty()) {
-            ssize_t const written = ::write(file_, text.data(), text.size());
-            if (written < 0 && errno == EINTR) continue;
-            if (written < 0) return false;
-            text.remove_prefix(size_t(written));
-        }
+        if (!write_all(file_, text)) return false;
         if (on_disk && ::fsync(file_) != 0) return false;
         return ::close(std::exchange(file_, -1)) == 0;  // a quota or a network may report an error only here
     }
@@ -77,10 +90,15 @@ void create_folder(std::filesystem::path const& folder) {
 void replace_file(std::filesystem::path const& path, std::string_view text, bool on_disk) {
     static std::mutex one_at_a_time;
     std::lock_guard const lock(one_at_a_time);
-    Unfinished beside(fmt::format("{}.{}.new", path.string(), ::getpid()));  // two runs in one folder do not write into each other's
-    if (!beside.write(text, on_disk) || !beside.rename_to(path)) refuse(path, "write", errno);
+    std::error_code error;
+    std::filesystem::file_status const there = std::filesystem::status(path, error);
+    if (exists(there) && !is_regular_file(there) && !is_directory(there)) return write_into(path, text);
+    std::filesystem::path target = path;
+    if (is_symlink(std::filesystem::symlink_status(path, error))) target = std::filesystem::weakly_canonical(path, error);
+    Unfinished beside(fmt::format("{}.{}.new", target.string(), ::getpid()));  // two runs in one folder do not write into each other's
+    if (!beside.write(text, on_disk) || !beside.rename_to(target)) refuse(path, "write", errno);
     if (!on_disk) return;
-    std::filesystem::path const folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::filesystem::path const folder = target.has_parent_path() ? target.parent_path() : ".";
     int const names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (names < 0) return;  // the new name is there, and will be on the disk soon
     ::fsync(names);
