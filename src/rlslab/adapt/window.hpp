@@ -5,6 +5,7 @@
 #include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/remove.hpp>
 
+#include <limits>
 #include <tuple>
 #include <type_traits>
 #include <vector>
@@ -90,7 +91,7 @@ public:
         : Windowed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
-        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options)), ring_(psi_.size(), options.rows),
+        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())), ring_(psi_.size(), options.rows),
           forgetting_(forgetting), spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         for (Index k = 0; k < options.rows; ++k) weight_ *= forgetting;
@@ -162,8 +163,9 @@ public:
     }
 
 private:
-    static WindowOptions<T> const& checked(WindowOptions<T> const& options) {
-        expects(options.rows >= 1 && options.rows <= (Index(1) << 40), "a window of 1 to 2^40 rows");
+    static WindowOptions<T> const& checked(WindowOptions<T> const& options, Index size) {
+        expects(options.rows >= 1, "a window of at least one row");
+        expects(options.rows <= std::numeric_limits<Index>::max() / (size + 1), "a window that memory could hold");
         expects(T(1) < options.worse, "an alarm at more than 1 times a fresh filter's error");
         expects(options.refactor_every >= 0, "a schedule of >= 0 rows");
         return options;
