@@ -91,8 +91,8 @@ public:
         : Windowed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
-        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())), ring_(psi_.size(), options.rows),
-          forgetting_(forgetting), spoilt_{0, options.rows} {
+        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())),
+          ring_(psi_.size(), options.rows), forgetting_(forgetting), spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         for (Index k = 0; k < options.rows; ++k) weight_ *= forgetting;
     }
