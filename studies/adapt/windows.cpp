@@ -42,9 +42,7 @@ public:
     Vector<Reference> theta() const override { return window_.theta().unaryExpr(&widened<T>); }
     Stored<Reference> stored() const override { return window_.stored().template mapped<Reference>(&widened<T>); }
     Index refactored() const override { return window_.refactored(); }
-    double predicted() const override {
-        return std::sqrt(double(window_.grown()));
-    }
+    double predicted() const override { return std::sqrt(double(window_.grown())); }
 };
 
 template <class T>
