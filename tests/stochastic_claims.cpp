@@ -64,8 +64,10 @@ TEST(HazardClaims, HalfABit) {
     };
     EXPECT_EQ(verdict("S5", with(50)), Verdict::holds);
     EXPECT_EQ(verdict("S5", with(400)), Verdict::fails) << "costs two bits";
+    EXPECT_EQ(verdict("S5", with(100)), Verdict::fails) << "costs a bit";
+    EXPECT_EQ(verdict("S5", with(25)), Verdict::fails) << "costs nothing";
     EXPECT_EQ(verdict("S5", with(10)), Verdict::fails) << "costs less than none";
-    EXPECT_EQ(verdict("S5", with(140)), Verdict::undecided);
+    EXPECT_EQ(verdict("S5", with(70)), Verdict::undecided) << "three quarters";
 }
 TEST(HazardClaims, OneLossOfAFactorFormIsSeen) {
     Table t = empty();
