@@ -29,11 +29,7 @@ Data read(DataFile const& file, IdentifyOptions const& options) {
     Columns const columns = read_data(file, names);
     Data out;
     for (std::string const& name : names) {
-        Signal const& values = columns[name];
-        auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
-        if (missing != values.end())
-            throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
-                                         columns.lines[size_t(missing - values.begin())], printable(name)));
+        Signal const& values = without_missing(columns, name);
         (name == options.output ? out.y : out.inputs.emplace_back()) = values;
     }
     return out;
@@ -130,6 +126,15 @@ void predict(Identified& out, Data const& data, Records const& all, Vector<doubl
 }
 
 }  // namespace
+
+Signal const& without_missing(Columns const& columns, std::string const& name) {
+    Signal const& values = columns[name];
+    auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
+    if (missing != values.end())
+        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
+                                     columns.lines[size_t(missing - values.begin())], printable(name)));
+    return values;
+}
 
 Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress const& progress) {
     Identified out{};

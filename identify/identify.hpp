@@ -100,6 +100,9 @@ struct Identified {
     std::vector<std::string> warnings, hints;  ///< what is wrong, and what to do; what may make it better
 };
 
+/// A column. Throws InputError with file, line and column where a value is missing.
+Signal const& without_missing(Columns const& columns, std::string const& name);
+
 /// The record's columns must have no missing values. Throws InputError for options or a record that do not make sense, and where
 /// the regressors are linearly dependent: the message names the order that the input can support.
 Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});

@@ -137,10 +137,7 @@ struct ExcitationArguments {
 
 int run_excitation(ExcitationArguments const& a) {
     Columns const columns = read_data({a.file, a.format}, {a.input});
-    Signal const& u = columns[a.input];
-    if (auto const missing = std::ranges::find_if(u, [](double x) { return x != x; }); missing != u.end())
-        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
-                                     columns.lines[size_t(missing - u.begin())], printable(a.input)));
+    Signal const& u = without_missing(columns, a.input);
     Excitation const e = excitation(u, a.most, progress_after_a_second("looking at the excitation"));
     std::string text = fmt::format(
         "{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",

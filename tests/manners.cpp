@@ -218,6 +218,11 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     refused("help compair", "no command \"compair\" (did you mean \"compare\"?)");
     refused("help man page", "\"page\" is one word too many");
 }
+TEST_F(Program, AMissingValueIsNamedByItsLine) {
+    write("gap.csv", "u,y\n1,2\n,3\n4,5\n");
+    refused("excitation gap.csv --input u", "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
+    refused("identify gap.csv --input u --output y", "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
+}
 TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
     write("constant.csv", "u\n1\n1\n1\n1\n1\n1\n1\n1\n");
     Outcome const run = shell("rlslab excitation constant.csv --input u --max-order 3");
