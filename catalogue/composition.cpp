@@ -2,6 +2,8 @@
 #include "catalogue/composition.hpp"
 #include "catalogue/compose.hpp"
 
+#include <rlslab/core/input_error.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -65,6 +67,22 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     if (c.control == "cao_schwartz" && !a.information) return "has psi'P^-1 psi not at hand: it stores P, or no triangle";
     if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
     return "";
+}
+
+Composition settled(Composition composition, Problem<double> const& problem, double noise_variance) {
+    bool const fortescue = composition.control == "fortescue";
+    for (double& x : composition.parameters) {
+        if (std::isnan(x))
+            x = fortescue                   ? noise_variance
+                : problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff()
+                                            : problem.prior->variance;
+        if (!std::isfinite(x) || (fortescue && !(x > 0)))
+            throw InputError(
+                fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or of "
+                            "whose residuals double cannot hold the squares",
+                            composition.control));
+    }
+    return composition;
 }
 
 std::vector<std::string> warnings_of(Composition const& c, Index rows, Index parameters) {

@@ -42,6 +42,10 @@ std::string contradiction(Composition const& composition);
 /// Why this variant cannot, or "". The reason is the same in every arithmetic.
 std::string obstacle(Composition const& composition, std::string_view variant);
 
+/// The composition with the numbers that follow from the data: fortescue's VARIANCE is the noise's, reset's the prior's, the largest of
+/// its P. Throws InputError where one of its numbers is not to be had.
+Composition settled(Composition composition, Problem<double> const& problem, double noise_variance);
+
 /// What is odd about it on a record of so many rows and parameters.
 std::vector<std::string> warnings_of(Composition const& composition, Index rows, Index parameters);
 

@@ -132,28 +132,16 @@ std::vector<Entry const*> composable(std::vector<Entry const*> const& entries, C
     throw InputError(fmt::format("--variants: none of them can be composed so: {}", fmt::join(reasons, "; ")));
 }
 
-/// The composition with the numbers that follow from the data.
-Composition settled(Composition composition, Records const& records, Problem<double> const& problem, CertifiedSolution const& without) {
-    if (composition.parameters.empty()) return composition;
-    if (composition.control == "reset" && std::isnan(composition.parameters[1]))
-        composition.parameters[1] = problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff() : problem.prior->variance;
-    if (composition.control == "fortescue" && std::isnan(composition.parameters[0])) {
-        Vector<Reference> const theta = without.theta();
-        Reference squares = 0;
-        for (Index k = 0; k < records.rows(); ++k) {
-            Reference e = records.y[k];
-            for (Index i = 0; i < theta.size(); ++i) e -= theta[i] * records.psi(i, k);
-            squares += e * e;
-        }
-        composition.parameters[0] = static_cast<double>(squares) / double(records.rows() - records.parameters());
+/// The mean square of the solution's residuals, over the rows that are more than it takes.
+double noise_variance(Records const& records, CertifiedSolution const& solution) {
+    Vector<Reference> const theta = solution.theta();
+    Reference squares = 0;
+    for (Index k = 0; k < records.rows(); ++k) {
+        Reference e = records.y[k];
+        for (Index i = 0; i < theta.size(); ++i) e -= theta[i] * records.psi(i, k);
+        squares += e * e;
     }
-    for (double const x : composition.parameters)
-        if (!std::isfinite(x) || (composition.control == "fortescue" && !(x > 0)))
-            throw InputError(
-                fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or "
-                            "of whose residuals double cannot hold the squares",
-                            composition.control));
-    return composition;
+    return static_cast<double>(squares) / double(records.rows() - records.parameters());
 }
 Composition as_stored(Composition composition, double (*round)(double)) {
     for (double& x : composition.parameters) x = round(x);
@@ -205,7 +193,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
-    out.options.composition = settled(options.composition, records, problem, without);
+    bool const asks = options.composition.control == "fortescue";
+    out.options.composition = settled(options.composition, problem, asks ? noise_variance(records, without) : 0);
     Composition tried = out.options.composition;
     tried.window = std::min(tried.window, rows);  // a longer one takes memory alone: nothing leaves either
 

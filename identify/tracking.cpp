@@ -25,15 +25,7 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
               double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
-    for (size_t i = 0; i < composition.parameters.size(); ++i)
-        if (std::isnan(composition.parameters[i]))
-            composition.parameters[i] = composition.control == "fortescue" ? noise
-                                        : problem.prior->covariance        ? problem.prior->covariance->diagonal().maxCoeff()
-                                                                           : problem.prior->variance;
-    if (composition.control == "fortescue" && !(composition.parameters[0] > 0))
-        throw InputError(
-            "--control fortescue: expected its VARIANCE: none follows from a record that the model fits exactly, or of whose "
-            "residuals double cannot hold the squares");
+    composition = settled(composition, problem, noise);
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
     out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone

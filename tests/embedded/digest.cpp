@@ -37,6 +37,12 @@ void print_hex(std::uint64_t x) {
     print(text);
 }
 
+void print_line(char const* what, std::uint64_t hash) {
+    print(what);
+    print_hex(hash);
+    print("\n");
+}
+
 template <class T>
 T number(Seed& seed, double scale) {
     if constexpr (ComplexScalar<T>) {
@@ -72,9 +78,7 @@ template <class F, int N>
     print(ComplexScalar<T> ? " complex float " : sizeof(T) == 4 ? " float " : " double ");
     print(N < 10 ? "" : "1");
     char const digit[] = {char('0' + N % 10), ' ', 0};
-    print(digit);
-    print_hex(out.hash);
-    print("\n");
+    print_line(digit, out.hash);
 }
 
 template <class>
@@ -102,9 +106,7 @@ void digest_of_delayed() {
     for (int k = 0; k < 50; ++k) filter.update(line.push(float(seed.bell())), line[3] + 0.125f * line[0]);
     Digest out;
     out.add_all(filter.covariance());
-    print("ud delayed 5 ");
-    print_hex(out.hash);
-    print("\n");
+    print_line("ud delayed 5 ", out.hash);
 }
 
 /// Outliers, rows that are not finite and a change under a guard; half-way the state goes on in another filter.
@@ -128,9 +130,7 @@ void digest_of_guarded() {
     out.add_all(Vector<float, 5>(second.theta()));
     out.add(double(second.counts().outliers));
     out.add(double(second.counts().changes));
-    print("ud guarded 5 ");
-    print_hex(out.hash);
-    print("\n");
+    print_line("ud guarded 5 ", out.hash);
 }
 
 }  // namespace
