@@ -199,10 +199,18 @@ public:
     template <class Block>
     void take_rows(RealOf<T> const& weight, Block const& A) {
         Index const d = squares_.size();
-        for (Index j = 0; j <= d; ++j) {
-            Bound& length = j < d ? squares_[j] : right_;
-            length *= square(T(weight));
-            for (Index k = 0; k < A.rows(); ++k) length += square(A(k, j));
+        constexpr Index abreast = Hardware<T> ? 4 : 1;  // columns: one sum's additions wait for one another
+        for (Index j = 0; j <= d; j += abreast) {
+            Bound sum[abreast];
+            T const* column[abreast];
+            for (Index c = 0; c < abreast; ++c) {
+                Index const at = std::min(j + c, d);
+                sum[c] = (at < d ? squares_[at] : right_) * square(T(weight));
+                column[c] = A.col(at).data();
+            }
+            for (Index k = 0; k < A.rows(); ++k)
+                for (Index c = 0; c < abreast; ++c) sum[c] += square(column[c][k]);
+            for (Index c = 0; c < abreast; ++c) (j + c < d ? squares_[j + c] : right_) = sum[c];
         }
     }
     Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {

@@ -320,6 +320,16 @@ struct Reflection {
     T tau;
     T *A, *above, *last;
 };
+/// `count` reflections of the same columns, one after another: v and A have `rows` numbers a column, above has stride `ld` from one
+/// reflection to the next, tau and last have one number of each. Where tau = 0 there is none.
+template <class T>
+struct Reflections {
+    Index rows, columns, count;
+    T const *v, *tau;
+    T *A, *above;
+    Index ld;
+    T* last;
+};
 template <class K>
 concept OnColumns = requires(K k) { k.rows; };
 

@@ -26,10 +26,31 @@ RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<
     Index const d = psi.rows();
     A.resize(y.size(), d + 1);
     RealOf<T> weight = RealOf<T>(1);
-    for (Index k = y.size() - 1; k >= 0; --k) {
-        for (Index i = 0; i < d; ++i) A(k, i) = weight * psi(i, k);
-        A(k, d) = weight * y[k];
+    // In hardware eight rows at once: they fill a cache line of a column, and columns lie a power of two apart. Elsewhere one by one, as
+    // random bits are drawn.
+    constexpr Index together = Hardware<T> ? 8 : 1;
+    for (Index end = y.size(); end > 0;) {
+        Index const first = std::max(end - together, Index(0));
+        RealOf<T> weights[together];
+        for (Index k = end - 1; k > first; --k) {
+            weights[k - first] = weight;
+            weight *= root;
+        }
+        weights[0] = weight;
+        T const* from = psi.col(first).data();
+        T* to = A.data() + first;
+        Index const stride = psi.outerStride(), rows = A.rows();
+        for (Index i = 0; i < d; ++i, ++from, to += rows) {
+            if (end - first == together) {
+#pragma GCC unroll 8
+                for (Index k = 0; k < together; ++k) to[k] = weights[k] * from[k * stride];
+            } else {
+                for (Index k = 0; k < end - first; ++k) to[k] = weights[k] * from[k * stride];
+            }
+        }
+        for (Index k = first; k < end; ++k) A(k, d) = weights[k - first] * y[k];
         weight *= root;
+        end = first;
     }
     return weight;
 }
@@ -50,17 +71,29 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
         z[i] *= weight;
     }
     T ratio = T(1);
-    for (Index i = 0; i < d; ++i) {
-        T* const v = A.col(i).data();
-        T const a = L(i, i);
-        T squares = T(0);
-        run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
-        Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
-        if (all(turn.tau == T(0))) continue;
-        run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
-        L(i, i) = turn.r;
-        ratio *= turn.cosine(a);
-        run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, d - i, v, turn.tau, v + rows, L.column(i) + i + 1, &z[i]});  // (2)
+    // Reflections in hardware: the columns that follow are read and written once for all of them.
+    constexpr Index together = Hardware<T> ? 8 : 1;
+    T tau[together];
+    for (Index first = 0; first < d; first += together) {
+        Index const next = std::min(first + together, d);
+        for (Index i = first; i < next; ++i) {
+            T* const v = A.col(i).data();
+            T const a = L(i, i);
+            T squares = T(0);
+            run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
+            Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
+            tau[i - first] = turn.tau;
+            if (all(turn.tau == T(0))) continue;
+            run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
+            L(i, i) = turn.r;
+            ratio *= turn.cosine(a);
+            // Within the panel; its last column has no z.
+            if (i + 1 < next)
+                run_kernel<T, Dynamic>(
+                    kernels::Reflection<T>{rows, next - 1 - i, v, turn.tau, v + rows, L.column(i) + i + 1, &L(next - 1, i)});  // (2)
+        }
+        run_kernel<T, Dynamic>(kernels::Reflections<T>{rows, d + 1 - next, next - first, A.col(first).data(), tau, A.col(next).data(),
+                                                       L.column(first) + next, L.stride(), &z[first]});
     }
     return ratio;
 }

@@ -179,9 +179,7 @@ struct SimdBlock {
     /// Subtracts a b from the rows before `first`, and c d from the other rows.
     template <int first>
     [[gnu::always_inline]] void subtract_either(SimdBlock const& a, T b, SimdBlock const& c, T d) {
-        [&]<int... m>(std::integer_sequence<int, m...>) {
-            (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
-        }(std::make_integer_sequence<int, registers>());
+        subtract_either_in_each<first>(a, b, c, d, std::make_integer_sequence<int, registers>());
     }
     /// Adds x - x in the rows of p: zero for a number, NaN for an infinity or a NaN.
     [[gnu::always_inline]] void add_difference(SimdBlock const& x, RowRange p) {
@@ -274,6 +272,16 @@ private:
             else v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
         }
     }
+    // Functions, not lambdas, which GCC does not inline in large files.
+    template <int first, int... m>
+    [[gnu::always_inline]] void subtract_either_in_each(SimdBlock const& a, T b, SimdBlock const& c, T d,
+                                                        std::integer_sequence<int, m...>) {
+        (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
+    }
+    template <int first, int... i>
+    [[gnu::always_inline]] static V put_together(V const& before, V const& after, std::integer_sequence<int, i...>) {
+        return __builtin_shufflevector(before, after, (i < first ? i : W + i)...);
+    }
     template <int first>
     [[gnu::always_inline]] static void subtract_either_in(V& x, V const& a, T b, V const& c, T d) {
         if constexpr (first >= W) {
@@ -281,9 +289,7 @@ private:
         } else if constexpr (first <= 0) {
             x = x - c * d;
         } else {
-            [&]<int... i>(std::integer_sequence<int, i...>) {
-                x = x - __builtin_shufflevector(a * b, c * d, (i < first ? i : W + i)...);
-            }(std::make_integer_sequence<int, W>());
+            x = x - put_together<first>(a * b, c * d, std::make_integer_sequence<int, W>());
         }
     }
     /// All bits set in the lanes of register m that hold rows < count, none in the others.

@@ -19,12 +19,11 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] friend Abreast const& conjugate(Abreast const& a) { return a; }  // of real numbers
-    /// lane(r) for each row, put together in registers: narrow stores do not forward to a wide load.
-    template <class Lane>
-    [[gnu::always_inline]] void gather(Lane lane) {
+    /// Row r takes number q - r of the `count` numbers at x + r ld, or 0 where there is none; put together in registers: narrow stores do
+    /// not forward to a wide load.
+    [[gnu::always_inline]] void gather(T const* x, Index ld, int q, int count) {
 #pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m)
-            [&]<int... i>(std::integer_sequence<int, i...>) { v[m] = V{lane(m * W + i)...}; }(std::make_integer_sequence<int, W>());
+        for (int m = 0; m < registers; ++m) v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
     }
     /// Row r takes row r - 1's number, the first row takes `first`.
     [[gnu::always_inline]] void pass_on(T first) {
@@ -34,9 +33,7 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
 #pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             V const here = v[m];
-            [&]<int... i>(std::integer_sequence<int, i...>) {
-                v[m] = __builtin_shufflevector(before, here, (W - 1 + i)...);
-            }(std::make_integer_sequence<int, W>());
+            v[m] = shifted(before, here, std::make_integer_sequence<int, W>());
             before = here;
         }
     }
@@ -90,6 +87,20 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
         bool all = true;
         for (int i = 0; i < W; ++i) all = all && out[i] != 0;
         return all;
+    }
+
+private:
+    // Functions, not lambdas, which GCC does not inline in large files.
+    [[gnu::always_inline]] static T number(T const* x, Index ld, int q, int count, int r) {
+        return 0 <= q - r && q - r < count ? x[r * ld + q - r] : T(0);
+    }
+    template <int... i>
+    [[gnu::always_inline]] static V gathered(T const* x, Index ld, int q, int count, int r, std::integer_sequence<int, i...>) {
+        return V{number(x, ld, q, count, r + i)...};
+    }
+    template <int... i>
+    [[gnu::always_inline]] static V shifted(V const& before, V const& here, std::integer_sequence<int, i...>) {
+        return __builtin_shufflevector(before, here, (W - 1 + i)...);
     }
 };
 
@@ -176,8 +187,7 @@ struct Corner {
     }
     [[gnu::always_inline]] void finish(RotateInRows<T> const& k, Index i0, Index m) {
 #pragma GCC unroll 32
-        for (int q = 0; q < steps; ++q)
-            x[q].gather([&](int r) { return 0 <= q - r && q - r < B::rows ? k.x[r * k.ld + i0 + q - r] : T(0); });
+        for (int q = 0; q < steps; ++q) x[q].gather(k.x + i0, k.ld, q, B::rows);
 #pragma GCC unroll 16
         for (R& number : column) number.zero();
         z.zero();
