@@ -224,6 +224,10 @@ TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
     check<T>("Reflection", Part::full, [](O& o) {  // columns without padding: as many as there are numbers for
         return Reflection<T>{o.d, o.d, o.v[0].data(), o.scalar, o.A.data(), o.v[1].data(), &o.sum};
     });
+    check<T>("Reflections", Part::full, [](O& o) {  // all of them below the same numbers
+        Index const count = std::min<Index>(o.d, 3), no_stride = 0;
+        return Reflections<T>{o.d, o.d, count, o.B.data(), o.v[0].data(), o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
+    });
 }
 
 /// Two saboteurs: lanes added from the first to the last, and a product that is not rounded before it is subtracted.
