@@ -116,7 +116,13 @@ int run_simulate(SimulateArguments const& s) {
     check(s.noise_colour.empty() ? "--noise" : "--noise-colour, --noise", xi, "noise");
     Signal const y = simulate(model, {u}, xi);
     check("--a, --b", y, "output");
-    if (y.size() > 1 && std::ranges::all_of(y, [&](double v) { return v == y[0]; }))
+    auto const constant = [](Signal const& x) { return x.size() > 1 && std::ranges::all_of(x, [&](double v) { return v == x[0]; }); };
+    if (constant(y) && constant(u))
+        throw InputError(
+            fmt::format("--samples: the input is {} over all {} of them, and nothing can be learnt from it: expected more samples, "
+                        "or another --input or --seed",
+                        u[0], u.size()));
+    if (constant(y))
         throw InputError(fmt::format(
             "--b: the output is {} throughout, and nothing can be learnt from it: expected numbers that pass the input on, or --noise",
             y[0]));

@@ -21,6 +21,7 @@ TEST_F(Simulate, RefusesADelayBeyondTheRecord) {
 }
 TEST_F(Simulate, RefusesAnOutputThatDoesNotChange) {
     refused("simulate --b 0", "--b: the output is 0 throughout, and nothing can be learnt from it");
+    refused("simulate --samples 3", "--samples: the input is ");
     refused("simulate --b 0,0 --a=-0.5", "--b: the output is 0 throughout");
     EXPECT_EQ(shell("rlslab simulate --b 0 --noise 1").code, 0);
     EXPECT_EQ(shell("rlslab simulate --samples 1").code, 0);
