@@ -36,6 +36,8 @@ inline constexpr bool fits_double = false;
 template <Field T>
     requires std::same_as<Truth<T>, bool> && (ArithmeticTraits<T>::digits <= 53 && ArithmeticTraits<T>::max_exp <= 1023)
 inline constexpr bool fits_double<T> = true;
+typedef double Pair __attribute__((vector_size(16)));
+typedef double PairAnywhere __attribute__((vector_size(16), aligned(8), may_alias));
 }  // namespace detail
 
 /// The scalar in which bounds are computed: double if it holds every number of T, otherwise T; the real one where T is complex.
@@ -63,7 +65,17 @@ template <Scalar T, class LengthSquared, class PivotSquared, class Bound = Bound
     } else {
         using Traits = ArithmeticTraits<T>;
         Bound q(1), least(1), most = right;
-        for (Index j = 0; j < d; ++j) {
+        Index j = 0;
+        if constexpr (requires { n2.two(j); }) {  // two quotients at a time, in two products: any order gives a bound
+            detail::Pair a{1, 1}, b{1, 1};
+            for (; j + 4 <= d; j += 4) {
+                a *= detail::Pair{r2(j), r2(j + 1)} / n2.two(j);
+                b *= detail::Pair{r2(j + 2), r2(j + 3)} / n2.two(j + 2);
+            }
+            a *= b;
+            q = a[0] * a[1];
+        }
+        for (; j < d; ++j) {
             Bound const length = n2(j), pivot = r2(j);
             q *= pivot / length;
             if constexpr (!std::same_as<Bound, RealOf<T>>) {
@@ -108,11 +120,25 @@ class Lengths {
         else return Bound(x) * Bound(x);
     }
 
-    /// Updates right_ at once, and returns a function that updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it.
-    auto with(RealOf<T> const& lambda, T const* psi, T const& y) {
+    /// Updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it: one, or two side by side.
+    struct With {
+        Bound* squares;
+        T const* psi;
+        Bound weight;
+        [[gnu::always_inline]] Bound operator()(Index j) const { return squares[j] = weight * squares[j] + square(psi[j]); }
+        [[gnu::always_inline]] detail::Pair two(Index j) const
+            requires std::same_as<T, double>
+        {
+            detail::Pair const x = *reinterpret_cast<detail::PairAnywhere const*>(psi + j);
+            auto& both = *reinterpret_cast<detail::PairAnywhere*>(squares + j);
+            return both = weight * both + x * x;
+        }
+    };
+    /// Updates right_ at once.
+    With with(RealOf<T> const& lambda, T const* psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
-        return [squares = squares_.data(), psi, weight](Index j) { return squares[j] = weight * squares[j] + square(psi[j]); };
+        return {squares_.data(), psi, weight};
     }
     /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (Aside).
     template <class Solve>
