@@ -4,6 +4,8 @@
 #include <rlslab/linalg/kernels.hpp>
 #include <rlslab/linalg/reflector.hpp>
 
+#include <cstdint>
+
 namespace rlslab {
 
 /// A block of rows, or the transpose of one: any number of rows and columns.
@@ -18,6 +20,9 @@ T power(T x, Index n) {
         if (n % 2 == 1) out *= x;
     return out;
 }
+
+/// A hint, which any number may be: what comes of it is in cache after the reflections, where the next block lies behind this one.
+inline void fetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_cast<void const*>(address)); }
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B numbers, and root is
 /// sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A has another shape.
@@ -41,6 +46,9 @@ RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<
         T* to = A.data() + first;
         Index const stride = psi.outerStride(), rows = A.rows();
         for (Index i = 0; i < d; ++i, ++from, to += rows) {
+            if constexpr (Hardware<T>)
+                if (i % 8 == 0)
+                    for (Index k = 0; k < end - first; ++k) fetch(std::uintptr_t(from) + size_t((k + rows) * stride) * sizeof(T));
             if (end - first == together) {
 #pragma GCC unroll 8
                 for (Index k = 0; k < together; ++k) to[k] = weights[k] * from[k * stride];
