@@ -79,29 +79,32 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
         z[i] *= weight;
     }
     T ratio = T(1);
-    // Reflections in hardware: the columns that follow are read and written once for all of them.
-    constexpr Index together = Hardware<T> ? 8 : 1;
-    T tau[together];
+    // In hardware eight reflections go over the columns that follow in one pass: these are read and written once for all of them. A panel
+    // is the columns of the eight. Elsewhere all columns are one panel, and what is last in its rows is z.
+    constexpr Index together = 8;
+    [[maybe_unused]] std::conditional_t<Hardware<T>, T, char> tau[together];
     for (Index first = 0; first < d; first += together) {
-        Index const next = std::min(first + together, d);
+        Index const next = Hardware<T> ? std::min(first + together, d) : d;
         for (Index i = first; i < next; ++i) {
             T* const v = A.col(i).data();
             T const a = L(i, i);
             T squares = T(0);
             run_kernel<T, Dynamic>(kernels::SumOfSquares<T>{rows, v, &squares});
             Reflector<T> const turn(a, norm(a, squares, v, rows));  // (1)
-            tau[i - first] = turn.tau;
+            if constexpr (Hardware<T>) tau[i - first] = turn.tau;
             if (all(turn.tau == T(0))) continue;
             run_kernel<T, Dynamic>(kernels::Division<T>{rows, v, turn.pivot});
             L(i, i) = turn.r;
             ratio *= turn.cosine(a);
-            // Within the panel; its last column has no z.
-            if (i + 1 < next)
-                run_kernel<T, Dynamic>(
-                    kernels::Reflection<T>{rows, next - 1 - i, v, turn.tau, v + rows, L.column(i) + i + 1, &L(next - 1, i)});  // (2)
+            Index const columns = Hardware<T> ? next - 1 - i : d - i;
+            T* const last = Hardware<T> ? &L(next - 1, i) : &z[i];
+            if (columns > 0)
+                run_kernel<T, Dynamic>(kernels::Reflection<T>{rows, columns, v, turn.tau, v + rows, L.column(i) + i + 1, last});  // (2)
         }
-        run_kernel<T, Dynamic>(kernels::Reflections<T>{rows, d + 1 - next, next - first, A.col(first).data(), tau, A.col(next).data(),
-                                                       L.column(first) + next, L.stride(), &z[first]});
+        if constexpr (!Hardware<T>) break;
+        else
+            run_kernel<T, Dynamic>(kernels::Reflections<T>{rows, d + 1 - next, next - first, A.col(first).data(), tau, A.col(next).data(),
+                                                           L.column(first) + next, L.stride(), &z[first]});
     }
     return ratio;
 }
