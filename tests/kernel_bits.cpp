@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -226,6 +227,12 @@ TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
     });
     check<T>("Reflections", Part::full, [](O& o) {  // all of them below the same numbers
         Index const count = std::min<Index>(o.d, 3), no_stride = 0;
+        return Reflections<T>{o.d, o.d, count, o.B.data(), o.v[0].data(), o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
+    });
+    check<T>("Reflections of zeros", Part::full, [](O& o) {  // 0 - t in place of -t, or sums that start at 0, make another zero of them
+        Index const count = std::min<Index>(o.d, 3), no_stride = 0;
+        for (auto* zeros : {&o.A, &o.v[1], &o.v[2]}) std::ranges::fill(*zeros, -T(0));
+        for (T& x : o.B) x = std::abs(x);
         return Reflections<T>{o.d, o.d, count, o.B.data(), o.v[0].data(), o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
     });
 }
