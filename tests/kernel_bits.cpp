@@ -46,7 +46,7 @@ struct Operands {
     bool flag = false;
     int overwritten = -1;  // the v that the kernel leaves undefined
 
-    Operands(Index size, Part p, Kind kind, Seed seed) : d(size), ld(padded<T, Dynamic>(size)), part(p), A(size_t(ld * d)), B(A) {
+    Operands(Index size, Part p, Kind kind, Seed seed) : d(size), ld(column_stride<T, Dynamic>(size)), part(p), A(size_t(ld * d)), B(A) {
         for (T& x : A) x = number<T>(seed, kind);
         for (T& x : B) x = number<T>(seed, kind);
         for (Index j = 0; j < d; ++j)
@@ -121,6 +121,16 @@ void check_one(char const* name, Operands<T> const& operands, Kind kind, Make ma
 #endif
 }
 
+/// make(operands) where a sweep goes through its matrix the other way: each remainder of a group of columns, and of a block of rows.
+template <class T, class Make>
+void check_large(char const* name, Part part, Make make) {
+    using K = decltype(make(std::declval<Operands<T>&>()));
+    for (Index from : {by_columns_from<K>.from, by_columns_from<K>.from_on_wide})
+        for (Index d : {from, from + 1, from + 6, from + 11})
+            for (Kind kind : {Kind::scaled, Kind::special})
+                if (from != never) check_one(name, Operands<T>(d, part, kind, Seed{std::uint64_t(d)}), kind, make);
+}
+
 /// make(operands) at every size, with numbers of every kind.
 template <class T, class Make>
 void check(char const* name, Part part, Make make, Index cubic_up_to = 130) {
@@ -156,7 +166,6 @@ TYPED_TEST(KernelBits, OfElementwiseKernelsAreTheSame) {
 TYPED_TEST(KernelBits, OfProductsAreTheSame) {
     using T = TypeParam;
     using O = Operands<T>;
-    check<T>("Multiply", Part::full, [](O& o) { return Multiply<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()}; });
     check<T>("MultiplyTransposed", Part::full, [](O& o) {
         return MultiplyTransposed<T, Shape::full>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
     });
@@ -167,31 +176,42 @@ TYPED_TEST(KernelBits, OfProductsAreTheSame) {
         "MultiplySquares", Part::full, [](O& o) { return MultiplySquares<T>{o.d, o.ld, o.B.data(), o.B.data(), o.ld, 1, o.A.data()}; }, 33);
 }
 
-TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
-    using T = TypeParam;
+/// check_sweep(name, part, make) for each sweep.
+template <class T, class Check>
+void each_sweep(Check check_sweep) {
     using O = Operands<T>;
     auto const rank_one = [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
     auto const symmetric = [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
-    check<T>("SubtractRankOne", Part::full, rank_one);
-    check<T>("AddSquare", Part::full, [](O& o) { return AddSquare<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
-    check<T>("SubtractMirrored", Part::symmetric, symmetric);
-    check<T>("SubtractRankOne and the product", Part::full, [=](O& o) {
-        return ThenMultiply<SubtractRankOne<T>>{rank_one(o), o.v[2].data(), o.v[3].data()};
-    });
-    check<T>("SubtractMirrored and the product", Part::symmetric, [=](O& o) {
-        return ThenMultiply<SubtractMirrored<T>>{symmetric(o), o.v[2].data(), o.v[3].data()};
-    });
-    check<T>("SubtractRankTwo", Part::symmetric,
-             [](O& o) { return SubtractRankTwo<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
     auto const over = [](O& o) { return OverTriangle<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; };
-    check<T>("SweepUd", Part::upper, [=](O& o) { return SweepUd<T>{over(o), o.v[1].data(), o.v[2].data()}; });
-    check<T>("SweepCarlson", Part::upper, [=](O& o) {
-        return SweepCarlson<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.scalar};
-    });
-    check<T>("SweepRotations", Part::upper, [=](O& o) {
+    auto const ud = [=](O& o) { return SweepUd<T>{over(o), o.v[1].data(), o.v[2].data()}; };
+    auto const carlson = [=](O& o) { return SweepCarlson<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.scalar}; };
+    auto const rotations = [=](O& o) {
         for (T& c : o.v[1]) c = std::abs(c);  // as cosines are here
         return SweepRotations<T>{over(o), o.v[1].data(), o.v[2].data(), o.scalar};
-    });
+    };
+    auto const multiplied = [](auto make) {
+        return [=](O& o) { return ThenMultiply<decltype(make(o))>{make(o), o.v[4].data(), o.v[5].data()}; };
+    };
+    check_sweep("Multiply", Part::full, [](O& o) { return Multiply<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()}; });
+    check_sweep("SubtractRankOne", Part::full, rank_one);
+    check_sweep("SubtractRankOne and the product", Part::full, multiplied(rank_one));
+    check_sweep("SubtractMirrored", Part::symmetric, symmetric);
+    check_sweep("SubtractMirrored and the product", Part::symmetric, multiplied(symmetric));
+    check_sweep("AddSquare", Part::full, [](O& o) { return AddSquare<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; });
+    check_sweep("SubtractRankTwo", Part::symmetric,
+                [](O& o) { return SubtractRankTwo<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; });
+    check_sweep("SweepUd", Part::upper, ud);
+    check_sweep("SweepUd and the product", Part::upper, multiplied(ud));
+    check_sweep("SweepCarlson", Part::upper, carlson);
+    check_sweep("SweepCarlson and the product", Part::upper, multiplied(carlson));
+    check_sweep("SweepRotations", Part::upper, rotations);
+    check_sweep("SweepRotations and the product", Part::upper, multiplied(rotations));
+}
+TYPED_TEST(KernelBits, OfSweepsAreTheSame) {
+    each_sweep<TypeParam>([](char const* name, Part part, auto make) { check<TypeParam>(name, part, make); });
+}
+TYPED_TEST(KernelBits, OfSweepsAreTheSameBothWaysThroughLargeMatrices) {
+    each_sweep<TypeParam>([](char const* name, Part part, auto make) { check_large<TypeParam>(name, part, make); });
 }
 
 TYPED_TEST(KernelBits, OfLowerTrianglesAreTheSame) {

@@ -2,6 +2,7 @@
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/random.hpp>
+#include <rlslab/linalg/crew.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -30,7 +31,9 @@ std::vector<double> reported(F const& filter, Step<typename F::scalar> const& st
     };
     add(Vector<typename F::scalar>(filter.theta()));
     add(Vector<typename F::scalar>(filter.gain()));
-    add(Matrix<typename F::scalar>(filter.covariance()));
+    auto const stored = filter.stored();
+    add(stored.F);
+    add(stored.D);
     return out;
 }
 
@@ -70,7 +73,9 @@ void check() {
         kernels::isa = isa;
         for (Index size = 1; size <= 130; ++size)
             for (Index block : {1, 2, 7}) EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
-        EXPECT_TRUE((equal<F<T, Dynamic>>(200, 5))) << "200 parameters";
+        // large ones, where each way through the matrix is taken (dispatch.hpp), with every remainder of a group of columns
+        for (Index size : {200, 255, 256, 322, 385, 513, 643, 1024, 1607})
+            EXPECT_TRUE((equal<F<T, Dynamic>>(size, 3))) << size << " parameters";
         EXPECT_TRUE((equal<F<T, Dynamic>>(20, 64))) << "64 rows";
         EXPECT_TRUE((equal<F<T, 4>>(4, 7) && equal<F<T, 8>>(8, 7) && equal<F<T, 20>>(20, 7))) << "fixed sizes";
     }
@@ -81,6 +86,56 @@ TEST(RowsAtOnce, LeaveConventionalTheBitsOfSingleRowsInDouble) { check<Conventio
 TEST(RowsAtOnce, LeaveConventionalTheBitsOfSingleRowsInFloat) { check<Conventional, float>(); }
 TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInDouble) { check<Symmetric, double>(); }
 TEST(RowsAtOnce, LeaveSymmetricTheBitsOfSingleRowsInFloat) { check<Symmetric, float>(); }
+TEST(RowsAtOnce, LeaveUdTheBitsOfSingleRowsInDouble) { check<Ud, double>(); }
+TEST(RowsAtOnce, LeaveUdTheBitsOfSingleRowsInFloat) { check<Ud, float>(); }
+TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInDouble) { check<Carlson, double>(); }
+TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInFloat) { check<Carlson, float>(); }
+TEST(RowsAtOnce, LeaveInverseQrTheBitsOfSingleRowsInDouble) { check<InverseQr, double>(); }
+TEST(RowsAtOnce, LeaveInverseQrTheBitsOfSingleRowsInFloat) { check<InverseQr, float>(); }
+
+/// Rows shared among more threads than there are cores, and than there are blocks of rows, against one thread.
+template <class F>
+void check_shared() {
+    using T = typename F::scalar;
+    Isa const best = kernels::isa;
+    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+        if (isa > best) break;
+        kernels::isa = isa;
+        for (Index size : {383, 384, 401, 646, 1301}) {
+            Matrix<T> const psi = noise<T>(size, 4, Seed{std::uint64_t(size)});
+            Vector<T> const y = noise<T>(4, 1, Seed{7});
+            F const start = started<F>(size);
+            F alone = start;
+            Step<T> const step = alone.update_block(psi, y);
+            for (Index threads : {1, 2, 3, 9}) {
+                Crew crew(threads);
+                F shared = start;
+                EXPECT_TRUE(same_bits(reported(alone, step), reported(shared, shared.update_block(psi, y, crew))))
+                    << size << " parameters, " << threads << " threads";
+                Regressor<T> const row(psi.col(0).data(), size);
+                F again = alone;
+                EXPECT_TRUE(same_bits(reported(again, again.update(row, y[1])), reported(shared, shared.update(row, y[1]))));
+            }
+        }
+    }
+    kernels::isa = best;
+}
+TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInConventional) { check_shared<Conventional<double>>(), check_shared<Conventional<float>>(); }
+TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInSymmetric) { check_shared<Symmetric<double>>(), check_shared<Symmetric<float>>(); }
+
+/// The saboteur leaves out the second thread's rows.
+TEST(RowsAtOnce, DifferIfAPartIsLeftOut) {
+    struct FirstPartAlone : Helpers {
+        Index parts() const override { return 2; }
+        void run(Work const& work) override { work(0, 2); }
+    } lazy;
+    Matrix<double> const psi = noise<double>(400, 3, Seed{1});
+    Vector<double> const y = noise<double>(3, 1, Seed{2});
+    auto alone = started<Conventional<double>>(400), shared = alone;
+    Step<double> const step = alone.update_block(psi, y);
+    EXPECT_FALSE(same_bits(reported(alone, step), reported(shared, shared.update_block(psi, y, lazy))));
+}
+TEST(RowsAtOnce, NeedAThread) { EXPECT_THROW(Crew(0), std::invalid_argument); }
 
 /// Rounding at random draws a number at each operation: another order of operations would draw others.
 TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
@@ -106,7 +161,8 @@ TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
     Step<double> step{};
     for (Index k = 0; k < 150; ++k) step = single.update({psi.col(k).data(), 100}, y[k]);
     EXPECT_TRUE(same_bits(reported(single, step), reported(processed, process(processed, psi, y))));
-    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> && !TakesRowsAtOnce<QrBlock<double>>);
+    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> && TakesRowsAtOnce<Ud<float>> &&
+                !TakesRowsAtOnce<QrBlock<double>>);
 }
 
 TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {

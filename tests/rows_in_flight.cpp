@@ -67,7 +67,7 @@ struct Operands {
     T eta[together], r;
 
     Operands(Index size, Kind kind, Seed seed)
-        : d(size), ld(padded<T, Dynamic>(size)), L(size_t(ld * d)), x(size_t(ld * together)), z(size_t(ld)), c(x), s(x) {
+        : d(size), ld(column_stride<T, Dynamic>(size)), L(size_t(ld * d)), x(size_t(ld * together)), z(size_t(ld)), c(x), s(x) {
         for (auto* v : {&L, &x, &z, &c, &s})
             for (T& number_of_v : *v) number_of_v = number<T>(seed, kind);
         for (T& e : eta) e = number<T>(seed, kind);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/next_row.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -23,6 +23,7 @@ class Carlson {
     StateVector<T, N> theta_, f_, m_, K_;
     StateVector<RealOf<T>, N> before_, s_, r_;
     StateMatrix<T, N> S_;
+    [[no_unique_address]] NextRow<T, N> next_;
 
 public:
     using scalar = T;
@@ -31,23 +32,28 @@ public:
     explicit Carlson(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
           f_(problem.size), m_(problem.size), K_(problem.size), before_(problem.size), s_(problem.size), r_(problem.size),
-          S_(start_root<T, N>(problem)) {}
+          S_(start_root<T, N>(problem)), next_(problem.size) {}
 
     /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
     /// docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
-        multiply_upper_transposed(S_, psi.data(), f_);                                                   // (1)
+        multiply_upper_transposed(S_, psi.data(), f_, next_);                                            // (1)
         RealOf<T> const s = prefix_sums(lambda_, f_, f_, before_, s_);                                   // (2)
         divide(before_, s_, r_);                                                                         // (3)
         take_roots(r_, r_);
         divide(f_, before_, m_);
         scale(m_, r_, m_);
-        sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_, perturb);                                     // (4)
+        sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_, perturb, next_);                              // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
         return report(e, lambda_, s, theta_);
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over S. Returns the last step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        return update_rows(*this, next_, f_.size(), psi, y);
     }
 
     auto theta() const { return theta_.view(); }

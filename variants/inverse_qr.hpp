@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/next_row.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -24,6 +24,7 @@ class InverseQr {
     StateVector<T, N> theta_, a_, s_, g_, K_;
     StateVector<RealOf<T>, N> before_, b_, c_;
     StateMatrix<T, N> S_;
+    [[no_unique_address]] NextRow<T, N> next_;
 
 public:
     using scalar = T;
@@ -32,22 +33,27 @@ public:
     explicit InverseQr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
           a_(problem.size), s_(problem.size), g_(problem.size), K_(problem.size), before_(problem.size), b_(problem.size),
-          c_(problem.size), S_(start_root<T, N>(problem)) {}
+          c_(problem.size), S_(start_root<T, N>(problem)), next_(problem.size) {}
 
     /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays definite:
     /// docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
-        multiply_upper_transposed(S_, psi.data(), a_);                                                   // (1)
+        multiply_upper_transposed(S_, psi.data(), a_, next_);                                            // (1)
         divide(a_, by_root_lambda_, a_);
         RealOf<T> const b = prefix_norms(a_, before_, b_);                                               // (2)
         divide(before_, b_, c_);
         divide(a_, b_, s_);
-        sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb);
+        sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb, next_);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
         return if_finite(all_finite(theta_) && is_finite(b), report(e, RealOf<T>(RealOf<T>(1) / (b * b))));
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: (2) of one and (1) of the next are one pass over S. Returns the last step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        return update_rows(*this, next_, a_.size(), psi, y);
     }
 
     auto theta() const { return theta_.view(); }

@@ -47,6 +47,10 @@ public:
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }
+    /// The same; from 384 parameters on the threads of `helpers` (a Crew) share the rows of P.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, Helpers& helpers) {
+        return update_rows(*this, next_, f_.size(), psi, y, &helpers);
+    }
 
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <rlslab/core/concept.hpp>
+#include <rlslab/linalg/next_row.hpp>
 #include <rlslab/linalg/start.hpp>
-#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
@@ -23,6 +23,7 @@ class Ud {
     StateVector<T, N> theta_, f_, g_, mu_, K_;
     StateVector<RealOf<T>, N> D_, before_, s_;
     StateMatrix<T, N> U_;
+    [[no_unique_address]] NextRow<T, N> next_;
 
 public:
     using scalar = T;
@@ -31,7 +32,7 @@ public:
     explicit Ud(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
           f_(problem.size), g_(problem.size), mu_(problem.size), K_(problem.size), D_(problem.size), before_(problem.size),
-          s_(problem.size), U_(problem.size) {
+          s_(problem.size), U_(problem.size), next_(problem.size) {
         start_ud(problem, U_, D_);
     }
 
@@ -40,17 +41,22 @@ public:
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
-        multiply_upper_transposed(U_, psi.data(), f_);                                                   // (1)
+        multiply_upper_transposed(U_, psi.data(), f_, next_);                                            // (1)
         scale(D_, f_, g_);
         RealOf<T> const s = prefix_sums(lambda_, f_, g_, before_, s_);                                   // (2)
         divide(f_, before_, mu_);
         divide(before_, s_, before_);                                                                    // (3)
         scale(D_, before_, D_);
         divide(D_, by_lambda_, D_);
-        sweep_ud(U_, g_, mu_, K_, perturb);                                                              // (4)
+        sweep_ud(U_, g_, mu_, K_, perturb, next_);                                                       // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
         return report(e, lambda_, s, theta_);
+    }
+
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over U. Returns the last step.
+    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+        return update_rows(*this, next_, f_.size(), psi, y);
     }
 
     auto theta() const { return theta_.view(); }

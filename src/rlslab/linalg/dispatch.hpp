@@ -46,16 +46,73 @@ template <>
 inline constexpr Wide wide<SweepRotations<double>>{.from = 64, .registers = 8};
 template <>
 inline constexpr Wide wide<SweepCarlson<double>>{.from = 256, .registers = 8};
+template <>
+inline constexpr Wide wide<ThenMultiply<SweepUd<double>>>{.from = 96};
+template <>
+inline constexpr Wide wide<ThenMultiply<SweepRotations<double>>>{.from = 128};
+template <>
+inline constexpr Wide wide<ThenMultiply<SweepCarlson<double>>>{.from = 128};
 
 template <>
 inline constexpr Wide wide<RotateInRows<double>>{.from = 8};
 
-/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on. Two vectors that run along the rows
-/// need many registers: SubtractRankOne is not faster with 16 of them.
+inline constexpr Index never = std::numeric_limits<Index>::max();
+
+/// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on.
 template <class Pass>
-inline constexpr Index one_pass_from = std::numeric_limits<Index>::max();
+inline constexpr Index one_pass_from = never;
+template <class T>
+inline constexpr Index one_pass_from<SubtractRankOne<T>> = 128;
 template <class T>
 inline constexpr Index one_pass_from<SubtractMirrored<T>> = 128;
+template <>
+inline constexpr Index one_pass_from<SweepUd<double>> = 320;
+template <>
+inline constexpr Index one_pass_from<SweepUd<float>> = 192;
+template <>
+inline constexpr Index one_pass_from<SweepCarlson<double>> = 384;
+template <>
+inline constexpr Index one_pass_from<SweepCarlson<float>> = 640;
+template <>
+inline constexpr Index one_pass_from<SweepRotations<double>> = 512;
+template <>
+inline constexpr Index one_pass_from<SweepRotations<float>> = 640;
+
+/// From this d on a sweep is faster with a few columns side by side (isa/columns.hpp) than with a few blocks of rows (isa/sweep.hpp), on
+/// registers of 64 bytes or on smaller ones.
+struct ByColumns {
+    Index from, from_on_wide;
+};
+template <class Kernel>
+inline constexpr ByColumns by_columns_from{never, never};
+template <class T>
+inline constexpr ByColumns by_columns_from<AddSquare<T>>{1024, 1024};
+template <class T>
+inline constexpr ByColumns by_columns_from<Multiply<T>>{256, 512};
+template <class T>
+inline constexpr ByColumns by_columns_from<SubtractRankOne<T>>{384, 384};
+template <class T>
+inline constexpr ByColumns by_columns_from<SubtractMirrored<T>>{192, 256};
+template <>
+inline constexpr ByColumns by_columns_from<SubtractMirrored<float>>{96, never};
+template <class T>
+inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<T>>>{256, 512};
+template <>
+inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractRankOne<float>>>{128, never};
+template <class T>
+inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<T>>>{320, 320};
+template <>
+inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<float>>>{128, never};
+/// The same for a ThenMultiply whose rows are shared among threads, which pays from `shared_from` on.
+inline constexpr Index by_columns_from_shared = 1300, shared_from = 384;
+template <class T>
+inline constexpr ByColumns by_columns_from<SweepUd<T>>{256, 1600};
+template <>
+inline constexpr ByColumns by_columns_from<SweepUd<float>>{640, never};
+template <class T>
+inline constexpr ByColumns by_columns_from<SweepCarlson<T>>{640, 768};
+template <class T>
+inline constexpr ByColumns by_columns_from<SweepRotations<T>>{640, 1600};
 
 /// RotateInRows is faster than RotateIn for one row after another from this d on.
 inline constexpr Index together_from = 5;
@@ -139,6 +196,13 @@ inline constexpr int register_bytes = 32;
 inline constexpr int register_bytes = 16;
 #endif
 
+/// Elementwise kernels are inlined for vectors of up to so many bytes, and longer ones only where no wider registers are to be called for.
+#if defined(__AVX2__) || !defined(__x86_64__)
+inline constexpr Index inlined_bytes = never;
+#else
+inline constexpr Index inlined_bytes = 256;
+#endif
+
 /// Whether ThenMultiply<Pass> is faster than the pass and a product after it.
 template <class Pass>
 bool one_pass_is_faster(Index d) {
@@ -160,7 +224,7 @@ template <class T, int N, class Kernel>
         if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
             if (kernel.d <= 4) return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
         if constexpr (Elementwise<Kernel>)
-            if (kernel.d <= 16) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
+            if (kernel.d <= inlined_bytes / Index(sizeof(T))) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
 #ifdef __x86_64__
         if constexpr (!OnColumns<Kernel>)
             if constexpr (wide<Kernel>.from != Wide{}.from)

@@ -157,14 +157,16 @@ struct SubtractMirrored {
     T const *w, *f;
     RealOf<T> correction;
 };
-/// The pass of S over A, a SubtractRankOne or a SubtractMirrored; and out_i = sum_j A_ij x_j, j ascending, of the A that it leaves. That is
-/// the product of the next update: A is read once for both. x: d numbers. out differs from S's vectors.
+/// The pass of S over A and a product with the A that it leaves, that of the next update: A is read once for both. S is a SubtractRankOne
+/// or a SubtractMirrored, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and out is that of MultiplyTransposed.
+/// x: d numbers. out differs from S's vectors.
 template <class S>
 struct ThenMultiply : S {
     static constexpr int registers = 4;
     using T = std::remove_const_t<std::remove_pointer_t<decltype(S::A)>>;
     T const* x;
     T* out;
+    Index first = 0, last = S::d;  ///< not for triangles: the rows [first, last) alone are changed and multiplied; first: a multiple of 8
 };
 /// A_ij = t + t correction, t = A_ij - (x_i g_j' + g_i x_j'); A is symmetric (Hermitian).
 template <class T>
@@ -224,6 +226,8 @@ template <class K>
 concept ByRows = requires { K::registers; };
 template <class K>
 concept Sweep = ByRows<K> && requires { K::starts; };
+template <class K>
+concept UpperSweep = Sweep<K> && K::upper;
 
 // --- panels of a lower triangle ------------------------------------------------------------------------------------------
 

@@ -1,31 +1,73 @@
 // Rows that are known in advance: while P is changed for one row, its product with the next row is computed in the same pass over memory.
 //
-// For updates that begin with f = P psi and end with a change of P by rank one. Sizes are d and d x d.
+// For updates that begin with f = P psi, or with S'psi for an upper triangle S, and end with a change of P or of S. Sizes are d and d x d.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
-#include <rlslab/linalg/kernels.hpp>
+#include <rlslab/linalg/sweeps.hpp>
 
 namespace rlslab {
 
-/// The next row's regressor and its product with P. It knows them only while `update_rows` runs; otherwise `multiply` and the functions
+/// Who shares the rows of a large P in an update: a Crew of threads (crew.hpp).
+class Helpers {
+public:
+    /// work(part, parts), part = 0 ... parts - 1. It does not throw.
+    struct Work {
+        void const* data;
+        void (*call)(void const* data, Index part, Index parts);
+        void operator()(Index part, Index parts) const { call(data, part, parts); }
+    };
+    virtual Index parts() const = 0;
+    /// Does all parts at the same time, and returns when they are done.
+    virtual void run(Work const& work) = 0;
+
+protected:
+    ~Helpers() = default;
+};
+
+/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise `multiply` and the functions
 /// below do what those without a NextRow do. The product has the bits that `multiply` gives it.
 template <Scalar T, int N>
 class NextRow {
     T const* psi_ = nullptr;
+    Helpers* helpers_ = nullptr;
     bool multiplied_ = false;
     StateVector<T, N> product_;
+
+    /// The rows of one part: whole blocks of rows, as many as go through the columns together.
+    static Index first_row(Index part, Index parts, Index d) { return part == parts ? d : part * d / parts / 64 * 64; }
+    template <class Pass>
+    void run_in_parts(kernels::ThenMultiply<Pass> const& all) {
+        auto const part_of = [](void const* data, Index part, Index parts) {
+            auto some = *static_cast<kernels::ThenMultiply<Pass> const*>(data);
+            some.first = first_row(part, parts, some.d), some.last = first_row(part + 1, parts, some.d);
+            run_kernel<T, N>(some);
+        };
+        helpers_->run({&all, part_of});
+    }
+
+    /// Whether that is worth it, and done.
+    template <class Pass>
+    [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
+        bool const shared = !kernels::UpperSweep<Pass> && helpers_ && pass.d >= kernels::shared_from;
+        multiplied_ = shared || kernels::one_pass_is_faster<Pass>(pass.d);
+        if (!multiplied_) return false;
+        kernels::ThenMultiply<Pass> const both{pass, psi_, product_.data()};
+        if (shared) run_in_parts(both);
+        else run_kernel<T, N>(both);
+        return true;
+    }
 
 public:
     explicit NextRow(Index size) : product_(size) {}
     /// psi: d numbers that stay as they are until the next call, or nullptr.
     void announce(T const* psi) { psi_ = psi; }
+    /// helpers: for passes over a large P that also multiply, until the next call; or nullptr.
+    void share(Helpers* helpers) { helpers_ = helpers; }
 
     template <class Pass>
-    void run(Pass const& pass) {
-        multiplied_ = psi_ != nullptr && kernels::one_pass_is_faster<Pass>(pass.d);
-        if (multiplied_) run_kernel<T, N>(kernels::ThenMultiply<Pass>{pass, psi_, product_.data()});
-        else run_kernel<T, N>(pass);
+    [[gnu::always_inline]] void run(Pass const& pass) {
+        if (psi_ == nullptr || !run_and_multiply(pass)) run_kernel<T, N>(pass);
     }
     /// Moves the product to f, if it has been computed.
     bool take(StateVector<T, N>& f) {
@@ -42,6 +84,7 @@ class NextRow<T, N> {
 public:
     explicit NextRow(Index) {}
     void announce(T const*) {}
+    void share(Helpers*) {}
     template <class Pass>
     void run(Pass const& pass) {
         run_kernel<T, N>(pass);
@@ -67,14 +110,22 @@ void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x
     next.run(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 
+/// out = S'x, S upper triangular, or the product that `next` has computed already, of x and S as for `multiply`.
+template <Scalar T, int N>
+void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<T, N>& next) {
+    if (!next.take(out)) multiply_upper_transposed(S, x, out);
+}
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
-/// std::invalid_argument for other shapes, before any row is processed.
+/// std::invalid_argument for other shapes, before any row is processed. helpers may share the work.
 template <Scalar T, int N, class F>
-Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
+                    Helpers* helpers = nullptr) {
     expects(psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+    next.share(helpers);
     for (Index k = 0;; ++k) {
         bool const last = k + 1 == y.size();
         next.announce(last ? nullptr : psi.col(k + 1).data());
+        if (last) next.share(nullptr);
         Step<T> const step = f.update({psi.col(k).data(), d}, y[k]);
         if (last) return step;
     }

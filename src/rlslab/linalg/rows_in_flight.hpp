@@ -15,7 +15,7 @@ namespace rlslab {
 template <RootedScalar T, int N>
 class RowsInFlight {
     static constexpr Index parts = 3 * kernels::RotateInRows<T>::together;
-    static constexpr int Capacity = N == Dynamic ? Dynamic : int(parts * padded<T, N>(N));
+    static constexpr int Capacity = N == Dynamic ? Dynamic : int(parts * column_stride<T, N>(N));
     Index stride_;
     detail::Buffer<T, Capacity> buffer_;  // of all rows the regressors, the cosines and the sines
     T eta_[size_t(kernels::RotateInRows<T>::together)];
@@ -25,7 +25,7 @@ class RowsInFlight {
 public:
     static constexpr Index together = kernels::RotateInRows<T>::together;
 
-    explicit RowsInFlight(Index size) : stride_(padded<T, N>(size)), buffer_(parts * stride_, size) {}
+    explicit RowsInFlight(Index size) : stride_(column_stride<T, N>(size)), buffer_(parts * stride_, size) {}
     static bool are_faster(Index d) { return d >= kernels::together_from; }
 
     /// The rows from k on of psi (d x B) and y (B). The rotations are kept for rotation() if `kept`.

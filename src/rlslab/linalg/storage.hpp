@@ -29,6 +29,15 @@ constexpr Index padded(Index size) {
     return N != Dynamic && N <= 4 ? 4 : (size + 7) & ~Index(7);
 }
 
+/// Numbers from one column of a matrix to the next: a column's length and, where that is a multiple of 1024 bytes, a few cache lines more.
+/// Without them the numbers of a row would fall into the same few sets of the caches.
+template <class T, int N>
+constexpr Index column_stride(Index size) {
+    Index const length = padded<T, N>(size), bytes = length * Index(sizeof(T)), line = 64;
+    if (!Hardware<T> || bytes % 1024 != 0) return length;
+    return length + std::min<Index>(bytes / 1024, 5) * line / Index(sizeof(T));
+}
+
 namespace detail {
 /// An allocator of memory that begins on a cache line.
 template <class T>
@@ -92,19 +101,35 @@ public:
     auto view() const { return Eigen::Map<Vector<T, N> const>(data(), size()); }
 };
 
+namespace detail {
+/// The stride of a matrix: stored where the size is not fixed, since it is asked for with every number.
+template <class T, int N>
+struct Stride {
+    explicit Stride(Index) {}
+    static constexpr Index value() { return column_stride<T, N>(N); }
+};
+template <class T>
+struct Stride<T, Dynamic> {
+    Index numbers;
+    explicit Stride(Index size) : numbers(column_stride<T, Dynamic>(size)) {}
+    Index value() const { return numbers; }
+};
+}  // namespace detail
+
 /// d x d numbers by columns, zero at first; N and view() as above. A column has stride() >= d numbers in memory.
 template <class T, int N = Dynamic>
 class StateMatrix {
-    static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(padded<T, N>(N));
+    static constexpr int Capacity = N == Dynamic ? Dynamic : N * int(column_stride<T, N>(N));
     detail::Buffer<T, Capacity> buffer_;
+    [[no_unique_address]] detail::Stride<T, N> stride_;
 
 public:
-    explicit StateMatrix(Index size) : buffer_(size * padded<T, N>(size), size) {}
+    explicit StateMatrix(Index size) : buffer_(size * column_stride<T, N>(size), size), stride_(size) {}
     Index size() const {
         if constexpr (N == Dynamic) return buffer_.held.value;
         else return N;
     }
-    Index stride() const { return padded<T, N>(size()); }  ///< numbers from one column to the next
+    Index stride() const { return stride_.value(); }  ///< numbers from one column to the next
     T* column(Index j) { return buffer_.values.data() + j * stride(); }
     T const* column(Index j) const { return buffer_.values.data() + j * stride(); }
     T& operator()(Index i, Index j) { return column(j)[i]; }

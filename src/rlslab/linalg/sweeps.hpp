@@ -17,12 +17,13 @@ T kept(At const& at) {
     else return T(1);
 }
 
-/// The kernel; or, for a perturbation, its text one column after another, with perturb(v_1 ... v_j, kept_j) after column j.
-/// The bits are the same if that changes nothing (stochastic rounding aside, which draws in another order).
-template <Scalar T, int N, class Kernel, class Perturb>
-void run_sweep(Kernel const& kernel, Perturb& perturb) {
+/// The kernel, by `next` if that is given; or, for a perturbation, its text one column after another, with perturb(v_1 ... v_j, kept_j)
+/// after column j. The bits are the same if that changes nothing (stochastic rounding aside, which draws in another order).
+template <Scalar T, int N, class Kernel, class Perturb, class... Next>
+void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
     if constexpr (std::same_as<Perturb, NoPerturbation>) {
-        run_kernel<T, N>(kernel);
+        if constexpr (sizeof...(Next) == 0) run_kernel<T, N>(kernel);
+        else (next.run(kernel), ...);
     } else {
         using Row = kernels::portable::ScalarRow<T>;
         for (Index j = 0; j < kernel.d; ++j) {
@@ -43,6 +44,7 @@ void run_sweep(Kernel const& kernel, Perturb& perturb) {
 }  // namespace detail
 
 // --- upper triangles of a covariance --------------------------------------------------------------------------------------
+// The sweeps may be given a NextRow (next_row.hpp), which then computes the next row's product with what they leave.
 
 /// out = S'x, S upper triangular; x has d numbers.
 template <Scalar T, int N>
@@ -51,26 +53,27 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 }
 
 /// U_ij = t - v_i mu_j', v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
-template <Scalar T, int N, class Perturb>
-void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb) {
-    detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()}, perturb);
+template <Scalar T, int N, class Perturb, class... Next>
+void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb,
+              Next&... next) {
+    detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()}, perturb, next...);
 }
 
 /// S_ij = (t keep_j - v_i mix_j') / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
-template <Scalar T, int N, class Perturb>
+template <Scalar T, int N, class Perturb, class... Next>
 void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<RealOf<T>, N> const& keep, StateVector<T, N> const& mix,
-                   DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v, Perturb& perturb) {
+                   DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v, Perturb& perturb, Next&... next) {
     detail::run_sweep<T, N>(
         kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},
-        perturb);
+        perturb, next...);
 }
 
 /// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j' g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
-template <RootedScalar T, int N, class Perturb>
+template <RootedScalar T, int N, class Perturb, class... Next>
 void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
-                     DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& g, Perturb& perturb) {
+                     DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& g, Perturb& perturb, Next&... next) {
     detail::run_sweep<T, N>(
-        kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb);
+        kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb, next...);
 }
 
 /// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + |a_j|^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a

@@ -6,6 +6,8 @@
 
 #include <rlslab/linalg/isa/sweep.hpp>
 
+#include <rlslab/linalg/isa/columns.hpp>
+
 #include <rlslab/linalg/isa/lower.hpp>
 
 #include <rlslab/linalg/isa/rows.hpp>

@@ -119,6 +119,14 @@ struct SimdBlock {
         }
     }
     [[gnu::always_inline]] void take(SimdBlock const& a) { *this = a; }
+    /// Takes the first `count` rows of a. The others stay.
+    [[gnu::always_inline]] void take_first(SimdBlock const& a, Index count) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
+            Mask const here = mask(count, m);
+            v[m] = V((here & Mask(a.v[m])) | (~here & Mask(v[m])));
+        }
+    }
     [[gnu::always_inline]] void scale(T a) {
 #pragma GCC unroll 16
         for (V& r : v) r = r * a;
@@ -229,6 +237,11 @@ struct SimdBlock {
             v[m] = v[m] + product;
         }
     }
+    /// sum(a, b, {0, count}).
+    template <int count>
+    [[gnu::always_inline]] void sum_first(SimdBlock const& a, SimdBlock const& b) {
+        sum_first_in_each<count>(a, b, std::make_integer_sequence<int, registers>());
+    }
     /// ((0+4)+(2+6)) + ((1+5)+(3+7)) of each of four blocks. Always writes four numbers; out is padded.
     [[gnu::always_inline]] static void sums(SimdBlock (&a)[4], T* out) {
         if constexpr (W == 2) {
@@ -277,6 +290,15 @@ private:
     [[gnu::always_inline]] void subtract_either_in_each(SimdBlock const& a, T b, SimdBlock const& c, T d,
                                                         std::integer_sequence<int, m...>) {
         (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
+    }
+    template <int count, int... m>
+    [[gnu::always_inline]] void sum_first_in_each(SimdBlock const& a, SimdBlock const& b, std::integer_sequence<int, m...>) {
+        (sum_first_in<count - m * W>(v[m], a.v[m], b.v[m]), ...);
+    }
+    template <int count>
+    [[gnu::always_inline]] static void sum_first_in(V& x, V const& a, V const& b) {
+        if constexpr (count >= W) x = x + a * b;
+        else if constexpr (count > 0) x = x + put_together<count>(a * b, -V{}, std::make_integer_sequence<int, W>());
     }
     template <int first, int... i>
     [[gnu::always_inline]] static V put_together(V const& before, V const& after, std::integer_sequence<int, i...>) {

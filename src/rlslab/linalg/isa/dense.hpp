@@ -101,6 +101,12 @@ template <class B, class T, Shape shape>
         k.out[j] = dot(k.A + j * k.ld, k.x, n);
     }
 }
+/// Adds the products in the block at i0, where row `first` holds the diagonal of column 0. Below its diagonal a column has no rows.
+template <int first, class B, class T, int... c>
+[[gnu::always_inline]] inline void to_diagonal(B (&sum)[4], T const* const (&column)[4], Index i0, B const& x,
+                                               std::integer_sequence<int, c...>) {
+    (sum[c].template sum_first<first + c + 1>(block_of<B>(column[c], i0), x), ...);
+}
 template <class B, class T, Shape shape>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(MultiplyTransposed<T, shape> const& k) {
@@ -134,12 +140,20 @@ template <class B, class T, Shape shape>
         }
         x = x_tail;
         if (last < tail) x.load(k.x + last);
+        if (upper && B::rows == 8 && count == 4) {
+            if (last == 0)
 #pragma GCC unroll 16
-        for (int c = 0; c < 4; ++c) {
-            RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
-            a.load(column[c] + last);
-            if (last > 0) sum[c].sum(a, x, present);
-            else sum[c].start_sum(a, x, present);
+                for (int c = 0; c < 4; ++c) sum[c].empty_sum();
+            if (j0 == last) to_diagonal<0>(sum, column, last, x, std::make_integer_sequence<int, 4>());
+            else to_diagonal<B::rows - 4>(sum, column, last, x, std::make_integer_sequence<int, 4>());
+        } else {
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) {
+                RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
+                a.load(column[c] + last);
+                if (last > 0) sum[c].sum(a, x, present);
+                else sum[c].start_sum(a, x, present);
+            }
         }
         B::sums(sum, k.out + j0);
     }

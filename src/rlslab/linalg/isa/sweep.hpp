@@ -225,11 +225,11 @@ template <class B, int K, class T>
     }
 }
 
-/// K blocks of rows together while there are so many, then K/2, ..., then 1.
+/// K blocks of rows together while there are so many before i1, then K/2, ..., then 1.
 template <class B, int K, class S>
-[[gnu::always_inline]] inline void groups(S const& s, Index i0) {
-    for (; s.d - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
-    if constexpr (K > 1) groups<B, K / 2>(s, i0);
+[[gnu::always_inline]] inline void groups(S const& s, Index i0, Index i1) {
+    for (; i1 - i0 > (K - 1) * B::rows; i0 += K * B::rows) rows<B, K>(s, i0);
+    if constexpr (K > 1) groups<B, K / 2>(s, i0, i1);
 }
 /// Computes one triangle and copies it: stochastic rounding would give the mirror image other bits.
 template <class B, class T>
@@ -254,18 +254,4 @@ template <class B, class T>
             s.A[i * s.ld + j] = select(below == above && !(below == T(0)), sum, T(below + product));
             s.A[j * s.ld + i] = sum;
         }
-}
-
-template <class B, ByRows S>
-[[gnu::always_inline]] inline void evaluate(S const& s) {
-    constexpr int together = B::wide ? wide<S>.registers : S::registers;
-    groups<B, together <= B::registers ? 1 : together / B::registers>(s, 0);
-}
-
-/// For single rows: one pass, then the other.
-template <class B, class S>
-    requires(B::rows == 1)
-[[gnu::always_inline]] inline void evaluate(ThenMultiply<S> const& s) {
-    evaluate<B>(static_cast<S const&>(s));
-    evaluate<B>(Multiply<typename B::scalar>{s.d, s.ld, s.A, s.out, s.x});
 }
