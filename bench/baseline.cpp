@@ -19,14 +19,21 @@ Ratio spread(std::vector<double> ratios) {
 /// Four digits: more than a time has.
 Json rounded(double x) { return Json::parse(fmt::format("{:.4g}", x)); }
 
+Times times_in(Json const& run) {
+    Times out;
+    for (Json const& row : run.at("benchmarks"))
+        if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))
+            out[row.at("run_name")].push_back(row.at("ns_per_update"));
+    return out;
+}
+
 }  // namespace
+
+Times times_of(std::string const& run_json) { return times_in(parsed_results(run_json)); }
 
 Baseline baseline_of(std::string const& run_json) {
     Json const run = parsed_results(run_json);
-    std::map<std::string, std::vector<double>> times;
-    for (Json const& row : run.at("benchmarks"))
-        if (row.value("run_type", "") == "iteration" && !row.value("error_occurred", false))
-            times[row.at("run_name")].push_back(row.at("ns_per_update"));
+    Times times = times_in(run);
     auto const scale = times.find(yardstick);
     if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", yardstick));
     Baseline out{

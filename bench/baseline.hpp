@@ -21,6 +21,11 @@ struct Baseline {
     std::map<std::string, Ratio> rows;
 };
 
+/// Nanoseconds of each row, one for each repetition.
+using Times = std::map<std::string, std::vector<double>>;
+/// Of the JSON that Google Benchmark wrote. Throws nlohmann::json::exception for another.
+Times times_of(std::string const& run_json);
+
 /// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or where a row has fewer than five
 /// repetitions.
 Baseline baseline_of(std::string const& run_json);

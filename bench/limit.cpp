@@ -48,7 +48,8 @@ public:
         for (Index j = 0; j < unrolled; ++j) y[i + j] += a;
 }
 
-constexpr int passes = 64;  // in one iteration
+/// Passes in one iteration.
+int passes_over(Index count) { return int(std::clamp<Index>(64 * 256 * 256 / count, 2, 64)); }
 
 /// The answer is exact or the loop has left something out.
 Answer exact_or_none(double found, double expected) {
@@ -57,6 +58,7 @@ Answer exact_or_none(double found, double expected) {
 
 void read(benchmark::State& state, Index count) {
     Numbers x(count);
+    int const passes = passes_over(count);
     Stopwatch watch(state, passes);
     double total = 0;
     for (auto _ : state)
@@ -74,6 +76,7 @@ void read(benchmark::State& state, Index count) {
 
 void read_modify_write(benchmark::State& state, Index count) {
     Numbers y(count);
+    int const passes = passes_over(count);
     Stopwatch watch(state, passes);
     double before = 0;
     for (auto _ : state)
@@ -90,7 +93,7 @@ void read_modify_write(benchmark::State& state, Index count) {
 }
 
 [[maybe_unused]] bool const added = [] {
-    for (Index size : {32, 64, 128, 256}) {
+    for (Index size : {32, 64, 128, 256, 512, 1024, 2048, 4096}) {
         Index const count = size * size;
         std::string const bytes = std::to_string(count * Index(sizeof(double)));
         add_row("limit/read/" + bytes, [=](benchmark::State& state) { read(state, count); });

@@ -53,7 +53,7 @@ std::string sentence(BenchRow const& row) {
 Look look_in_bench(BenchRow const& row, size_t place) {
     constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
     if (row.family == "limit") return {"#555555", true};
-    if (row.group == "peer") return {"#8c510a", true, marks[place % marks.size()]};
+    if (row.family == "peer") return {"#8c510a", true, marks[place % marks.size()]};
     return look_of(row.name, place);
 }
 
@@ -73,7 +73,7 @@ std::string drawn(Rows const& rows, std::string const& title) {
     for (std::string const& name : distinct(rows, std::mem_fn(&BenchRow::name))) {
         Rows mine = kept(rows, [&](BenchRow const& r) { return r.name == name; });
         std::ranges::sort(mine, {}, &BenchRow::size);
-        Curve curve{.name = name, .look = look_in_bench(mine.front(), mine.front().group == "peer" ? peers++ : place++), .x = {}, .y = {}};
+        Curve curve{.name = name, .look = look_in_bench(mine.front(), mine.front().family == "peer" ? peers++ : place++), .x = {}, .y = {}};
         for (BenchRow const& row : mine) {
             sizes.insert(row.size);
             curve.x.push_back(row.size), curve.y.push_back(row.nanoseconds), curve.says.push_back(sentence(row));
@@ -118,7 +118,7 @@ std::string table_against(Rows const& rows, Base base) {
     for (std::string const& what : cases) {
         BenchRow const* best = nullptr;
         for (BenchRow const& row : rows)
-            if (row.what == what && row.finite && row.group != "peer" && (!best || row.answered() < best->answered())) best = &row;
+            if (row.what == what && row.finite && row.family != "peer" && (!best || row.answered() < best->answered())) best = &row;
         least.push_back(best);
     }
     out += "</tr></thead><tbody>";
@@ -140,6 +140,7 @@ std::string title_of(std::string const& group, std::string const& arithmetic) {
     if (group == "update") return fmt::format("One filter, one row at a time, {}", arithmetic);
     if (group == "fixed") return fmt::format("The same with the size known to the compiler, {}", arithmetic);
     if (group == "block") return fmt::format("One filter, rows known in advance, {}", arithmetic);
+    if (group == "large") return fmt::format("One filter of many parameters, {}", arithmetic);
     if (group == "lockstep") return fmt::format("Many filters in lockstep, {}, time of one of them", arithmetic);
     if (group == "fleet") return fmt::format("A million filters in the order of memory, {}, time of one of them", arithmetic);
     return group + ", " + arithmetic;
@@ -185,8 +186,9 @@ std::string filters(Rows const& rows) {
             panel.push_back(peer);
         }
         Rows with_limit = panel;
-        if (arithmetic == "double" && group == "update")
-            for (BenchRow limit : kept(rows, [](BenchRow const& r) { return r.group == "limit"; })) {
+        if (arithmetic == "double" && (group == "update" || group == "large"))
+            for (BenchRow limit :
+                 kept(rows, [&](BenchRow const& r) { return r.group == "limit" && (r.size >= 512) == (group == "large"); })) {
                 limit.name = "limit: " + limit.name;
                 with_limit.push_back(limit);
             }

@@ -1,5 +1,5 @@
-// peer/dlib/double/SIZE: dlib::rls, P0 = C I.
-#include "bench/rows.hpp"
+// peer/dlib/double/SIZE and large/dlib/double/SIZE: dlib::rls, P0 = C I.
+#include "bench/large.hpp"
 
 #include <dlib/svm/rls.h>
 
@@ -26,6 +26,7 @@ public:
 
 [[maybe_unused]] bool const added = [] {
     for (Index size : sizes) add_filter_row<Dlib>("peer", size);
+    add_large_rows<Dlib>();
     return true;
 }();
 

@@ -1,4 +1,4 @@
-// How a row of the benchmarks is timed, and what it reports: the same for update/, fixed/, batch/, sparse/ and peer/.
+// How a row of the benchmarks is timed, and what it reports: the same for all groups of rows.
 #pragma once
 
 #include "bench/scenario.hpp"

@@ -1,5 +1,7 @@
-// What moved since a baseline: a planted slowdown is told, scatter and another clock are not.
-#include "bench/baseline.hpp"
+// What moved since a baseline: a planted slowdown is told, scatter and another clock are not. How a run stands to a limit.
+#include "bench/limits.hpp"
+
+#include <rlslab/core/random.hpp>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -57,6 +59,51 @@ TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
     EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no yardstick";
     EXPECT_THROW(baseline_of("not JSON"), std::exception);
     EXPECT_THROW(read_baseline("{}"), std::exception);
+}
+
+TEST(BenchLimits, GiveARatioOfMediansAndItsInterval) {
+    Interval const exact = ratio_of({{2, 2, 2}, {4, 4, 4}}, {{3, 3, 3}});
+    EXPECT_EQ(exact.low, 2);
+    EXPECT_EQ(exact.middle, 2);
+    EXPECT_EQ(exact.high, 2);
+    Interval const scattered = ratio_of({quiet}, {{50, 50, 50, 50, 50}});
+    EXPECT_EQ(scattered.middle, 101.0 / 50);
+    EXPECT_EQ(scattered.low, 2);
+    EXPECT_EQ(scattered.high, 102.0 / 50);
+}
+/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few: once in ten is let pass.
+TEST(BenchLimits, CoverTheTrueRatio) {
+    rlslab::Seed seed{5};
+    auto const repetitions = [&] {
+        std::vector<double> out(7);
+        for (double& x : out) x = 100 + seed.bell();
+        return out;
+    };
+    int outside = 0;
+    constexpr int trials = 100;
+    for (int trial = 0; trial < trials; ++trial) {
+        Interval const ratio = ratio_of({repetitions()}, {repetitions()});
+        outside += ratio.low > 1 || ratio.high < 1;
+    }
+    EXPECT_LE(outside, trials / 10);
+}
+TEST(BenchLimits, HoldAreMissedOrStayOpen) {
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1.1}), Verdict::held);
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1}), Verdict::open);
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {0.8}), Verdict::missed);
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {0.9, true}), Verdict::held);
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1, true}), Verdict::open);
+    EXPECT_EQ(verdict({1, 0.9, 1.1}, {1.2, true}), Verdict::missed);
+}
+TEST(BenchLimits, AreToldOfRowsThatAreThere) {
+    Times const times{{"update/ud/double/64", {90, 90, 90}},
+                      {"update/conventional/double/64", {100, 100, 100}},
+                      {"peer/dlib/double/64", {300, 300, 300}}};
+    EXPECT_EQ(table_of_limits(times),
+              "| ratio of times, and its limit | measured | |\n|---|---|---|\n"
+              "| `conventional` / dlib: at most 0.2, at 128 0.26 | 64: 0.33 [0.33, 0.33] | **missed** 64 |\n"
+              "| `ud` / dlib: at most 0.25 | 64: 0.30 [0.30, 0.30] | **missed** 64 |\n"
+              "| `ud` / `conventional`: at most 1.3, at 64 1, at 128 0.75 | 64: 0.90 [0.90, 0.90] | held 64 |\n");
 }
 
 }  // namespace
