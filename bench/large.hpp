@@ -12,7 +12,7 @@ namespace rlslab::bench {
 inline std::vector<Index> const large_sizes{512, 1024, 2048, 4096};
 
 /// Rows of noise from theta = 0 and P0 = 10 I. After k < d rows theta is in the span of their regressors, and a system of order k
-/// gives it: with W = diag(lambda^(k-1), ..., lambda, 1) and v = 10 / lambda^k
+/// gives it: with Psi (d x k), y (k), W = diag(lambda^(k-1), ..., lambda, 1) and v = 10 / lambda^k
 ///   theta = v Psi (W^-1 + v Psi'Psi)^-1 y,
 /// computed in 257 bits.
 struct LargeScenario {

@@ -4,6 +4,7 @@
 #include <rlslab/linalg/next_row.hpp>
 
 #include <atomic>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -11,8 +12,9 @@
 namespace rlslab {
 
 /// Threads for `update_block(psi, y, crew)`: this one and up to threads - 1 more, fewer where the system gives no more. While an update
-/// runs they wait for one another without sleeping, each on a core of its own; a few milliseconds after it they sleep. One crew may serve
-/// many filters, one after another, not two at the same time. The bits do not depend on the number of threads.
+/// runs they wait for one another without sleeping, each on a core of its own; half a millisecond after it they sleep. One crew may serve
+/// many filters, one after another, not two at the same time. The bits are those of one thread: each row is computed by one of them, in
+/// the same order of operations. Throws std::invalid_argument for less than one thread.
 class Crew final : public Helpers {
     std::atomic<unsigned> started_{0};  // pieces of work so far
     std::atomic<unsigned> busy_{0};     // threads that have not finished the last one
@@ -43,7 +45,8 @@ public:
         expects(threads >= 1, "at least one thread");
         try {
             for (Index part = 1; part < threads; ++part) threads_.emplace_back(&Crew::help, this, part);
-        } catch (std::system_error const&) {}
+        } catch (std::system_error const&) {  // no more of them
+        } catch (std::bad_alloc const&) {}
     }
     Crew(Crew const&) = delete;
     Crew& operator=(Crew const&) = delete;
@@ -54,7 +57,7 @@ public:
         for (std::thread& t : threads_) t.join();
     }
 
-    Index parts() const override { return Index(threads_.size()) + 1; }
+    Index parts() const { return Index(threads_.size()) + 1; }
     void run(Work const& work) override {
         work_ = &work;
         busy_.store(unsigned(threads_.size()), std::memory_order_relaxed);

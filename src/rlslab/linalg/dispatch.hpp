@@ -79,7 +79,7 @@ template <>
 inline constexpr Index one_pass_from<SweepRotations<float>> = 640;
 
 /// From this d on a sweep is faster with a few columns side by side (isa/columns.hpp) than with a few blocks of rows (isa/sweep.hpp), on
-/// registers of 64 bytes or on smaller ones.
+/// registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels alone, A in memory or in the caches as it fits.
 struct ByColumns {
     Index from, from_on_wide;
 };
@@ -196,7 +196,8 @@ inline constexpr int register_bytes = 32;
 inline constexpr int register_bytes = 16;
 #endif
 
-/// Elementwise kernels are inlined for vectors of up to so many bytes, and longer ones only where no wider registers are to be called for.
+/// Elementwise kernels of vectors up to so many bytes are inlined: a call would cost as much. Where there are no wider registers to call
+/// for, all are.
 #if defined(__AVX2__) || !defined(__x86_64__)
 inline constexpr Index inlined_bytes = never;
 #else

@@ -17,8 +17,7 @@ public:
         void (*call)(void const* data, Index part, Index parts);
         void operator()(Index part, Index parts) const { call(data, part, parts); }
     };
-    virtual Index parts() const = 0;
-    /// Does all parts at the same time, and returns when they are done.
+    /// Does all parts at the same time, as many as it has threads, and returns when they are done.
     virtual void run(Work const& work) = 0;
 
 protected:
@@ -34,7 +33,7 @@ class NextRow {
     bool multiplied_ = false;
     StateVector<T, N> product_;
 
-    /// The rows of one part: whole blocks of rows, as many as go through the columns together.
+    /// The rows of one part begin at a multiple of 64: at whole blocks of rows, and at whole cache lines of a column.
     static Index first_row(Index part, Index parts, Index d) { return part == parts ? d : part * d / parts / 64 * 64; }
     template <class Pass>
     void run_in_parts(kernels::ThenMultiply<Pass> const& all) {
@@ -46,7 +45,8 @@ class NextRow {
         helpers_->run({&all, part_of});
     }
 
-    /// Whether that is worth it, and done.
+    /// Runs the pass with the product and returns true; or does nothing and returns false, where two passes are faster. Not inlined: an
+    /// update of few parameters, row by row, takes a tenth longer with all of that in it.
     template <class Pass>
     [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
         bool const shared = !kernels::UpperSweep<Pass> && helpers_ && pass.d >= kernels::shared_from;
@@ -116,7 +116,9 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
     if (!next.take(out)) multiply_upper_transposed(S, x, out);
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
-/// std::invalid_argument for other shapes, before any row is processed. helpers may share the work.
+/// std::invalid_argument for other shapes, before any row is processed. From kernels::shared_from parameters on, `helpers` share each pass
+/// that changes P and multiplies by the next row; the first product and the last change are this thread's, and so is all of it in other
+/// arithmetics than float and double, and where size is fixed below 16. Nobody else may use the helpers meanwhile.
 template <Scalar T, int N, class F>
 Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
                     Helpers* helpers = nullptr) {

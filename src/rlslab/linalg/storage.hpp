@@ -30,7 +30,8 @@ constexpr Index padded(Index size) {
 }
 
 /// Numbers from one column of a matrix to the next: a column's length and, where that is a multiple of 1024 bytes, a few cache lines more.
-/// Without them the numbers of a row would fall into the same few sets of the caches.
+/// Without them the numbers of a row would fall into the same few sets of the caches. (Of 1, 3 and 5 lines, 5 was the fastest from 512
+/// doubles on, and 1 at 128.)
 template <class T, int N>
 constexpr Index column_stride(Index size) {
     Index const length = padded<T, N>(size), bytes = length * Index(sizeof(T)), line = 64;

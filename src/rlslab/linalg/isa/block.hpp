@@ -237,7 +237,7 @@ struct SimdBlock {
             v[m] = v[m] + product;
         }
     }
-    /// sum(a, b, {0, count}).
+    /// sum(a, b, {0, count}), count known when this is compiled.
     template <int count>
     [[gnu::always_inline]] void sum_first(SimdBlock const& a, SimdBlock const& b) {
         sum_first_in_each<count>(a, b, std::make_integer_sequence<int, registers>());

@@ -140,7 +140,7 @@ template <class B, class T, Shape shape>
         }
         x = x_tail;
         if (last < tail) x.load(k.x + last);
-        if (upper && B::rows == 8 && count == 4) {
+        if (upper && B::rows == 8 && count == 4) {  // the rows that count are known when this is compiled: no masks from memory
             if (last == 0)
 #pragma GCC unroll 16
                 for (int c = 0; c < 4; ++c) sum[c].empty_sum();
