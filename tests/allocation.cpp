@@ -32,6 +32,18 @@ std::pair<long, long> allocations_of() {
     return {made - before, allocations - made};
 }
 
+/// Those of a block of rows known in advance, of as many parameters as it takes for one pass.
+template <class F>
+long allocations_of_a_block() {
+    Index const size = 400;
+    F filter(Problem<double>{.size = size});
+    Matrix<double> const psi = Matrix<double>::Identity(size, 5);
+    Vector<double> const y = Vector<double>::Ones(5);
+    long const before = allocations;
+    filter.update_block(psi, y);
+    return allocations - before;
+}
+
 /// A window of so many rows; what is made anew in fifty of them is counted with them.
 template <Index rows, class F>
 struct RowsOf : Windowed<F> {
@@ -50,6 +62,14 @@ TEST(Allocation, NoneForFixedSizesAndNoneInUpdates) {
             EXPECT_EQ(updating, 0) << F::name;
             EXPECT_GT(allocations_of<F>().first, 0) << "the count works";
             EXPECT_EQ(allocations_of<F>().second, 0) << F::name;
+        }
+    });
+}
+
+TEST(Allocation, NoneInRowsThatAreKnownInAdvance) {
+    for_each(Variants<double>{}, []<class F>() {
+        if constexpr (TakesRowsAtOnce<F>) {
+            EXPECT_EQ(allocations_of_a_block<F>(), 0) << F::name;
         }
     });
 }

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace rlslab {
 namespace {
@@ -92,6 +94,93 @@ TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInDouble) { check<Carlson, doubl
 TEST(RowsAtOnce, LeaveCarlsonTheBitsOfSingleRowsInFloat) { check<Carlson, float>(); }
 TEST(RowsAtOnce, LeaveInverseQrTheBitsOfSingleRowsInDouble) { check<InverseQr, double>(); }
 TEST(RowsAtOnce, LeaveInverseQrTheBitsOfSingleRowsInFloat) { check<InverseQr, float>(); }
+
+/// Sums that start from 0, not from -0, make another zero of zeros.
+TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
+    auto const check_signs = []<class F>(F) {
+        using T = typename F::scalar;
+        for (Index size : {20, 136, 256, 640, 1300}) {
+            Matrix<T> const psi = Matrix<T>::Constant(size, 3, -T(0));
+            Vector<T> const y = Vector<T>::Ones(3);
+            F single = started<F>(size), at_once = single;
+            Step<T> step{};
+            for (Index k = 0; k < 3; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
+            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y)))) << F::name << ", " << size;
+        }
+    };
+    Isa const best = kernels::isa;
+    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+        if (isa > best) break;
+        kernels::isa = isa;
+        check_signs(started<Conventional<double>>(1)), check_signs(started<Conventional<float>>(1));
+        check_signs(started<Symmetric<double>>(1)), check_signs(started<Symmetric<float>>(1));
+        check_signs(started<Ud<double>>(1)), check_signs(started<Carlson<double>>(1)), check_signs(started<InverseQr<double>>(1));
+    }
+    kernels::isa = best;
+}
+
+/// The regressors end where memory ends.
+TEST(RowsAtOnce, ReadNothingBehindTheLastRegressor) {
+    Index const size = 397, rows = 3, bytes = size * rows * Index(sizeof(double)), page = sysconf(_SC_PAGESIZE),
+                pages = (bytes + page - 1) / page * page;
+    auto* const memory =
+        static_cast<char*>(mmap(nullptr, size_t(pages + page), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    ASSERT_NE(memory, MAP_FAILED);
+    ASSERT_EQ(mprotect(memory + pages, size_t(page), PROT_NONE), 0);
+    Eigen::Map<Matrix<double>> psi(reinterpret_cast<double*>(memory + pages - bytes), size, rows);
+    psi = noise<double>(size, rows, Seed{3});
+    Vector<double> const y = Vector<double>::Ones(rows);
+    auto const check_end = [&](auto filter) { EXPECT_EQ(filter.update_block(psi, y).health, Health::sound); };
+    check_end(started<Conventional<double>>(size)), check_end(started<Symmetric<double>>(size));
+    check_end(started<Ud<double>>(size)), check_end(started<Carlson<double>>(size)), check_end(started<InverseQr<double>>(size));
+    munmap(memory, size_t(pages + page));
+}
+
+/// psi may be a view of what the filter shows: a row then changes those behind it, in a block as one by one.
+template <class F, class Shown>
+void check_view(Shown shown, char const* what) {
+    constexpr Index size = 128;
+    Vector<double> const y = noise<double>(3, 1, Seed{2});
+    auto const trio = [&] {
+        std::vector<F> all(3, started<F>(size));
+        for (int i = 0; i < 3; ++i)
+            for (Index k = 0; k < 4; ++k) all[size_t(i)].update(noise<double>(size, 1, Seed{std::uint64_t(10 * i + k)}).col(0), double(k));
+        return all;
+    };
+    auto single = trio(), at_once = trio();
+    auto const regressors = [&](std::vector<F> const& of) {
+        return Eigen::Map<Matrix<double> const, 0, Eigen::OuterStride<>>(shown(of[0]).data(), size, 3,
+                                                                         Eigen::OuterStride<>(sizeof(F) / sizeof(double)));
+    };
+    Step<double> step{};
+    for (Index k = 0; k < 3; ++k) step = single[1].update({regressors(single).col(k).data(), size}, y[k]);
+    Step<double> const last = at_once[1].update_block(regressors(at_once), y);
+    EXPECT_TRUE(same_bits(reported(single[1], step), reported(at_once[1], last))) << F::name << ", " << what;
+}
+TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
+    auto const check_both = []<class F>(std::type_identity<F>) {
+        static_assert(sizeof(F) % sizeof(double) == 0);
+        check_view<F>([](F const& f) { return f.theta(); }, "theta");
+        check_view<F>([](F const& f) { return f.gain(); }, "gain");
+    };
+    check_both(std::type_identity<Conventional<double, 128>>()), check_both(std::type_identity<Symmetric<double, 128>>());
+    check_both(std::type_identity<Ud<double, 128>>()), check_both(std::type_identity<Carlson<double, 128>>());
+    check_both(std::type_identity<InverseQr<double, 128>>());
+}
+
+TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
+    auto const check_moved = []<class F>(F filter) {
+        F const taken = std::move(filter);
+        EXPECT_THROW(filter.update_block(Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument) << F::name;
+        EXPECT_THROW(filter.update(Vector<double>(0), 1), std::invalid_argument) << F::name;
+        F itself = taken;
+        F& same = itself;
+        itself = std::move(same);
+        EXPECT_THROW(itself.update(Vector<double>::Ones(20).eval(), 1), std::invalid_argument) << F::name;
+    };
+    check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)), check_moved(started<InverseQr<double>>(20));
+    check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
+}
 
 /// Rows shared among more threads than there are cores, and than there are blocks of rows, against one thread.
 template <class F>

@@ -40,13 +40,21 @@ class Crew final : public Helpers {
         }
     }
 
+    void start(Index threads) {
+        for (Index part = 1; part < threads; ++part) threads_.emplace_back(&Crew::help, this, part);
+    }
+
 public:
     explicit Crew(Index threads) {
         expects(threads >= 1, "at least one thread");
+#ifdef __cpp_exceptions
         try {
-            for (Index part = 1; part < threads; ++part) threads_.emplace_back(&Crew::help, this, part);
+            start(threads);
         } catch (std::system_error const&) {  // no more of them
         } catch (std::bad_alloc const&) {}
+#else
+        start(threads);
+#endif
     }
     Crew(Crew const&) = delete;
     Crew& operator=(Crew const&) = delete;

@@ -181,7 +181,7 @@ void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, RealOf<T> const& wei
 /// e = y - psi'theta. Throws std::invalid_argument unless psi has d numbers; an update calls this before it changes any state.
 template <Scalar T, int N>
 T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta) {
-    expects(psi.size() == theta.size(), "a regressor of the problem's size");
+    expects(psi.size() == theta.size() && psi.size() > 0, "a regressor of the problem's size");
     return y - dot(psi, theta);
 }
 
@@ -189,7 +189,7 @@ T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta
 /// update calls this before it changes any state.
 template <Scalar T, int N, class... More>
 void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... more) {
-    expects(psi.size() == copy.size(), "a regressor of the problem's size");
+    expects(psi.size() == copy.size() && psi.size() > 0, "a regressor of the problem's size");
     for (Index i = 0; i < copy.size(); ++i) {
         copy[i] = psi[i];
         ((more[i] = copy[i]), ...);

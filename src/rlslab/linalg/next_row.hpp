@@ -117,16 +117,19 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
 /// std::invalid_argument for other shapes, before any row is processed. From kernels::shared_from parameters on, `helpers` share each pass
-/// that changes P and multiplies by the next row; the first product and the last change are this thread's, and so is all of it in other
+/// that changes P and multiplies by the next row (which it does not where psi is a view of f's theta or gain: a row changes those behind it); the first product and the last change are this thread's, and so is all of it in other
 /// arithmetics than float and double, and where size is fixed below 16. Nobody else may use the helpers meanwhile.
 template <Scalar T, int N, class F>
 Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
                     Helpers* helpers = nullptr) {
-    expects(psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+    auto const theta = f.theta(), gain = f.gain();
+    Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
+    bool const stay = detail::apart(psi.data(), numbers, theta.data(), d) && detail::apart(psi.data(), numbers, gain.data(), d);
     next.share(helpers);
     for (Index k = 0;; ++k) {
         bool const last = k + 1 == y.size();
-        next.announce(last ? nullptr : psi.col(k + 1).data());
+        next.announce(last || !stay ? nullptr : psi.col(k + 1).data());
         if (last) next.share(nullptr);
         Step<T> const step = f.update({psi.col(k).data(), d}, y[k]);
         if (last) return step;

@@ -59,14 +59,14 @@ public:
 
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. fold(k) is to do what
 /// the updates of `together` rows from k on do, but for their reports: the last row is never among them. `shown` are the vectors that views
-/// of f's answers show. Where y is such a view, a row changes the y of those behind it, and rows go one by one. Throws
+/// of f's answers show. Where psi or y is such a view, a row changes those behind it, and rows go one by one. Throws
 /// std::invalid_argument for other shapes, before any row is processed.
 template <class Flight, class F, class Fold, class... Shown>
 auto update_rows(F& f, Flight const&, Index d, Eigen::Ref<Matrix<typename F::scalar> const> const& psi,
                  Eigen::Ref<Vector<typename F::scalar> const> const& y, Fold fold, Shown const&... shown) {
-    expects(psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
-    [[maybe_unused]] std::less_equal<> const up_to;
-    bool const apart = (... && (up_to(y.data() + y.size(), shown.data()) || up_to(shown.data() + d, y.data())));
+    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+    [[maybe_unused]] Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
+    bool const apart = (... && (detail::apart(y.data(), y.size(), shown.data(), d) && detail::apart(psi.data(), numbers, shown.data(), d)));
     Index k = 0;
     if (apart && Flight::are_faster(d))
         for (; k + Flight::together < y.size(); k += Flight::together) fold(k);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <new>
 #include <utility>
 #include <vector>
@@ -60,11 +61,20 @@ struct MovedSize {
     MovedSize(MovedSize const&) = default;
     MovedSize(MovedSize&& other) noexcept : value(std::exchange(other.value, 0)) {}
     MovedSize& operator=(MovedSize const&) = default;
-    MovedSize& operator=(MovedSize&& other) noexcept {
-        value = std::exchange(other.value, 0);
+    MovedSize& operator=(MovedSize&& other) noexcept {  // of itself, too: the numbers are gone then
+        Index const moved = this == &other ? 0 : other.value;
+        other.value = 0;
+        value = moved;
         return *this;
     }
 };
+
+/// Whether n numbers at a and m at b have none in common.
+template <class T>
+bool apart(T const* a, Index n, T const* b, Index m) {
+    std::less_equal<> const up_to;
+    return up_to(a + n, b) || up_to(b + m, a);
+}
 
 /// `numbers` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction, with the size d
 /// that it was made for. A fixed d is not stored.
