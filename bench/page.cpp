@@ -140,7 +140,7 @@ std::string title_of(std::string const& group, std::string const& arithmetic) {
     if (group == "update") return fmt::format("One filter, one row at a time, {}", arithmetic);
     if (group == "fixed") return fmt::format("The same with the size known to the compiler, {}", arithmetic);
     if (group == "block") return fmt::format("One filter, rows known in advance, {}", arithmetic);
-    if (group == "large") return fmt::format("One filter of many parameters, {}", arithmetic);
+    if (group == "large") return fmt::format("One filter of many parameters, {}; digits against a solution in 257 bits", arithmetic);
     if (group == "lockstep") return fmt::format("Many filters in lockstep, {}, time of one of them", arithmetic);
     if (group == "fleet") return fmt::format("A million filters in the order of memory, {}, time of one of them", arithmetic);
     return group + ", " + arithmetic;
