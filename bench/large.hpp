@@ -36,9 +36,9 @@ struct LargeScenario {
     }
 };
 
-/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed. feed(filter, psi, y) takes rows.
-template <class F, class Feed>
-void add_large_rows(std::string const& name, Feed feed) {
+/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed. process_rows(filter, psi, y) takes rows.
+template <class F, class Process>
+void add_large_rows(std::string const& name, Process process_rows) {
     for (Index size : large_sizes)
         add_row("large/" + name + "/double/" + std::to_string(size), [=](benchmark::State& state) {
             static std::map<Index, LargeScenario> made;
@@ -46,13 +46,13 @@ void add_large_rows(std::string const& name, Feed feed) {
             Index const timed = LargeScenario::rows - 1;
             Stopwatch watch(state, timed);
             F start(scenario.problem);
-            feed(start, scenario.psi.leftCols(1), scenario.y.head(1));
+            process_rows(start, scenario.psi.leftCols(1), scenario.y.head(1));
             F filter = start;
             for (auto _ : state)
                 watch.add([&] { filter = start; },
                           [&] {
                               return nanoseconds_of([&] {
-                                  feed(filter, scenario.psi.rightCols(timed), scenario.y.tail(timed));
+                                  process_rows(filter, scenario.psi.rightCols(timed), scenario.y.tail(timed));
                                   do_not_optimize(filter);
                               });
                           });
