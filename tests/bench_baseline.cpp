@@ -71,7 +71,8 @@ TEST(BenchLimits, GiveARatioOfMediansAndItsInterval) {
     EXPECT_EQ(scattered.low, 2);
     EXPECT_EQ(scattered.high, 102.0 / 50);
 }
-/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few: once in ten is let pass.
+/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few: once in ten is let
+/// pass.
 TEST(BenchLimits, CoverTheTrueRatio) {
     rlslab::Seed seed{5};
     auto const repetitions = [&] {

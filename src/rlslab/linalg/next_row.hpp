@@ -24,8 +24,8 @@ protected:
     ~Helpers() = default;
 };
 
-/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise `multiply` and the functions
-/// below do what those without a NextRow do. The product has the bits that `multiply` gives it.
+/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise `multiply` and the
+/// functions below do what those without a NextRow do. The product has the bits that `multiply` gives it.
 template <Scalar T, int N>
 class NextRow {
     T const* psi_ = nullptr;
@@ -117,8 +117,9 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
 /// std::invalid_argument for other shapes, before any row is processed. From kernels::shared_from parameters on, `helpers` share each pass
-/// that changes P and multiplies by the next row (which it does not where psi is a view of f's theta or gain: a row changes those behind it); the first product and the last change are this thread's, and so is all of it in other
-/// arithmetics than float and double, and where size is fixed below 16. Nobody else may use the helpers meanwhile.
+/// that changes P and multiplies by the next row (which it does not where psi is a view of f's theta or gain: a row changes those behind
+/// it); the first product and the last change are this thread's, and so is all of it in other arithmetics than float and double, and where
+/// size is fixed below 16. Nobody else may use the helpers meanwhile.
 template <Scalar T, int N, class F>
 Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
                     Helpers* helpers = nullptr) {

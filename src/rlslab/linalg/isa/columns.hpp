@@ -1,9 +1,9 @@
 // The sweeps of sweep.hpp with their loops exchanged: a few columns side by side, from the first block of rows to the last. Included by
 // dispatch.hpp once for each instruction set: no #pragma once.
 //
-// Memory is read in its order, which pays where A is larger than the caches. Vectors along the rows (w, and the product with A) pass through
-// registers once for each group of columns; the dot product of a column stays in them, so that a triangle is changed and multiplied in one
-// pass. Each number takes part in the operations of sweep.hpp in their order. Sums start from -0 here, too.
+// Memory is read in its order, which pays where A is larger than the caches. Vectors along the rows (w, and the product with A) pass
+// through registers once for each group of columns; the dot product of a column stays in them, so that a triangle is changed and
+// multiplied in one pass. Each number takes part in the operations of sweep.hpp in their order. Sums start from -0 here, too.
 
 // What is done besides with the block that is left in column c of a group, at rows i0. Between begin and end c goes from 0 to C - 1.
 struct NoProduct {
