@@ -1,35 +1,20 @@
 // rlslab_bench_check RUN.json BASELINE.json [--record]: what moved since the baseline. Exit code: 0 nothing became slower, 1 something did,
 // 2 the question cannot be answered. With --record the run becomes the baseline.
 #include "bench/baseline.hpp"
+#include "bench/results.hpp"
 
 #include <rlslab/core/files.hpp>
 
 #include <csignal>
 #include <cstdio>
 #include <fmt/format.h>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 namespace {
 
 using namespace rlslab::bench;
 
-std::string read(std::string const& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw std::runtime_error("not there (./lab bench --record makes a baseline)");
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// What reading a file came to, its name before any complaint.
-template <class Make>
-Baseline from(std::string const& path, Make make) {
-    try {
-        return make(read(path));
-    } catch (std::exception const& error) {
-        throw std::runtime_error(fmt::format("{}: {}", path, error.what()));
-    }
-}
+constexpr char missing[] = "not there (./lab bench --record makes a baseline)";
 
 }  // namespace
 
@@ -37,13 +22,13 @@ int main(int argc, char** argv) try {
     bool const record = argc == 4 && std::string(argv[3]) == "--record";
     if (argc != 3 && !record) throw std::runtime_error("usage: rlslab_bench_check RUN.json BASELINE.json [--record]");
     std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
-    Baseline const now = from(argv[1], baseline_of);
+    Baseline const now = made_from(argv[1], missing, baseline_of);
     if (record) {
         rlslab::replace_file(argv[2], written(now));
         fmt::print("{} rows recorded\n", now.rows.size());
         return 0;
     }
-    Baseline const before = from(argv[2], read_baseline);
+    Baseline const before = made_from(argv[2], missing, read_baseline);
     if (before.machine != now.machine)
         throw std::runtime_error(
             fmt::format("the baseline is of another machine or compiler ({}); this one is {}", before.machine, now.machine));

@@ -58,7 +58,8 @@ void add_large_rows(std::string const& name, Process process_rows) {
                           });
             Vector<double> const theta = filter.theta();
             double const error = (theta - scenario.theta).cwiseAbs().maxCoeff() / scenario.theta.cwiseAbs().maxCoeff();
-            watch.finish({std::min(-std::log10(error), std::numeric_limits<double>::digits * std::log10(2.0)), theta.allFinite()});
+            double const most = std::numeric_limits<double>::digits * std::log10(2.0);
+            watch.finish({theta.allFinite() ? std::min(-std::log10(error), most) : 0, theta.allFinite()});
             state.SetLabel(family_of(filter));
         });
 }

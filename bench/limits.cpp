@@ -1,5 +1,6 @@
 // The limits by name, and the bootstrap.
 #include "bench/limits.hpp"
+#include "bench/shapes.hpp"
 
 #include <rlslab/core/random.hpp>
 
@@ -42,7 +43,7 @@ Names two_passes(int size) {
     return {fmt::format("limit/read/{}", bytes), fmt::format("limit/read_modify_write/{}", bytes)};
 }
 NamesAt batch(std::string const& name) {
-    return [=](int size) { return Names{fmt::format("{}/{}x{}", name, size <= 40 ? 200000 : 50000, size)}; };
+    return [=](int size) { return Names{name + "/" + shape(batch_rows(size), size)}; };
 }
 
 struct Line {
@@ -56,7 +57,7 @@ struct Line {
 
 std::vector<Line> lines() {
     NamesAt const dlib = row("peer", "dlib"), conventional = row("update", "conventional");
-    std::vector<int> const columns{10, 20, 40, 60, 100};
+    std::vector<int> const& columns = batch_sizes;
     std::vector<Line> out{
         {"`conventional` / dlib", conventional, dlib, {8, 16, 24, 32, 64, 128}, {.2, .2, .2, .2, .2, .26}},
         {"`conventional`, rows known in advance / dlib", row("block", "conventional"), dlib, {128}, {.2}},

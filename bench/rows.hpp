@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bench/scenario.hpp"
+#include "bench/shapes.hpp"
 
 #include <rlslab/core/concept.hpp>
 #include <rlslab/lab/timing.hpp>
@@ -14,11 +15,8 @@
 
 namespace rlslab::bench {
 
-/// The sizes of the filters' rows, and the shapes of the batches'.
+/// The sizes of the filters' rows.
 inline std::vector<Index> const sizes{2, 4, 8, 16, 24, 32, 64, 128, 256};
-inline std::vector<Index> const batch_sizes{10, 20, 40, 60, 100};
-inline Index batch_rows(Index size) { return size <= 40 ? 200000 : 50000; }  // more than a cache holds, either way
-inline std::string shape(Index rows, Index size) { return std::to_string(rows) + "x" + std::to_string(size); }
 
 /// What one row reports besides its time.
 struct Answer {

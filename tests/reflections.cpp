@@ -1,4 +1,6 @@
 // Folding in a block gives the same bits with registers of any width: baseline, AVX2, AVX-512, and a scalar without registers.
+#include "tests/each_isa.hpp"
+
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/qr_block.hpp>
@@ -36,21 +38,12 @@ std::vector<double> folded(Index size, Index rows, double unit) {
     return out;
 }
 template <class T>
-std::vector<double> folded_by(Isa isa, Index size, Index rows, double unit) {
-    Isa const before = std::exchange(kernels::isa, std::min(isa, kernels::isa));  // no more than the machine has
-    std::vector<double> out = folded<T>(size, rows, unit);
-    kernels::isa = before;
-    return out;
-}
-
-template <class T>
 void check() {
     for (double unit : {1.0, 0x1p-70, 0x1p60})  // squares that underflow in float, or overflow, go another way
         for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
             for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
                 std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);
-                for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
-                    EXPECT_EQ(folded_by<T>(isa, size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                on_each_isa([&] { EXPECT_EQ(folded<T>(size, rows, unit), plain) << size << " parameters, " << rows << " rows"; });
             }
 }
 TEST(Reflections, HaveTheSameBitsWithAnyRegistersInDouble) { check<double>(); }

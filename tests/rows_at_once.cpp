@@ -1,4 +1,6 @@
 // Rows that are known in advance leave the bits of one update after another: theta, gain, P, and the last step.
+#include "tests/each_isa.hpp"
+
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/random.hpp>
@@ -69,10 +71,7 @@ bool equal(Index size, Index block, Index blocks = 2) {
 
 template <template <class, int> class F, class T>
 void check() {
-    Isa const best = kernels::isa;
-    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-        if (isa > best) break;
-        kernels::isa = isa;
+    on_each_isa([&] {
         for (Index size = 1; size <= 130; ++size)
             for (Index block : {1, 2, 7}) EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
         // large ones, where each way through the matrix is taken (dispatch.hpp), with every remainder of a group of columns
@@ -80,8 +79,7 @@ void check() {
             EXPECT_TRUE((equal<F<T, Dynamic>>(size, 3))) << size << " parameters";
         EXPECT_TRUE((equal<F<T, Dynamic>>(20, 64))) << "64 rows";
         EXPECT_TRUE((equal<F<T, 4>>(4, 7) && equal<F<T, 8>>(8, 7) && equal<F<T, 20>>(20, 7))) << "fixed sizes";
-    }
-    kernels::isa = best;
+    });
 }
 
 TEST(RowsAtOnce, LeaveConventionalTheBitsOfSingleRowsInDouble) { check<Conventional, double>(); }
@@ -108,15 +106,11 @@ TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
             EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y)))) << F::name << ", " << size;
         }
     };
-    Isa const best = kernels::isa;
-    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-        if (isa > best) break;
-        kernels::isa = isa;
+    on_each_isa([&] {
         check_signs(started<Conventional<double>>(1)), check_signs(started<Conventional<float>>(1));
         check_signs(started<Symmetric<double>>(1)), check_signs(started<Symmetric<float>>(1));
         check_signs(started<Ud<double>>(1)), check_signs(started<Carlson<double>>(1)), check_signs(started<InverseQr<double>>(1));
-    }
-    kernels::isa = best;
+    });
 }
 
 /// The regressors end where memory ends.
@@ -186,10 +180,7 @@ TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
 template <class F>
 void check_shared() {
     using T = typename F::scalar;
-    Isa const best = kernels::isa;
-    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-        if (isa > best) break;
-        kernels::isa = isa;
+    on_each_isa([&] {
         for (Index size : {383, 384, 401, 646, 1301}) {
             Matrix<T> const psi = noise<T>(size, 4, Seed{std::uint64_t(size)});
             Vector<T> const y = noise<T>(4, 1, Seed{7});
@@ -206,8 +197,7 @@ void check_shared() {
                 EXPECT_TRUE(same_bits(reported(again, again.update(row, y[1])), reported(shared, shared.update(row, y[1]))));
             }
         }
-    }
-    kernels::isa = best;
+    });
 }
 TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInConventional) { check_shared<Conventional<double>>(), check_shared<Conventional<float>>(); }
 TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInSymmetric) { check_shared<Symmetric<double>>(), check_shared<Symmetric<float>>(); }

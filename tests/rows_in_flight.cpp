@@ -1,5 +1,7 @@
 // Rows that are rotated in at the same time leave the bits of one row after another: the kernel against the text for single rows, and
 // update_block of qr and extended_qr against update, with whatever rows.
+#include "tests/each_isa.hpp"
+
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/random.hpp>
@@ -41,18 +43,6 @@ bool same(T a, T b) {
 template <class T>
 bool same(std::vector<T> const& a, std::vector<T> const& b) {
     return std::ranges::equal(a, b, [](T x, T y) { return same(x, y); });
-}
-
-/// run() on each instruction set that this machine has.
-template <class Run>
-void on_each_isa(Run run) {
-    Isa const best = kernels::isa;
-    for (Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-        if (isa > best) break;
-        kernels::isa = isa;
-        run();
-    }
-    kernels::isa = best;
 }
 
 // --- the kernel ------------------------------------------------------------------------------------------------------------

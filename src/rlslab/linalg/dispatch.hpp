@@ -17,10 +17,12 @@
 
 namespace rlslab::kernels {
 
+inline constexpr Index never = std::numeric_limits<Index>::max();
+
 /// A kernel for double uses registers of 64 bytes, where there are such, from d = `from` on. `registers` is then as in the sweeps: there
 /// are twice as many of them as of smaller ones. The kernels for float, and those that the table leaves out, were not faster with them.
 struct Wide {
-    Index from = std::numeric_limits<Index>::max();
+    Index from = never;
     int registers = 8;
 };
 /// The table: what was faster on an AMD EPYC of the Zen 4 kind (docs/speed.md), by 3 to 40 %.
@@ -55,8 +57,6 @@ inline constexpr Wide wide<ThenMultiply<SweepCarlson<double>>>{.from = 128};
 
 template <>
 inline constexpr Wide wide<RotateInRows<double>>{.from = 8};
-
-inline constexpr Index never = std::numeric_limits<Index>::max();
 
 /// On smaller registers, and for float, ThenMultiply<Pass> is faster than two passes from this d on.
 template <class Pass>
@@ -103,8 +103,6 @@ template <class T>
 inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<T>>>{320, 320};
 template <>
 inline constexpr ByColumns by_columns_from<ThenMultiply<SubtractMirrored<float>>>{128, never};
-/// The same for a ThenMultiply whose rows are shared among threads, which pays from `shared_from` on.
-inline constexpr Index by_columns_from_shared = 1300, shared_from = 384;
 template <class T>
 inline constexpr ByColumns by_columns_from<SweepUd<T>>{256, 1600};
 template <>
@@ -113,6 +111,8 @@ template <class T>
 inline constexpr ByColumns by_columns_from<SweepCarlson<T>>{640, 768};
 template <class T>
 inline constexpr ByColumns by_columns_from<SweepRotations<T>>{640, 1600};
+/// The same for a ThenMultiply whose rows are shared among threads, which pays from `shared_from` on.
+inline constexpr Index by_columns_from_shared = 1300, shared_from = 384;
 
 /// RotateInRows is faster than RotateIn for one row after another from this d on.
 inline constexpr Index together_from = 5;
@@ -228,7 +228,7 @@ template <class T, int N, class Kernel>
             if (kernel.d <= inlined_bytes / Index(sizeof(T))) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
 #ifdef __x86_64__
         if constexpr (!OnColumns<Kernel>)
-            if constexpr (wide<Kernel>.from != Wide{}.from)
+            if constexpr (wide<Kernel>.from != never)
                 if (isa >= Isa::avx512 && kernel.d >= wide<Kernel>.from)
                     return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
         if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);

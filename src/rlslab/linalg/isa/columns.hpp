@@ -5,13 +5,8 @@
 // through registers once for each group of columns; the dot product of a column stays in them, so that a triangle is changed and
 // multiplied in one pass. Each number takes part in the operations of sweep.hpp in their order. Sums start from -0 here, too.
 
-// What is done besides with the block that is left in column c of a group, at rows i0. Between begin and end c goes from 0 to C - 1.
-struct NoProduct {
-    void begin(Index) {}
-    template <class B>
-    [[gnu::always_inline]] void add(int, B const&) {}
-    void end(Index) {}
-};
+// What is done besides with the block that is left in column c of a group, at rows i0: NothingElse, or one of these. Between begin and end
+// c goes from 0 to C - 1.
 /// out_i += A_ij x_j over the columns of the group.
 template <class B, int C>
 struct SumAcross {
@@ -119,13 +114,13 @@ template <class B, int C, class T, class Also>
 
 template <class B, int C, class S>
 [[gnu::always_inline]] inline void group(S const& s, Index j0) {
-    NoProduct none;
+    NothingElse none;
     change<B, C>(s, j0, 0, s.d, none);
 }
 template <class B, int C, class S>
     requires UpperSweep<S>
 [[gnu::always_inline]] inline void group(S const& s, Index j0) {
-    NoProduct none;
+    NothingElse none;
     change<B, C>(s, j0, 0, (j0 / B::rows + 1) * B::rows, none);
 }
 template <class B, int C, class S>

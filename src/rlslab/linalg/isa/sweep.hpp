@@ -105,8 +105,10 @@ template <class B, int K, Sweep S>
 // What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that ThenMultiply asks for.
 // The sums start from -0, to which the first product is added without a change.
 struct NothingElse {
+    void begin(Index) {}
     template <class B>
-    [[gnu::always_inline]] void add(int, B const&, Index) {}
+    [[gnu::always_inline]] void add(int, B const&, Index = 0) {}
+    void end(Index) {}
 };
 template <class B, int K, class T>
 struct SumOfColumns {
