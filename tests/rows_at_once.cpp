@@ -261,26 +261,29 @@ TEST(RowsAtOnce, ANanOfTheNextRowComesWithThatRow) {
     EXPECT_EQ(filter.update_block(psi, Vector<double>::Ones(3)).health, Health::nonfinite);
 }
 
-/// The saboteur multiplies by the matrix as it was before the change.
+/// The saboteur multiplies by the matrix as it was before the change. Of a size for which the pass also multiplies on this instruction set.
 TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
-    Index const d = 20;
-    StateMatrix<double> A(d);
-    StateVector<double> x(d), f(d), right(d), wrong(d);
-    Seed seed{5};
-    for (Index j = 0; j < d; ++j) {
-        x[j] = seed.bell(), f[j] = seed.bell();
-        for (Index i = 0; i < d; ++i) A(i, j) = seed.bell();
-    }
-    DivisorNearOne<double> const by_r(0.875);
-    multiply(A, x.data(), wrong);
-    NextRow<double, Dynamic> next(d);
-    next.announce(x.data());
-    subtract_rank_one(A, x, f, by_r, next);
-    multiply(A, x.data(), right);
-    StateVector<double> ahead(d);
-    EXPECT_TRUE(next.take(ahead) && !next.take(ahead));
-    EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
-    EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
+    on_each_isa([] {
+        Index d = 1;
+        while (!kernels::one_pass_is_faster<kernels::SubtractRankOne<double>>(kernels::isa, d)) ++d;
+        StateMatrix<double> A(d);
+        StateVector<double> x(d), f(d), right(d), wrong(d);
+        Seed seed{5};
+        for (Index j = 0; j < d; ++j) {
+            x[j] = seed.bell(), f[j] = seed.bell();
+            for (Index i = 0; i < d; ++i) A(i, j) = seed.bell();
+        }
+        DivisorNearOne<double> const by_r(0.875);
+        multiply(A, x.data(), wrong);
+        NextRow<double, Dynamic> next(d);
+        next.announce(x.data());
+        subtract_rank_one(A, x, f, by_r, next);
+        multiply(A, x.data(), right);
+        StateVector<double> ahead(d);
+        EXPECT_TRUE(next.take(ahead) && !next.take(ahead)) << d << " parameters on " << name_of(kernels::isa);
+        EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
+        EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
+    });
 }
 
 }  // namespace

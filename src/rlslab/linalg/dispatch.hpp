@@ -204,10 +204,15 @@ inline constexpr Index inlined_bytes = never;
 inline constexpr Index inlined_bytes = 256;
 #endif
 
-/// Whether ThenMultiply<Pass> is faster than the pass and a product after it.
+/// Whether the kernel uses registers of 64 bytes on this instruction set.
+template <class Kernel>
+constexpr bool uses_wide_registers(Isa on, Index d) {
+    return on >= Isa::avx512 && !OnColumns<Kernel> && d >= wide<Kernel>.from;
+}
+/// Whether ThenMultiply<Pass> is faster than the pass and a product after it on this instruction set.
 template <class Pass>
-bool one_pass_is_faster(Index d) {
-    return d >= (isa >= Isa::avx512 ? std::min(wide<ThenMultiply<Pass>>.from, one_pass_from<Pass>) : one_pass_from<Pass>);
+constexpr bool one_pass_is_faster(Isa on, Index d) {
+    return uses_wide_registers<ThenMultiply<Pass>>(on, d) || d >= one_pass_from<Pass>;
 }
 }  // namespace kernels
 
@@ -227,10 +232,8 @@ template <class T, int N, class Kernel>
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= inlined_bytes / Index(sizeof(T))) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
 #ifdef __x86_64__
-        if constexpr (!OnColumns<Kernel>)
-            if constexpr (wide<Kernel>.from != never)
-                if (isa >= Isa::avx512 && kernel.d >= wide<Kernel>.from)
-                    return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
+        if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
+            if (uses_wide_registers<Kernel>(isa, kernel.d)) return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
         if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
         portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);

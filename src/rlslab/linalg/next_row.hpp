@@ -50,7 +50,7 @@ class NextRow {
     template <class Pass>
     [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
         bool const shared = !kernels::UpperSweep<Pass> && helpers_ && pass.d >= kernels::shared_from;
-        multiplied_ = shared || kernels::one_pass_is_faster<Pass>(pass.d);
+        multiplied_ = shared || kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
         if (!multiplied_) return false;
         kernels::ThenMultiply<Pass> const both{pass, psi_, product_.data()};
         if (shared) run_in_parts(both);
