@@ -84,7 +84,7 @@ struct Storage {
     double component_bias;               ///< likewise
 };
 
-/// What a variant loses, by median, to the best in that measure of the variants that never broke down: in the measure in which it loses most.
+/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never broke down.
 struct Loss {
     std::string variant;
     double digits = 0;    ///< infinite: it broke down, or has no answer

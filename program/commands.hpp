@@ -36,8 +36,8 @@ void print(std::string const& text);
 /// Writes a line to standard error, unless --quiet was said.
 void tell(std::string const& line);
 
-/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The line is erased when the
-/// last copy of the function is destroyed.
+/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The line is erased when
+/// the last copy of the function is destroyed.
 StagedProgress stages_after_a_second();
 Progress progress_after_a_second(std::string doing);
 
