@@ -41,18 +41,19 @@ std::string class_of(std::string_view variant) {
 namespace {
 
 /// "conventional loses 2.8 digits of P"
-std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss) {
-    if (std::isfinite(loss.digits)) return fmt::format("{} loses {:.1f} digits of {}", loss.variant, loss.digits, loss.of);
+std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next) {
+    std::string const who = next ? fmt::format("the next, {},", loss.variant) : loss.variant;
+    if (std::isfinite(loss.digits) && loss.digits < 0.05) return who + " loses nothing";
+    if (std::isfinite(loss.digits)) return fmt::format("{} loses {:.1f} digits of {}", who, loss.digits, loss.of);
     Result const& lost = result_of(c, r.arithmetic, loss.variant);
-    return fmt::format("{} {}", loss.variant, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
+    return fmt::format("{} {}", who, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
 }
 
 /// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or "".
 std::string losses_text(Comparison const& c, Recommendation const& r) {
     std::vector<std::string> out;
     for (size_t i = 0; i < r.losses.size(); ++i)
-        if (bool const next = i == 1; i > 0 || r.losses[i].digits > 0)
-            out.push_back((next ? "the next, " : "") + loss_text(c, r, r.losses[i]));
+        if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1));
     return fmt::format("{}", fmt::join(out, "; "));
 }
 
