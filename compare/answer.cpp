@@ -7,19 +7,18 @@
 #include <rlslab/core/text.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace rlslab {
 namespace {
 
-constexpr double enough_digits = 3;
-
 /// The arithmetics of the hardware and their names in C++, the shortest first.
 std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float"}, {"double", "double"}, {"extended", "long double"}};
 
-Result const& result_of(Comparison const& c, Recommendation const& r) {
-    return *std::ranges::find_if(
-        c.results, [&](Result const& x) { return x.entry->variant == r.variant && x.entry->arithmetic->name == r.arithmetic; });
+Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
+    return *std::ranges::find_if(c.results,
+                                 [&](Result const& x) { return x.entry->variant == variant && x.entry->arithmetic->name == arithmetic; });
 }
 
 std::string comment(std::string const& head, std::vector<std::string> const& items) {
@@ -39,14 +38,36 @@ std::string class_of(std::string_view variant) {
     return out;
 }
 
-std::string verdict(Comparison const& c) {
+namespace {
+
+/// "conventional loses 2.8 digits of P"
+std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& loss, bool next) {
+    std::string const who = next ? fmt::format("the next, {},", loss.variant) : loss.variant;
+    if (std::isfinite(loss.digits) && loss.digits < 0.05) return who + " loses nothing";
+    if (std::isfinite(loss.digits)) return fmt::format("{} loses {:.1f} digits of {}", who, loss.digits, loss.of);
+    Result const& lost = result_of(c, r.arithmetic, loss.variant);
+    return fmt::format("{} {}", who, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
+}
+
+/// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or "".
+std::string losses_text(Comparison const& c, Recommendation const& r) {
+    std::vector<std::string> out;
+    for (size_t i = 0; i < r.losses.size(); ++i)
+        if (i > 0 || r.losses[i].digits > 0) out.push_back(loss_text(c, r, r.losses[i], i == 1));
+    return fmt::format("{}", fmt::join(out, "; "));
+}
+
+}  // namespace
+
+std::string verdict(Comparison const& c, size_t width) {
     std::string out;
     std::vector<std::pair<std::string, std::vector<std::string>>> without;  // why, and where
     size_t arithmetic = 0, variant = 0;
     for (Recommendation const& r : c.recommendations) {
         if (r.variant.empty()) {
-            auto const known = std::ranges::find(without, r.why, &std::pair<std::string, std::vector<std::string>>::first);
-            (known == without.end() ? without.emplace_back(r.why, std::vector<std::string>()) : *known).second.push_back(r.arithmetic);
+            std::string const why = (r.too_short ? "too short for this record: " : "use none: ") + r.why;
+            auto const known = std::ranges::find(without, why, &std::pair<std::string, std::vector<std::string>>::first);
+            (known == without.end() ? without.emplace_back(why, std::vector<std::string>()) : *known).second.push_back(r.arithmetic);
             continue;
         }
         arithmetic = std::max(arithmetic, r.arithmetic.size());
@@ -54,54 +75,33 @@ std::string verdict(Comparison const& c) {
     }
     for (Recommendation const& r : c.recommendations) {
         if (r.variant.empty()) continue;
-        Result const& best = result_of(c, r);
+        Result const& best = result_of(c, r.arithmetic, r.variant);
         PerMeasure<Spread> const& spread = *best.spread;
-        out += fmt::format(
-            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P{}{}\n",
+        size_t const indent = arithmetic + 5;
+        std::string const keeps = fmt::format(
+            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P{}{}",
             r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
             spread.covariance.median, c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
             best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
+        std::string const lost = losses_text(c, r);
+        out += wrapped(keeps + (lost.empty() ? "" : ";"), 0, indent, width) + '\n';
+        if (!lost.empty()) out += std::string(indent, ' ') + wrapped(lost, indent, indent, width) + '\n';
     }
     for (auto const& [why, where] : without)
-        out += wrapped(fmt::format("in {}  use none: {}", fmt::join(where, ", "), why), 0, 4, text_width) + '\n';
+        out += wrapped(fmt::format("in {}  {}", fmt::join(where, ", "), why), 0, 4, std::min(width, text_width)) + '\n';
     return out;
 }
 
 Recommendation const* coded(Comparison const& c) {
-    Recommendation const* out = nullptr;
     for (auto const& [name, type] : hardware)
-        for (Recommendation const& r : c.recommendations) {
-            if (r.arithmetic != name || r.variant.empty()) continue;
-            out = &r;
-            if (result_of(c, r).spread->worst.low >= enough_digits) return out;
-        }
-    return out;
+        for (Recommendation const& r : c.recommendations)
+            if (r.arithmetic == name && !r.variant.empty()) return &r;
+    return nullptr;
 }
-
-namespace {
-
-/// The reason why the code is not for a shorter arithmetic that also has a recommendation; "" if there is no such arithmetic.
-std::string why_not_shorter(Comparison const& c, Recommendation const& taken) {
-    std::vector<std::string> out;
-    for (auto const& [name, type] : hardware)
-        for (Recommendation const& r : c.recommendations) {
-            if (r.arithmetic != name || r.variant.empty()) continue;
-            double const low = result_of(c, r).spread->worst.low;
-            if (low < enough_digits) out.push_back(fmt::format("{} in {}", tenths(low), name));
-            if (&r == &taken)
-                return out.empty()
-                           ? ""
-                           : fmt::format("// digits of the worst component that nine tenths of the counts reach: {}; {} are wanted\n",
-                                         fmt::join(out, ", "), enough_digits);
-        }
-    return "";
-}
-
-}  // namespace
 
 std::string code(Comparison const& c) {
     Recommendation const* const r = coded(c);
-    return r ? code(c, {.variant = r->variant, .arithmetic = r->arithmetic, .remarks = why_not_shorter(c, *r)}) : "";
+    return r ? code(c, {.variant = r->variant, .arithmetic = r->arithmetic}) : "";
 }
 
 std::string code(Comparison const& c, CodedFilter const& filter) {
@@ -111,7 +111,7 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     Composition const& composition = c.options.composition;
     std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition, T);
     std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);
-    out += (out.find(variant) == out.npos ? variant : "") + "\n" + filter.remarks;
+    out += (out.find(variant) == out.npos ? variant : "") + "\n";
     out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
     out += comment("theta = ", c.names);
     std::vector<std::string> means;

@@ -8,18 +8,17 @@ namespace rlslab {
 /// "Ud" for "ud", "InverseQr" for "inverse_qr".
 std::string class_of(std::string_view variant);
 
-/// A line for each arithmetic that has a recommendation, and one line for all others.
-std::string verdict(Comparison const& comparison);
+/// For each arithmetic that has a recommendation what it keeps, and what it and others lose; one line for all others that have the same
+/// reason. Lines are broken at `width`.
+std::string verdict(Comparison const& comparison, size_t width = std::string::npos);
 
-/// The recommendation for which code is printed: among those in hardware arithmetics the shortest that keeps three digits of theta's worst
-/// component (the low end of its spread), otherwise the longest. null: none.
+/// The recommendation for which code is printed: that in the shortest hardware arithmetic which has one. null: none.
 Recommendation const* coded(Comparison const& comparison);
 
 /// A filter in C++ on the problem of a comparison.
 struct CodedFilter {
     std::string variant, arithmetic;  ///< of the hardware: float, double or extended
     bool guarded = false;
-    std::string remarks = "";         ///< lines of comment above the model
     std::vector<int> exponents = {};  ///< regressor i is taken times 2^exponents[i]; empty: as it is
     int output_exponent = 0;          ///< likewise y
 };

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <mutex>
+#include <set>
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
 
@@ -150,15 +151,32 @@ Composition as_stored(Composition composition, double (*round)(double)) {
 
 }  // namespace
 
-Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress) {
+Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
     std::vector<Entry const*> const entries = composable(chosen(options), options.composition);
     bool const plain = options.composition.empty();
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
 
+    // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
+    auto const rounding_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
+    std::vector<Arithmetic const*> used;
+    std::set<std::string_view> roundings;
+    int most_digits = 0;
+    for (Entry const* entry : entries) {
+        if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
+        roundings.insert(rounding_of(entry->arithmetic));
+        most_digits = std::max(most_digits, int(entry->arithmetic->decimal_digits()));
+    }
+
     // The data as they are: the solution that is shown, and whether they determine theta at all.
     Index const rows = records.rows();
+    auto const orders = plain ? row_orders(rows, options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
+    size_t solved = 0;
+    auto const one_more_solved = [&] {  // of three for the data as they are, and one for each order in each rounding
+        if (progress) progress("reference", double(++solved) / double(3 + orders.size() * roundings.size()));
+    };
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
     CertifiedSolution const without = certified(problem, records, {rows}).front();
+    one_more_solved();
     if (without.status() == Status::singular)
         throw InputError(
             fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
@@ -169,9 +187,11 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
         scaled = default_prior(records, options.forgetting);
         scaled->c *= options.prior_times;
     }
+    one_more_solved();
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
     Vector<double> const scales = regressor_scales(records);
     CertifiedSolution const with = certified(problem, records, {rows}).front();
+    one_more_solved();
     Comparison out{.rows = rows,
                    .skipped = records.skipped,
                    .size = records.parameters(),
@@ -198,21 +218,14 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
     Composition tried = out.options.composition;
     tried.window = std::min(tried.window, rows);  // a longer one takes memory alone: nothing leaves either
 
-    // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
-    std::vector<Arithmetic const*> used;
-    for (Entry const* entry : entries)
-        if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
-    int most_digits = 0;
-    for (Arithmetic const* a : used) most_digits = std::max(most_digits, int(a->decimal_digits()));
-    auto const rounding_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
-    auto const orders = plain ? row_orders(rows, options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
     std::map<std::string_view, StoredProblem> stored;
     std::map<std::string_view, CompositionReference> references;
     for (Arithmetic const* a : used) {
         if (stored.contains(rounding_of(a))) continue;
         bool const wide = a->digits >= 53;
         int const digits = wide ? std::max(30, most_digits + 15) : 30;
-        StoredProblem const& one = stored[rounding_of(a)] = stored_problem(records, problem, wide ? &as_is : a->round, orders, digits);
+        StoredProblem const& one = stored[rounding_of(a)] =
+            stored_problem(records, problem, wide ? &as_is : a->round, orders, digits, one_more_solved);
         references.try_emplace(rounding_of(a), as_stored(tried, wide ? &as_is : a->round), one, digits);
         if (!wide) out.storage.push_back(storage(*a, one, with, scales));
     }
@@ -228,7 +241,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Progre
             out.results[i] = plain ? score(*entries[i], stored.at(rounding), options.seed)
                                    : score_composed(*entries[i], stored.at(rounding), references.at(rounding));
             std::lock_guard const lock(one_at_a_time);
-            if (progress) progress(double(++done) / double(entries.size()));
+            if (progress) progress("comparing", double(++done) / double(entries.size()));
         });
     });
     // Timed last, when no other thread of this program runs.

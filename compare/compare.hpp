@@ -84,10 +84,19 @@ struct Storage {
     double component_bias;               ///< likewise
 };
 
+/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never broke down.
+struct Loss {
+    std::string variant;
+    double digits = 0;    ///< infinite: it broke down, or has no answer
+    std::string of = "";  ///< "theta", "its worst component", "P"
+};
+
 struct Recommendation {
     std::string arithmetic;
     std::string variant;  ///< empty: none
     std::string why;
+    bool too_short = false;         ///< none, and a longer arithmetic may have one
+    std::vector<Loss> losses = {};  ///< of this variant, the runner-up, and `conventional`: each that was tried, once
 };
 
 /// The names of output and regressors, for the text and for the printed code.
@@ -119,10 +128,11 @@ struct Comparison {
 };
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent (exact rank).
-Comparison compare(Records const& records, CompareOptions const& options, Progress const& progress = {});
+/// Its stages are "reference" and "comparing".
+Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress = {});
 
-/// The comparison as text (colour: with ANSI codes), as JSON and as CSV.
-std::string as_table(Comparison const& comparison, bool colour);
+/// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is), as JSON and as CSV.
+std::string as_table(Comparison const& comparison, bool colour, size_t columns = 0);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);
 std::string as_page(Comparison const& comparison);

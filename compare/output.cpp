@@ -2,6 +2,7 @@
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
+#include "compare/recommend.hpp"
 #include "compare/words.hpp"
 
 #include <rlslab/core/text.hpp>
@@ -32,26 +33,76 @@ Json spread_json(Spread const& s) {
     return {{"low", tenths_json(s.low)}, {"median", tenths_json(s.median)}, {"high", tenths_json(s.high)}};
 }
 
-std::string spread_text(std::optional<PerMeasure<Spread>> const& spread) {
+/// The columns of the table for which a terminal has room; 0: all.
+struct Layout {
+    bool low = true, high = true, asymmetry = true;
+    explicit Layout(size_t columns) {
+        for (bool* drop : {&asymmetry, &high, &low})
+            if (columns > 0 && width() > columns) *drop = false;
+    }
+    /// Of one measure: "  4.2  5.3  5.7 ".
+    size_t group() const { return 7 + (low ? 5u : 0u) + (high ? 5u : 0u); }
+    size_t width() const { return 24 + 3 * group() + 20 + (asymmetry ? 6u : 0u) + 13; }
+    std::string left_out() const { return fmt::format("{}{}{}", low ? "" : "low, ", high ? "" : "high, ", asymmetry ? "" : "asym"); }
+    std::string cells(std::string_view l, std::string_view m, std::string_view h) const {
+        return (low ? fmt::format(" {:>5} {:>4}", l, m) : fmt::format(" {:>5}", m)) + (high ? fmt::format(" {:>4} ", h) : " ");
+    }
+};
+
+Json losses_json(Recommendation const& r) {
+    Json out = Json::array();
+    for (Loss const& loss : r.losses)
+        out.push_back(
+            {{"variant", loss.variant}, {"digits", tenths_json(loss.digits)}, {"of", loss.of.empty() ? Json(nullptr) : Json(loss.of)}});
+    return out;
+}
+
+std::string spread_text(std::optional<PerMeasure<Spread>> const& spread, Layout const& layout) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? fmt::format(" {:>5} {:>4} {:>4} ", tenths(((*spread).*m).low), tenths(((*spread).*m).median),
-                                    tenths(((*spread).*m).high))
-                      : fmt::format(" {:>5} {:>4} {:>4} ", "-", "-", "-");
+        out += spread ? layout.cells(tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
+                      : layout.cells("-", "-", "-");
     return out;
 }
 std::string plain_exponent(std::string const& x) { return x.ends_with("e0") ? x.substr(0, x.size() - 2) + "  " : x; }
 
+/// A number's first digits: as many as go into `width` columns beside its exponent.
+std::string cut(std::string const& number, size_t width) {
+    size_t const exponent = std::min(number.rfind('e'), number.size()), tail = number.size() - exponent;
+    return number.size() <= width ? number : number.substr(0, width - std::min(tail, width)) + number.substr(exponent);
+}
+
 /// Both exact solutions, and in how many digits they agree.
-std::string theta_text(Comparison const& c) {
-    size_t width = 11;
-    for (std::string const& name : c.names) width = std::max(width, name.size());
+std::string theta_text(Comparison const& c, size_t width) {
+    constexpr size_t whole = 37, least = 14;
+    bool const plain = c.options.composition.empty();
+    size_t name = 11;
+    for (std::string const& one : c.names) name = std::max(name, one.size());
+    size_t const number = std::clamp((width - std::min(width, name + 9)) / 2, least, whole);
+    bool const wide = number == whole;
     std::string out =
-        fmt::format("{:<{}} {:>37} {:>37}  {}\n", "exact theta", width, "least squares, without prior",
-                    c.options.composition.empty() ? "with the prior: what filters are after" : "with the prior, of all rows", "agree");
+        fmt::format("{:<{}} {:>{}} {:>{}}  {}\n", "exact theta", name, wide ? "least squares, without prior" : "least squares", number,
+                    !wide   ? "with the prior"
+                    : plain ? "with the prior: what filters are after"
+                            : "with the prior, of all rows",
+                    number, "agree");
     for (size_t i = 0; i < c.names.size(); ++i)
-        out += fmt::format("{:<{}} {:>37} {:>37}  {:>5}\n", c.names[i], width, plain_exponent(c.least_squares[i]),
-                           plain_exponent(c.theta[i]), tenths(c.agreement[i]));
+        out += fmt::format("{:<{}} {:>{}} {:>{}}  {:>5}\n", c.names[i], name, cut(plain_exponent(c.least_squares[i]), number), number,
+                           cut(plain_exponent(c.theta[i]), number), number, tenths(c.agreement[i]));
+    return out + (wide ? "" : "digits cut off, not rounded: --json has 30\n");
+}
+
+/// Code in narrower lines: broken at blanks, a comment goes on as one.
+std::string folded(std::string const& code, size_t width) {
+    std::string out;
+    for (size_t begin = 0, end; begin < code.size(); begin = end + 1) {
+        end = code.find('\n', begin);
+        std::string line = code.substr(begin, end - begin);
+        bool const comment = line.starts_with("//");
+        line = wrapped(line, 0, comment ? 0 : 4, width - (comment ? 5 : 0));
+        for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1)) line.insert(at + 1, "//   ");
+        out += line + '\n';
+    }
     return out;
 }
 
@@ -74,21 +125,24 @@ struct Paint {
 
 }  // namespace
 
-std::string as_table(Comparison const& c, bool colour) {
+std::string as_table(Comparison const& c, bool colour, size_t columns) {
     Paint const paint{colour};
-    std::string out = fmt::format("record      {}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}\n",
-                                  c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size, c.size == 1 ? "" : "s",
-                                  std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition), c.options.forgetting);
-    out += "prior       " + wrapped(prior_text(c), 12, 12, text_width) + '\n';
-    bool const plain = c.options.composition.empty();
-    if (!plain) {
-        out += "composition " + wrapped(composition_text(c.options.composition), 12, 12, text_width) + '\n';
-        out += "digits      " + wrapped(against_text(c), 12, 12, text_width) + '\n';
-    }
-    for (std::string const& warning : warnings(c)) out += paint("31", "warning     " + wrapped(warning, 12, 12, text_width) + '\n');
-    out += '\n' + paint("32", verdict(c));
-    if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(paste);
-    out += '\n' + theta_text(c);
+    Layout const layout(columns);
+    size_t const width = columns > 0 ? std::min(columns, text_width) : text_width;
+    bool const plain = c.options.composition.empty(), whole = layout.left_out().empty();
+    auto const head = [&](std::string const& name, std::string const& text) {
+        return fmt::format("{:<12}", name) + wrapped(text, 12, 12, width) + '\n';
+    };
+    std::string out =
+        head("record", fmt::format("{}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}",
+                                   c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size, c.size == 1 ? "" : "s",
+                                   std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition), c.options.forgetting));
+    out += head("prior", prior_text(c));
+    if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
+    for (std::string const& warning : warnings(c)) out += paint("31", head("warning", warning));
+    out += '\n' + paint("32", verdict(c, columns > 0 ? width : std::string::npos));
+    if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(columns > 0 ? folded(paste, columns - 4) : paste);
+    out += '\n' + theta_text(c, columns > 0 ? columns : text_width);
     out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);
 
     std::string_view arithmetic;
@@ -97,32 +151,46 @@ std::string as_table(Comparison const& c, bool colour) {
         if (a.name != arithmetic) {
             arithmetic = a.name;
             std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
-            out += '\n' + paint("1", title) +
-                   paint("2", fmt::format("{:>{}}{:>17}{:>17}", "theta", 40 - std::min<size_t>(34, title.size()), "worst component", "P")) +
+            size_t const group = layout.group(), at = 23 + group;  // where the first measure's name ends
+            out += '\n' + paint("1", title) + (whole ? "" : "\n") +
+                   paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta", whole ? at - std::min<size_t>(at - 6, title.size()) : at,
+                                          whole ? "worst component" : "worst", group, "P", group)) +
                    '\n';
             for (Storage const& s : c.storage)
-                if (s.arithmetic == a.name) out += paint("2", "  " + storage_text(s, c)) + '\n';
-            out += paint("2", fmt::format("{:<24} {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:>5}{:>5}{:>5}  {:<19}{:>6}{:>6}{:>7}", "", "low",
-                                          "mid", "high", "low", "mid", "high", "low", "mid", "high", "breakdown", "asym", "ops", "ns")) +
+                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(storage_text(s, c), 2, 4, width)) + '\n';
+            std::string labels;
+            for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
+            out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown", layout.asymmetry ? "  asym" : "", "ops",
+                                          "ns")) +
                    '\n';
         }
         bool const best = is_recommended(c, r);
         std::string const line =
-            fmt::format("{} {:<22}{} {:<19}{:>6}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread), breakdown_text(r),
-                        asymmetry_text(r.asymmetry), operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        std::string const what = plain ? "" : happened_text(c, r);
-        out += paint(best ? "32" : r.broken ? "31" : "0", line + (what.empty() ? "" : "  " + what)) + '\n';
+            fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread, layout),
+                        breakdown_text(r), layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
+                        operations_text(r.operations), nanoseconds_text(r.ns_per_update));
+        std::string what = plain ? "" : happened_text(c, r);
+        if (!what.empty())
+            what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width) : "  " + what;
+        out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
     }
-    out += "\nlow, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record";
-    out += plain && c.options.forgetting == 1 ? " and three other\norders of its rows; " : ";\n";
-    out += plain ? "against the exact answer for the data as stored, at most the arithmetic's own.\n"
-                 : "for the data as stored, at most the arithmetic's own. A row's end says what the composition did, or why it cannot be.\n"
-                   "ops: of the variant alone. ns is not measured.\n";
-    out +=
-        "breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.\n"
-        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.\n"
-        "The recommendation never broke down and is as accurate as the best: in theta, worst component and P its spread reaches the\n"
-        "best's. Of several: a factor before P or its inverse, covariance before information, then the fewest operations.\n";
+    auto const note = [&](std::string const& text) { out += wrapped(text, 0, 0, width) + '\n'; };
+    out += '\n';
+    if (!whole)
+        note(fmt::format("Left out, for {} columns: {}. A terminal of {} columns shows them, so do | cat, --out DIR, --csv and --json.",
+                         columns, layout.left_out(), Layout(0).width()));
+    note(fmt::format("low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record{}; {}",
+                     plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
+                     plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
+                           : "for the data as stored, at most the arithmetic's own. A row's end says what the composition did, or why it "
+                             "cannot be. ops: of the variant alone. ns is not measured."));
+    note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
+    note("ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.");
+    note(fmt::format(
+        "The recommendation never broke down and keeps {} digits of the worst component at nine tenths of the checkpoints. Of such, its "
+        "largest loss is the least: in mid, to the best of each column that never broke down. Of equals: a factor before P or its "
+        "inverse, covariance before information, then the fewest operations.",
+        enough_digits));
     return out;
 }
 
@@ -227,8 +295,11 @@ std::string as_json(Comparison const& c) {
     out["code"] = code(c);
     out["recommendation"] = Json::array();
     for (Recommendation const& r : c.recommendations)
-        out["recommendation"].push_back(
-            {{"arithmetic", r.arithmetic}, {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)}, {"why", r.why}});
+        out["recommendation"].push_back({{"arithmetic", r.arithmetic},
+                                         {"variant", r.variant.empty() ? Json(nullptr) : Json(r.variant)},
+                                         {"why", r.why},
+                                         {"too_short", r.too_short},
+                                         {"losses", losses_json(r)}});
     return out.dump(2) + '\n';
 }
 

@@ -2,15 +2,14 @@
 #include "compare/recommend.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <tuple>
 
 namespace rlslab {
 namespace {
 
-constexpr double least_digits = 0.5;
-
-double least_median(Result const& r) { return std::min({r.spread->theta.median, r.spread->worst.median, r.spread->covariance.median}); }
+constexpr double least_digits_of_P = 0.5;
 
 std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to {:.1f})", s.median, s.low, s.high); }
 
@@ -22,13 +21,15 @@ std::string decided_by_prior(double prior_bias, double component_bias) {
     return "";
 }
 
-/// The reason for no recommendation that is known before any variant computes; or "".
+std::string condition_text(Comparison const& c) { return fmt::format("; the condition number of the rows is {:.2g}", c.condition); }
+
+/// The reason why nothing can be answered in this arithmetic that is known before any variant computes; or "".
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
-    if (std::string const why = decided_by_prior(c.prior_bias, c.component_bias); !why.empty())
-        return why + (c.options.p0 ? ": leave out --p0" : ": rescale the columns");
     for (Storage const& s : c.storage) {
         if (s.arithmetic != arithmetic.name) continue;
-        if (!s.in_range) return s.forgetting > 0 ? "P0 leaves its range" : "lambda is zero there";
+        if (!s.in_range && s.forgetting > 0)
+            return c.options.p0 ? "P0 leaves its range: another --p0" : "P0 leaves its range: rescale the columns, or --p0";
+        if (!s.in_range) return "lambda is zero there";
         if (s.rank < c.size) return fmt::format("as stored there the regressors have rank {} of {}", s.rank, c.size);
         if (std::string const why = decided_by_prior(s.prior_bias, s.component_bias); !why.empty()) return "as stored there " + why;
     }
@@ -45,22 +46,50 @@ bool preferred(Result const& a, Result const& b) {
     return key(a) < key(b);
 }
 
-Result const* chosen_of(std::vector<Result const*> const& sound) {
-    std::vector<Result const*> able;
-    for (Result const* r : sound)
-        if (least_median(*r) >= least_digits) able.push_back(r);
-    if (able.empty()) return nullptr;
-    std::ranges::stable_sort(able, [](Result const* a, Result const* b) { return preferred(*a, *b); });
-    Result const* const best = *std::ranges::max_element(able, {}, [](Result const* r) { return least_median(*r); });  // (1)
-    auto const as_good = [&](Result const* r) {                                                                        // (2)
-        return std::ranges::all_of(PerMeasure<Spread>::all(), [&](auto m) { return ((*r->spread).*m).high >= ((*best->spread).*m).low; });
-    };
-    return *std::ranges::find_if(able, as_good);  // (3)
+bool is_usable(Result const& r) { return r.spread->worst.low >= enough_digits && r.spread->covariance.median >= least_digits_of_P; }
+
+Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
+    static constexpr char const* names[] = {"theta", "its worst component", "P"};
+    Loss out{.variant = std::string(r.entry->variant)};
+    for (size_t m = 0; m < 3; ++m) {
+        auto const median = [&](Result const& x) { return ((*x.spread).*PerMeasure<Spread>::all()[m]).median; };
+        double best = median(r);
+        for (Result const* other : sound) best = std::max(best, median(*other));
+        double const lost = best == median(r) ? 0 : best - median(r);  // also where both are infinite
+        if (m == 0 || lost > out.digits) out.digits = lost, out.of = names[m];
+    }
+    return out;
 }
 
+std::vector<Result const*> ranked(std::vector<Result const*> sound) {
+    std::vector<Result const*> const all = sound;
+    std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
+    std::ranges::stable_sort(sound, {},
+                             [&](Result const* r) { return std::pair(!is_usable(*r), std::round(10 * loss_of(*r, all).digits)); });
+    return sound;
+}
+
+namespace {
+
+/// Of the first two, and of `conventional` where it takes part.
+std::vector<Loss> losses(std::vector<Result const*> const& ranking, Arithmetic const& arithmetic, Comparison const& c) {
+    std::vector<Loss> out;
+    for (size_t i = 0; i < std::min<size_t>(2, ranking.size()); ++i) out.push_back(loss_of(*ranking[i], ranking));
+    for (Result const& r : c.results)
+        if (r.entry->arithmetic->name == arithmetic.name && r.entry->variant == "conventional" && r.obstacle.empty() &&
+            std::ranges::find(out, "conventional", &Loss::variant) == out.end())
+            out.push_back(is_sound(r) ? loss_of(r, ranking) : Loss{.variant = "conventional", .digits = INFINITY});
+    return out;
+}
+
+}  // namespace
+
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
-    Recommendation out{std::string(arithmetic.name), "", unanswerable(arithmetic, c)};
-    if (!out.why.empty()) return out;
+    Recommendation out{std::string(arithmetic.name), "", decided_by_prior(c.prior_bias, c.component_bias)};
+    if (!out.why.empty()) {
+        out.why += c.options.p0 ? ": leave out --p0" : ": rescale the columns";
+        return out;
+    }
     std::vector<Result const*> sound;
     int tried = 0;
     for (Result const& r : c.results) {
@@ -68,18 +97,33 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         ++tried;
         if (is_sound(r)) sound.push_back(&r);
     }
-    Result const* const choice = chosen_of(sound);
-    if (choice) {
-        PerMeasure<Spread> const& spread = *choice->spread;
-        out.variant = choice->entry->variant;
+    if (tried == 0) {
+        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows" : "no variant can be composed so";
+        return out;
+    }
+    std::vector<Result const*> const ranking = ranked(sound);
+    out.why = unanswerable(arithmetic, c);
+    out.too_short = !out.why.empty() || ranking.empty() || !is_usable(*ranking.front());
+    if (!out.why.empty()) return out;
+    if (!out.too_short) {
+        PerMeasure<Spread> const& spread = *ranking.front()->spread;
+        out.variant = ranking.front()->entry->variant;
         out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta),
                               spread_text(spread.worst), spread_text(spread.covariance));
-    } else if (tried == 0) {
-        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows" : "no variant can be composed so";
+        out.losses = losses(ranking, arithmetic, c);
+    } else if (arithmetic.decimal_digits() < enough_digits) {
+        out.why = fmt::format("it has {:.1f} digits, {} are wanted", arithmetic.decimal_digits(), enough_digits);
     } else if (sound.empty()) {
-        out.why = fmt::format("all {} variants that take single rows broke down", tried);
+        out.why = fmt::format("all {} variants that take single rows broke down{}", tried, condition_text(c));
     } else {
-        out.why = fmt::format("none of {} variants keeps half a digit of each component of theta and of P", tried);
+        Result const* const most = *std::ranges::max_element(ranking, {}, [](Result const* r) { return r->spread->worst.low; });
+        double const low = most->spread->worst.low;
+        out.why = low >= enough_digits
+                      ? fmt::format("none of {} variants keeps half a digit of P", tried)
+                      : fmt::format(
+                            "{}, the best, keeps {} digits of theta's worst component at nine tenths of the checkpoints, {} are "
+                            "wanted{}",
+                            most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no", enough_digits, condition_text(c));
     }
     return out;
 }

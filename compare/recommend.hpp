@@ -16,11 +16,19 @@ bool is_sound(Result const& result);
 ///   (3) fewer operations a row
 bool preferred(Result const& a, Result const& b);
 
-/// The one to use among variants that never broke down; null: none keeps half a digit (the median) of each measure.
-///   (1) best: the least of its three medians is the greatest; of equals the preferred one
-///   (2) as good: in all three measures the high end of its spread is at least the low end of the best's
-///   (3) the first by preference among those as good
-Result const* chosen_of(std::vector<Result const*> const& sound);
+/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use.
+inline constexpr double enough_digits = 3;
+/// Keeps so many, and half a digit of P (the median).
+bool is_usable(Result const& result);
+
+/// The loss of a variant to these.
+Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
+
+/// Variants that never broke down, in the order in which they are recommended:
+///   (1) a usable one before one that is not
+///   (2) the least loss first, counted in tenths of a digit, as printed
+///   (3) of equals the preferred one
+std::vector<Result const*> ranked(std::vector<Result const*> sound);
 
 /// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations are in another
 /// library, are not recommended: they are not meant for single rows.

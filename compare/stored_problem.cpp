@@ -41,7 +41,7 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
 }
 
 StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
-                             std::vector<std::vector<Index>> const& orders, int digits) {
+                             std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved) {
     StoredProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
     Prior<double> const& prior = *out.problem.prior;
     Vector<double> const P0 = prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
@@ -51,6 +51,7 @@ StoredProblem stored_problem(Records const& records, Problem<double> const& prob
         if (out.in_range) order.exact = certified(out.problem, in_order(out.records, rows), checkpoints_of(records.rows()), digits);
         if (!order.exact.empty() && order.exact.back().status() != Status::certified) order.exact.clear();
         out.orders.push_back(std::move(order));
+        if (solved) solved();
     }
     return out;
 }

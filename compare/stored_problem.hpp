@@ -4,6 +4,8 @@
 #include <rlslab/lab/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
+#include <functional>
+
 namespace rlslab {
 
 /// The rows in one order, and the exact solution at each checkpoint.
@@ -27,9 +29,9 @@ std::vector<Index> checkpoints_of(Index rows);
 /// order is part of the problem.
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);
 
-/// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified.
+/// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified. `solved` is called after each order.
 StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
-                             std::vector<std::vector<Index>> const& orders, int digits);
+                             std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved = {});
 
 /// These rows of the record, in this order; all of them where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);

@@ -4,6 +4,7 @@
 
 #include <rlslab/core/suggestion.hpp>
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <sstream>
 
@@ -99,6 +100,9 @@ struct CommandLine {
         CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
         std::string const word = own.empty() ? all.front() : own.front();
         if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
+        if (std::error_code no_file; &misled == &app && std::filesystem::is_regular_file(word, no_file))
+            throw InputError(
+                fmt::format("\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify", printable(word)));
         if (&misled == &app) expect_one_of(views(names()), word, "", "command");
         throw InputError(fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
     }

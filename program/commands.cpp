@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace rlslab {
@@ -44,8 +45,8 @@ void take_count(CLI::App& command, char const* name, int& into, long least, long
 void take_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
     command.add_option("--seed", seed, help)->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
 }
-void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type) {
-    command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
+CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type) {
+    return command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
 }
 
 CLI::Validator named(char const* expected) {
@@ -112,26 +113,30 @@ Manners manners;
 
 /// A line that is written over itself, and wiped off in the end.
 class ProgressLine {
-    std::string const doing_;
-    std::chrono::steady_clock::time_point const start_ = std::chrono::steady_clock::now();
+    using Clock = std::chrono::steady_clock;
+    static double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+    Clock::time_point const start_ = Clock::now();
+    Clock::time_point stage_start_ = start_;
+    std::string stage_;
     size_t width_ = 0;
     int shown_ = -1;
 
 public:
-    explicit ProgressLine(std::string doing) : doing_(std::move(doing)) {}
+    ProgressLine() = default;
     ~ProgressLine() {
         if (width_ > 0) std::fprintf(stderr, "\r%s\r", std::string(width_, ' ').c_str());
     }
     ProgressLine(ProgressLine const&) = delete;
     ProgressLine& operator=(ProgressLine const&) = delete;
-    void show(double part) {
+    void show(std::string_view stage, double part) {
+        if (stage != stage_) {
+            if (!stage_.empty()) stage_start_ = Clock::now();
+            stage_ = stage, shown_ = -1;
+        }
         int const percent = int(100 * part);
-        double const seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-        if (seconds < 1 || percent == shown_) return;
+        if (seconds_since(start_) < 1 || percent == shown_) return;
         shown_ = percent;
-        double const left = part > 0 ? seconds * (1 - part) / part : 0;
-        std::string line = fmt::format("{} {:3} %", doing_, percent);
-        if (left >= 5) line += left < 90 ? fmt::format(", {:.0f} s left", left) : fmt::format(", {:.0f} min left", left / 60);
+        std::string const line = progress_text(stage, part, seconds_since(stage_start_));
         width_ = std::max(width_, line.size());
         std::fprintf(stderr, "\r%-*s", int(width_), line.c_str());
     }
@@ -145,9 +150,17 @@ void tell(std::string const& line) {
     if (!manners.quiet) std::fputs(line.c_str(), stderr);
 }
 
+StagedProgress stages_after_a_second() {
+    if (manners.quiet || !isatty(STDERR_FILENO)) return [](std::string_view, double) {};
+    return [line = std::make_shared<ProgressLine>()](std::string_view stage, double part) { line->show(stage, part); };
+}
 Progress progress_after_a_second(std::string doing) {
-    if (manners.quiet || !isatty(STDERR_FILENO)) return [](double) {};
-    return [line = std::make_shared<ProgressLine>(std::move(doing))](double part) { line->show(part); };
+    return [stages = stages_after_a_second(), doing = std::move(doing)](double part) { stages(doing, part); };
+}
+
+size_t terminal_columns() {
+    winsize size{};
+    return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 bool colour() {

@@ -25,7 +25,7 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 /// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not swallow FILE behind it.
 void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
 void take_seed(CLI::App& command, std::uint64_t& seed, char const* help);
-void take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type = "A,B");
+CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type = "A,B");
 
 /// --separator and --decimal, of every command that reads a file.
 void take_format(CLI::App& command, CsvFormat& format);
@@ -36,9 +36,13 @@ void print(std::string const& text);
 /// Writes a line to standard error, unless --quiet was said.
 void tell(std::string const& line);
 
-/// "comparing  42 %, 3 min left" on standard error from the second second on, where that is a terminal and --quiet was not said.
-/// The line is erased when the last copy of the function is destroyed.
+/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The line is erased when
+/// the last copy of the function is destroyed.
+StagedProgress stages_after_a_second();
 Progress progress_after_a_second(std::string doing);
+
+/// The columns of the terminal that standard output is; 0: it is none, or does not say.
+size_t terminal_columns();
 
 /// Whether standard output is to be coloured: --color, then NO_COLOR, then whether it is a terminal that can.
 bool colour();

@@ -44,6 +44,7 @@ Values values_of(CLI::App const& command, Described const& one) {
         for (Study const* study : studies()) add(study->name);
         return {words, names};
     }
+    if (one.value == "PART") return {words, {"variants", "arithmetics", "rounding", "studies"}};
     if (one.value == "COMMAND") {
         for (CLI::App const* other : shown_commands(*command.get_parent())) add(other->get_name());
         return {words, names};

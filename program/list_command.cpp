@@ -5,6 +5,7 @@
 #include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>
+#include <rlslab/core/suggestion.hpp>
 #include <rlslab/core/text.hpp>
 
 #include <fmt/format.h>
@@ -13,10 +14,9 @@
 namespace rlslab {
 namespace {
 
-void run_list(bool json) {
-    nlohmann::ordered_json out = {{"variants", nlohmann::ordered_json::array()},
-                                  {"arithmetics", nlohmann::ordered_json::array()},
-                                  {"studies", nlohmann::ordered_json::array()}};
+using Json = nlohmann::ordered_json;
+
+std::string variants_text(Json& out) {
     std::string text = "variants                  propagates   a prior   rows at once  in\n";
     for (Entry const* const v : one_entry_each()) {
         std::vector<std::string_view> in;
@@ -30,7 +30,11 @@ void run_list(bool json) {
                                    {"rows_at_once", v->block},
                                    {"arithmetics", in}});
     }
-    text += "\narithmetics               bits  digits  exponents                    rounding\n";
+    return text;
+}
+
+std::string arithmetics_text(Json& out) {
+    std::string text = "arithmetics               bits  digits  exponents                    rounding\n";
     for (Arithmetic const& s : arithmetics()) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
         text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<27}  {}\n", s.name, s.digits, s.decimal_digits(),
@@ -38,15 +42,36 @@ void run_list(bool json) {
         out["arithmetics"].push_back(
             {{"name", s.name}, {"digits", s.digits}, {"min_exp", s.min_exp}, {"max_exp", s.max_exp}, {"rounding", rounding}});
     }
+    return text;
+}
+
+std::string rounding_text(Json& out) {
     auto const faults = rounding_faults();
     out["rounding_faults"] = faults;
-    text += "\nrounding of this program\n  " + (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n"
-                                                               : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
-    text += "\nstudies\n";
+    return "rounding of this program\n  " + (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n"
+                                                            : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
+}
+
+std::string studies_text(Json& out) {
+    std::string text = "studies\n";
     for (Study const* study : studies()) {
         text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));
         out["studies"].push_back({{"name", study->name}, {"question", study->question}});
     }
+    return text;
+}
+
+/// All parts, or the one that is named.
+void run_list(std::string const& part, bool json) {
+    static constexpr std::pair<std::string_view, std::string (*)(Json&)> parts[] = {
+        {"variants", variants_text}, {"arithmetics", arithmetics_text}, {"rounding", rounding_text}, {"studies", studies_text}};
+    std::vector<std::string_view> names;
+    for (auto const& [name, text] : parts) names.push_back(name);
+    if (!part.empty()) expect_one_of(names, part, "list", "part");
+    Json out;
+    std::string text;
+    for (auto const& [name, text_of] : parts)
+        if (part.empty() || part == name) text += (text.empty() ? "" : "\n") + text_of(out);
     print(json ? out.dump(2) + '\n' : text);
 }
 
@@ -54,11 +79,13 @@ void run_list(bool json) {
 
 Command list_command(CLI::App& app) {
     auto const json = std::make_shared<bool>(false);
+    auto const part = std::make_shared<std::string>();
     CLI::App* const listing = app.add_subcommand("list", "What there is: variants, arithmetics, studies.");
-    listing->footer("Example:  rlslab list --json\n\nExit code: 0.");
+    listing->footer("Example:  rlslab list variants --json\n\nExit code: 0.");
+    listing->add_option("PART", *part, "variants, arithmetics, rounding or studies; default: all")->type_name("");
     listing->add_flag("--json", *json, "JSON instead of the tables");
-    return {listing, [json] {
-                run_list(*json);
+    return {listing, [part, json] {
+                run_list(*part, *json);
                 return 0;
             }};
 }

@@ -42,10 +42,26 @@ void take_record(CLI::App& command, RecordArguments& a) {
     take_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
     take_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
     take_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
-    take_names(command, "--regressors", a.regressors,
-               "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order");
+    take_names(
+        command, "--regressors", a.regressors,
+        "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, whose past outputs have a "
+        "minus: these have none");
     command.add_flag("--intercept", a.intercept, "a constant regressor besides");
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
+}
+
+void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
+    static constexpr std::pair<std::string_view, char const*> others[] = {{"half", "binary16"}, {"single", "float"},   {"fp32", "float"},
+                                                                          {"f32", "float"},     {"binary32", "float"}, {"fp64", "double"},
+                                                                          {"f64", "double"},    {"binary64", "double"}};
+    take_names(command, "--arithmetic", into, help)
+        ->transform(CLI::Validator(
+            [](std::string& name) {
+                auto const known = std::ranges::find(others, name, &std::pair<std::string_view, char const*>::first);
+                if (known != std::end(others)) name = known->second;
+                return std::string();
+            },
+            ""));
 }
 
 Question question_of(RecordArguments a) {
@@ -63,7 +79,12 @@ Question question_of(RecordArguments a) {
         lagged = lagged_of("--regressors", a.regressors, a.output);
         for (Lagged const& r : lagged) add(r.column);
     } else {
-        if (a.inputs.empty()) throw InputError("--input: expected the name of the input column, or several (or --regressors a,b,c)");
+        if (a.inputs.empty()) {
+            int const na = std::max(a.order, a.na);
+            std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
+            throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
+                                         na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
+        }
         if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
         if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
         for (std::string const& input : a.inputs) {
@@ -83,8 +104,7 @@ Question question_of(RecordArguments a) {
     if (!lagged.empty()) {
         out.records = lagged_records(data, lagged, a.output, a.intercept);
         if (a.intercept) out.model.regressors.push_back("1");
-        for (Lagged const& r : lagged)
-            out.model.regressors.push_back((r.column == a.output ? "-" : "") + text_of({named(r.column), r.lag}));
+        for (Lagged const& r : lagged) out.model.regressors.push_back(text_of({named(r.column), r.lag}));
         return out;
     }
     Arx model = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb};

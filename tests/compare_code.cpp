@@ -102,7 +102,7 @@ TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
     Records const records = arx("data/sales.csv", "lead", "sales", 2);
     Comparison const c = compare(records, {.arithmetics = {"float"}, .timings = false});
     ASSERT_NE(coded(c), nullptr);
-    std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true, .remarks = "// a remark\n"});
+    std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true});
     EXPECT_NE(text.find("rlslab::Guarded<"), text.npos);
     EXPECT_TRUE(learnt_by(text, records) == learnt_by_the_catalogues(c, records)) << text;
 }

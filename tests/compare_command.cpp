@@ -1,6 +1,7 @@
 // `rlslab compare` on the command line: the options it requires, its first answer, the files it writes.
 #include "catalogue/catalogue.hpp"
 #include "tests/program.hpp"
+#include "tests/terminal.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -76,6 +77,10 @@ TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
     std::string const record = "'" + root + "/data/sales.csv' --input lead --output sales --order 2 --no-timings";
     EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph --arithmetic float").code, 1);
     EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph,ud --arithmetic float").code, 0);
+    Outcome const none = shell("rlslab compare " + record + " --arithmetic bfloat16,binary16");
+    EXPECT_EQ(none.code, 1) << "each has an answer, none of use";
+    EXPECT_THAT(none.out, HasSubstr("in bfloat16  too short for this record: it has 2.4 digits, 3 are wanted\n"));
+    EXPECT_THAT(none.out, Not(HasSubstr("filter(")));
 }
 TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
     std::string const out = text("'" + root + "/data/sales.csv' --input lead --output sales --order 4 --all");
@@ -83,6 +88,46 @@ TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
     size_t lines = 0;
     for (size_t at = out.find("use none"); at != out.npos; at = out.find("use none", at + 1)) ++lines;
     EXPECT_LE(lines, 2u) << out.substr(0, 2000);
+}
+
+TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {
+    std::string const plain = "two.csv --regressors u --output y --variants ud --arithmetic ";
+    EXPECT_EQ(arithmetics(compared(plain + "half,single,fp64")), (std::set<std::string>{"binary16", "float", "double"}));
+    for (std::string const name : {"fp32", "f32", "binary32"})
+        EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"float"});
+    for (std::string const name : {"f64", "binary64"}) EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
+    EXPECT_THAT(shell("rlslab advise two.csv --regressors u --output y --intercept --arithmetic f32").out, HasSubstr(" in float"));
+}
+
+/// The lines of what stands on the terminal, without colours.
+std::vector<std::string> shown_on_a_terminal(std::string const& command, unsigned short columns) {
+    std::string text = on_a_terminal(command, {}, columns).text;
+    for (size_t at; (at = text.find("\033[")) != text.npos;) text.erase(at, text.find('m', at) + 1 - at);
+    std::erase(text, '\r');
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+TEST_F(CompareCommand, FitsATerminalAndSaysWhatIsLeftOut) {
+    std::string const in = "cd '" + folder.string() + "'; '" + program + "' compare two.csv ";
+    for (std::string const model :
+         {"--input u,v --output y --order 2 --all", "--input u,v --output y --order 2 --variants conventional_two_sided,joseph",
+          "--input u,v --output y --order 2 --p0 1e-9 --detrend", "--input u,v --output y --order 1 --control kulhavy:0.97 --guard reset"})
+        for (unsigned short const columns : {80, 95, 110}) {
+            auto const lines = shown_on_a_terminal(in + model + " --quiet", columns);
+            EXPECT_GT(lines.size(), 20u) << model;
+            for (std::string const& line : lines) EXPECT_LE(line.size(), columns) << model;
+            std::string const out = columns == 80   ? "Left out, for 80 columns: low, high, asym. A terminal of 114 columns"
+                                    : columns == 95 ? "Left out, for 95 columns: high, asym. A terminal"
+                                                    : "Left out, for 110 columns: asym. A terminal";
+            EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) { return line.starts_with(out); })) << model << columns;
+        }
+    std::string const model = "--input u,v --output y --order 2 --no-timings";
+    std::string wide;
+    for (std::string const& line : shown_on_a_terminal(in + model, 140)) wide += line + '\n';
+    EXPECT_THAT(wide, Not(HasSubstr("Left out")));
+    EXPECT_THAT(wide, HasSubstr("low  mid high    low  mid high    low  mid high  breakdown            asym   ops     ns\n"));
 }
 
 /// The sums of squares are exact, so nothing but exponents may change: not a digit, not a breakdown.
@@ -156,12 +201,20 @@ TEST_F(CompareCommand, TakesSeveralInputs) {
     EXPECT_EQ(arx["data"]["parameters"], (json{"a1", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "c"}));
     EXPECT_EQ(arx["data"]["regressors"], (json{"-y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]", "1"}));
     json const listed = compared("two.csv --regressors 'y[k-1],u[k-1..k-2],v[k-1],v[k-2]' --output y --intercept");
-    EXPECT_EQ(listed["data"]["regressors"], (json{"1", "-y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));
-    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(listed["reference"]["least_squares"][i], arx["reference"]["least_squares"][(i + 5) % 6]);
+    EXPECT_EQ(listed["data"]["regressors"], (json{"1", "y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));
+    for (size_t i = 0; i < 6; ++i) {
+        std::string const own = listed["reference"]["least_squares"][i], of_arx = arx["reference"]["least_squares"][(i + 5) % 6];
+        if (i == 1) EXPECT_EQ("-" + own, of_arx) << "the sign of what was named";
+        else EXPECT_EQ(own, of_arx);
+    }
+    EXPECT_THAT(listed["code"].get<std::string>(), HasSubstr("psi = (1, y[k-1], u[k-1], u[k-2], v[k-1], v[k-2])"));
     EXPECT_EQ(arx["data"]["rows"], listed["data"]["rows"]);
     refused("compare two.csv --input u,u --output y --order 1", "--input: column \"u\" is named twice");
     refused("compare two.csv --input u,y --output y --order 1", "--input: column \"y\" is both input and output");
     refused("compare two.csv --regressors 'y' --output y", "the output needs a lag");
+    refused("compare two.csv --output y --na 3", "several (or --regressors 'y[k-1..k-3]')");
+    refused("compare two.csv --output y --order 1", "several (or --regressors 'y[k-1]')");
+    refused("compare two.csv --output y --nb 2", "several (or --regressors a,b,c)");
 }
 
 TEST_F(CompareCommand, TakesMeansOff) {

@@ -249,7 +249,7 @@ TEST(ComparisonNumbers, OfStorage) {
     Comparison const wide_prior = compared(given, 1, 1e30);  // beyond binary16, within the others
     EXPECT_FALSE(wide_prior.storage[1].in_range);
     EXPECT_TRUE(wide_prior.storage[0].in_range);
-    EXPECT_EQ(wide_prior.recommendations[1].why, "P0 leaves its range");
+    EXPECT_EQ(wide_prior.recommendations[1].why, "P0 leaves its range: another --p0");
     for (Result const& r : wide_prior.results)
         if (r.entry->arithmetic->name == "binary16") {
             ASSERT_TRUE(r.breakdown);

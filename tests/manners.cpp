@@ -1,4 +1,5 @@
 // The behaviour of the program towards its user: misspelt words, closed pipes, interrupts, help.
+#include "report/progress.hpp"
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 
@@ -42,7 +43,11 @@ TEST_F(Program, SaysWhatAnOptionWants) {
     refused("list --quiet=maybe", "--quiet: expected no value behind it");
     refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order: expected once, found again");
     refused("study --threads", "--threads: expected N, found nothing");
-    refused("list list", "\"list\" is one word too many (rlslab list --help)");
+    refused("list list", "list: no part \"list\"; expected one of variants, arithmetics, rounding, studies");
+    refused("list variant", "list: no part \"variant\" (did you mean \"variants\"?)");
+    refused("list variants studies", "\"studies\" is one word too many (rlslab list --help)");
+    refused("ok.csv", "\"ok.csv\" is a file: rlslab compare ok.csv --input U --output Y --order N, or identify");
+    refused("ok.csv --input u", "\"ok.csv\" is a file: rlslab compare ok.csv");
     EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 30").code, 0) << "a number may begin with a minus";
 }
 TEST(Suggestion, IsTheNearestNameOrNone) {
@@ -170,6 +175,15 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
             EXPECT_EQ(shell("rlslab " + option + " " + command).code, 0) << option << " " << command;
             EXPECT_EQ(shell("rlslab " + command + " " + option).code, 0) << command << " " << option;
         }
+}
+
+/// The first hundredth of a stage says nothing of the rest: half an hour was promised where two minutes were left.
+TEST(Progress, PromisesATimeFromATenthOn) {
+    EXPECT_EQ(rlslab::progress_text("reference", 0.099, 100), "reference   9 %");
+    EXPECT_EQ(rlslab::progress_text("reference", 0.1, 100), "reference  10 %, 15 min left");
+    EXPECT_EQ(rlslab::progress_text("comparing", 0.5, 30), "comparing  50 %, 30 s left");
+    EXPECT_EQ(rlslab::progress_text("comparing", 0.5, 4), "comparing  50 %");
+    EXPECT_EQ(rlslab::progress_text("comparing", 1, 100), "comparing 100 %");
 }
 
 // ---- interrupted ------------------------------------------------------------------------------------------------------------

@@ -77,7 +77,7 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
     refused(data + " --order 1 --output u", "--output: expected once, found again");
     refused("frob", "no command \"frob\"; expected one of compare, advise, ");
     refused("frob list", "no command \"frob\"; expected one of compare, advise, ");
-    refused("list frob", "\"frob\" is one word too many (rlslab list --help)");
+    refused("list frob", "list: no part \"frob\"; expected one of variants, ");
     refused("compare ok.csv --input u --order 1", "--output");
     refused("compare", "FILE");
     refused("bogus", "\"bogus\"");
@@ -191,6 +191,14 @@ TEST_F(Program, ListsWhatThereIsAndHelps) {
     std::string const text = shell("rlslab list").out;
     for (char const* kind : {"variants", "arithmetics"})
         for (json const& item : list[kind]) EXPECT_THAT(text, HasSubstr(item["name"].get<std::string>()));
+    std::string parts;
+    for (std::string const part : {"variants", "arithmetics", "rounding", "studies"}) {
+        parts += (parts.empty() ? "" : "\n") + shell("rlslab list " + part).out;
+        json const alone = json::parse(shell("rlslab list --json " + part).out);
+        ASSERT_EQ(alone.size(), 1u) << part;
+        EXPECT_EQ(alone.begin().value(), list[alone.begin().key()]) << part;
+    }
+    EXPECT_EQ(parts, text);
     for (char const* command : {"rlslab --help", "rlslab compare --help", "rlslab list --help", "rlslab --version"})
         EXPECT_EQ(shell(command).code, 0) << command;
 }

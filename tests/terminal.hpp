@@ -13,10 +13,11 @@ struct Screen {
     std::string text;
 };
 
-/// Runs it in bash with standard input, output and error on a terminal of 80 columns. What `type` first answers to the text so far
+/// Runs it in bash with standard input, output and error on a terminal of so many columns. What `type` first answers to the text so far
 /// is typed.
-inline Screen on_a_terminal(std::string const& command, std::function<std::string(std::string const&)> type = {}) {
-    winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+inline Screen on_a_terminal(std::string const& command, std::function<std::string(std::string const&)> type = {},
+                            unsigned short columns = 80) {
+    winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
     int terminal = -1;
     pid_t const child = forkpty(&terminal, nullptr, nullptr, &size);
     if (child == 0) {

@@ -72,7 +72,6 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
     struct Source {
         double const* column;
         Index lag;
-        double sign;
     };
     std::vector<std::string> names;
     if (intercept) names.push_back("1");
@@ -80,15 +79,14 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
     Index first = 0;
     for (Lagged const& r : regressors) {
         expects(0 <= r.lag && (r.column != output || r.lag > 0), "regressors of the present and the past, outputs of the past");
-        bool const past_output = r.column == output;
         std::string const name = r.plain ? r.column : text_of(r);
-        names.push_back((past_output ? "-" : "") + (data.header ? name : "column " + name));  // a column "1" is not the intercept
-        sources.push_back({data[r.column].data(), r.lag, past_output ? -1.0 : 1.0});
+        names.push_back(data.header ? name : "column " + name);  // a column "1" is not the intercept
+        sources.push_back({data[r.column].data(), r.lag});
         first = std::max(first, Index(r.lag));
     }
     return collected(data.file, data[output], std::move(names), first, [&](Index k, std::span<double> psi) {
         psi[0] = 1;
-        std::ranges::transform(sources, psi.begin() + intercept, [k](Source const& s) { return s.sign * s.column[k - s.lag]; });
+        std::ranges::transform(sources, psi.begin() + intercept, [k](Source const& s) { return s.column[k - s.lag]; });
     });
 }
 

@@ -32,9 +32,9 @@ Arx arx_of_order(int order);
 /// fewer than d usable rows; std::invalid_argument for a column that was not read.
 Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept = false);
 
-/// The same with present and past values: a regressor is u[k-lag], or -y[k-lag] for the output as in Arx. The first row is that at which
-/// the longest lag has a value. Names are "-y[k-1]", "u[k-3]"; a plain regressor has its column's name. Throws InputError for fewer than d
-/// usable rows; std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
+/// The same with present and past values u[k-lag], y[k-lag]: a past output with its own sign, not with that of Arx. The first row is that
+/// at which the longest lag has a value. Names are "y[k-1]", "u[k-3]"; a plain regressor has its column's name. Throws InputError for fewer
+/// than d usable rows; std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
 Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept = false);
 
 /// One row of the model's equation for each k at which u and y (equally long; NaN: missing) have all values that it needs. psi is d x N,
