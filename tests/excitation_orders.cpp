@@ -31,9 +31,9 @@ Signal sines(size_t samples, std::vector<double> const& frequencies, double offs
 // --- resolution -----------------------------------------------------------------------------------------------------------------
 
 TEST(Written, WithSignificantDigitsAsWithDecimals) {
-    // Two sines around 3, from 0.6 to 5.4: exciting of order 5. Five digits are four decimals, and five below 1.
+    // Two sines around 3, from 0.2 to 5.8: exciting of order 5. Five digits are four decimals, and five below 1.
     Signal u = sines(1024, {0.3, 0.9}, 3);
-    for (double& v : u) v = 3 + 1.2 * (v - 3);
+    for (double& v : u) v = 3 + 1.8 * (v - 3);
     Excitation const decimals = excitation(written(u, "{:.4f}"), 12), digits = excitation(written(u, "{:.5g}"), 12);
     EXPECT_EQ(decimals.order, 5);
     EXPECT_EQ(digits.order, 5);
@@ -41,7 +41,7 @@ TEST(Written, WithSignificantDigitsAsWithDecimals) {
     EXPECT_NEAR(decimals.resolution, 1e-4, 1e-12);
     EXPECT_GT(digits.resolution, 0.8e-4);
     EXPECT_LT(digits.resolution, 1e-4);
-    // From 0.06 to 0.54, and from 6000 to 54000 with a unit that differs: by their own units.
+    // From 0.02 to 0.58, from 2 to 58 and from 2000 to 58000: by their own units.
     for (double const scale : {0.1, 10.0, 1e4}) {
         Signal scaled = u;
         for (double& v : scaled) v *= scale;

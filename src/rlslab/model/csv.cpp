@@ -1,9 +1,9 @@
-// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number), and here from the first rows to the format,
-// and from rows to columns.
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number, csv_marks), and here from the first rows to
+// the format, and from rows to columns.
 #include <rlslab/model/csv.hpp>
 
 #include <rlslab/core/suggestion.hpp>
-#include <rlslab/model/csv_number.hpp>
+#include <rlslab/model/csv_marks.hpp>
 #include <rlslab/model/csv_text.hpp>
 
 #include <fmt/format.h>
@@ -63,13 +63,7 @@ struct CsvFile::State {
     long line = 0;                       // line on which the row begins
     std::string whole = {}, below = {};  // a row of several lines; the row below the first, if it was looked at
     std::optional<long> below_line = {};
-    long decimal_line = 0;  // where the first number with a mark stands; 0: nowhere, or it was given
-    struct Doubt {
-        long line;
-        std::size_t column;
-        std::string cell;
-    };
-    std::optional<Doubt> doubt = {};  // the first cell like "1,234" while the mark is not known
+    Marks marks = Marks(format.decimal);
 
     [[noreturn]] void fail(long at, std::string const& message) const {
         throw InputError(fmt::format("{}:{}: {}", lines.name(), at, message));
@@ -83,7 +77,9 @@ struct CsvFile::State {
     void take(std::string_view text);
     bool first_row();
     bool next_row();
-    void settle_decimal(char mark, std::size_t column);
+    void pass(std::optional<Marks::Fault> const& fault) const {
+        if (fault) fail(fault->at.line, fault->at.column, fault->message);
+    }
     double number_in(std::size_t column);
 };
 
@@ -175,25 +171,10 @@ bool CsvFile::State::next_row() {
     return text.has_value();
 }
 
-void CsvFile::State::settle_decimal(char mark, std::size_t column) {
-    if (format.decimal == mark) return;
-    if (format.decimal == 0) {
-        format.decimal = mark;
-        decimal_line = line;
-        if (mark == '.' && doubt) fail(doubt->line, doubt->column, complaint(Kind::grouped, doubt->cell));
-        return;
-    }
-    std::string const as = decimal_line > 0 ? fmt::format(" as in line {}", decimal_line) : "";
-    fail(line, column,
-         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, in_quotes(row[column])));
-}
-
 double CsvFile::State::number_in(std::size_t column) {
     auto const [kind, value] = reading_of(row[column]);
     if (!is_value(kind)) fail(line, column, complaint(kind, row[column]));
-    if (kind == Kind::point) settle_decimal('.', column);
-    if (kind == Kind::comma || (kind == Kind::comma_or_group && format.decimal != 0)) settle_decimal(',', column);
-    if (kind == Kind::comma_or_group && format.decimal == 0 && !doubt) doubt = {line, column, std::string(row[column])};
+    pass(marks.number(kind, line, column, row[column]));
     return value;
 }
 
@@ -238,15 +219,12 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
         }
         if (data.rows() == most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
+        s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);
     }
     if (data.lines.empty())
         throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file, listed(s.names)));
-    if (s.doubt && s.format.decimal == 0)
-        s.fail(
-            s.doubt->line, s.doubt->column,
-            fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
-                        in_quotes(s.doubt->cell)));
+    s.pass(s.marks.end(s.format.separator));
     return data;
 }
 

@@ -40,7 +40,8 @@ struct CsvFormat {
 ///   rows        LF or CRLF; blank lines are skipped, and '#' lines above the first row; all have equally many cells
 ///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
-///   decimals    a point or a comma, the same in the whole file; for "1,234" another number must show which of the two it is
+///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead, and so may "1.234"
+///               where a semicolon separates or any cell has a decimal comma: a number of another form, in any column, must show which
 ///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
 /// The name of a column is that in the header; without a header it is the column's number: "1", "2", ...
 class CsvFile {

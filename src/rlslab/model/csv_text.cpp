@@ -112,4 +112,13 @@ Row::Taken Row::take(std::string_view row, char separator) {
     return Taken::whole;
 }
 
+std::size_t Row::with_one(char c, std::size_t i) const {
+    for (std::size_t at = i < size() ? text_.find(c, begin(i)) : text_.npos; at != text_.npos; at = text_.find(c, ends_[i])) {
+        while (ends_[i] <= at) ++i;
+        auto const again = text_.find(c, at + 1);
+        if (again == text_.npos || again >= ends_[i]) return i;
+    }
+    return size();
+}
+
 }  // namespace rlslab::csv
