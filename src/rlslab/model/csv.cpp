@@ -73,10 +73,12 @@ struct CsvFile::State {
         fail(at, fmt::format("column {}{}: {}", column + 1, name, message));
     }
     std::optional<std::string_view> next_text();
+    bool look_below();
     char separator_of(std::string const& text);
     void take(std::string_view text);
     bool first_row();
     bool next_row();
+    void take_numbers_for_names(std::vector<std::string> const& asked);
     void pass(std::optional<Marks::Fault> const& fault) const {
         if (fault) fail(fault->at.line, fault->at.column, fault->message);
     }
@@ -115,6 +117,17 @@ std::optional<std::string_view> CsvFile::State::next_text() {
     return whole += *text;
 }
 
+/// Reads the row below into `below`; false: there is none.
+bool CsvFile::State::look_below() {
+    if (below_line) return true;
+    long const here = line;
+    auto const next = next_text();
+    if (!next) return false;
+    below = *next;
+    below_line = std::exchange(line, here);
+    return true;
+}
+
 /// The separator, from the first row and, if that has only blanks between words, from the row below.
 char CsvFile::State::separator_of(std::string const& text) {
     Quotes quotes(0);
@@ -131,10 +144,7 @@ char CsvFile::State::separator_of(std::string const& text) {
     if (by_blanks.cells < 2) return one_column;
     if (by_blanks.values) return ' ';
     first = line;  // from here on, '#' begins a row
-    auto const next = next_text();
-    if (!next) return one_column;
-    below = *next;
-    below_line = std::exchange(line, first);
+    if (!look_below()) return one_column;
     std::size_t const cells = Split(below, ' ').cells;
     if (cells == by_blanks.cells) return ' ';
     if (cells > 1)
@@ -171,6 +181,32 @@ bool CsvFile::State::next_row() {
     return text.has_value();
 }
 
+/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are asked for by number.
+void CsvFile::State::take_numbers_for_names(std::vector<std::string> const& asked) {
+    std::vector<std::string> numbers;
+    for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(std::to_string(i + 1));
+    auto const number_of = [&](std::string const& name) { return std::ranges::find(numbers, name) - numbers.begin(); };
+    std::ptrdiff_t const none = std::ssize(numbers);
+    if (std::ranges::any_of(asked, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
+    Row under;
+    if (under.take(below, format.separator) != Row::Taken::whole || under.size() != names.size()) return;
+    bool number = false, text = false;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        Kind const here = reading_of(names[i]).kind, there = reading_of(under[i]).kind;
+        if (here == Kind::text && is_value(there) && there != Kind::missing) return;  // a name over a number
+        number |= is_value(here) && here != Kind::missing;
+        text |= here == Kind::text && there == Kind::text;
+    }
+    if (!number || !text) return;
+    for (auto const& name : asked)
+        if (auto const found = std::ranges::find(names, name); found != names.end())
+            fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this row, which is like the "
+                                    "row below",
+                                    in_quotes(name), found - names.begin() + 1));
+    header = false;
+    names = std::move(numbers);
+}
+
 double CsvFile::State::number_in(std::size_t column) {
     auto const [kind, value] = reading_of(row[column]);
     if (!is_value(kind)) fail(line, column, complaint(kind, row[column]));
@@ -205,6 +241,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     expects(!asked.empty(), "the name of a column at least");
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
+    if (s.header) s.take_numbers_for_names(asked);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
