@@ -56,8 +56,8 @@ public:
     CsvFile& operator=(CsvFile&&) noexcept;
     ~CsvFile();
 
-    std::string const& file() const;  ///< its name in messages
-    bool has_header() const;  ///< `read` may find out that there is none
+    std::string const& file() const;                ///< its name in messages
+    bool has_header() const;                        ///< `read` may find out that there is none
     std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
     /// Reads the columns named in `asked` to the end of the data; other columns may contain anything. May be called once.

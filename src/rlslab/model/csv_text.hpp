@@ -15,8 +15,8 @@ std::string in_quotes(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 
-/// The lines of a text, which end with LF, CRLF or (if the first one does) CR. next() throws InputError for bytes that are no table of text,
-/// which it names, and for a line that is too long.
+/// The lines of a text, which end with LF, CRLF or (if the first one does) CR. next() throws InputError for bytes that are no table of
+/// text, which it names, and for a line that is too long.
 class Lines {
     std::string name_;
     ByteSource source_;
