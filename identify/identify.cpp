@@ -63,9 +63,9 @@ Index supported_order(Identified& out, Data const& data, Index fitted, Index mos
     Index supported = most;
     for (size_t j = 0; j < data.inputs.size(); ++j) {
         Signal const u(data.inputs[j].begin(), data.inputs[j].begin() + fitted);
-        Excitation const e = excitation(u, coefficients[j], [&](double part) {
-            if (progress) progress((double(j) + part) / double(data.inputs.size()));
-        });
+        Excitation const e = excitation(u, coefficients[j], {.progress = [&](double part) {
+                                            if (progress) progress((double(j) + part) / double(data.inputs.size()));
+                                        }});
         std::string const name = printable(options.inputs[j]);
         if (e.order < coefficients[j]) {
             supported = std::min(supported, e.order - 1);

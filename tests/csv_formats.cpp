@@ -112,9 +112,12 @@ TEST(Separator, RowsTwiceAsLongAsTheHeaderSayWhy) {
 // --- what is no text --------------------------------------------------------------------------------------------------------
 
 TEST(CsvRefuses, WhatOtherProgramsWrite) {
-    EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}), "data.csv: expected UTF-8 text, found gzip's compressed data: unpack them first");
-    EXPECT_EQ(refusal("PK\x03\x04", {"u"}), "data.csv: expected UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
-    EXPECT_EQ(refusal("\xd0\xcf\x11\xe0", {"u"}), "data.csv: expected UTF-8 text, found a workbook: save the sheet as CSV");
+    EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
+    EXPECT_EQ(refusal("PK\x03\x04", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
+    EXPECT_EQ(refusal("\xd0\xcf\x11\xe0", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found a workbook: save the sheet as CSV");
 }
 
 RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {

@@ -69,7 +69,8 @@ TEST(Gzip, DamageIsSeenWhereverItIs) {
     std::string checksum = whole;
     checksum[whole.size() - 6] ^= 1;
     EXPECT_EQ(refusal(checksum, {"u"}), "data: the compressed data are damaged (incorrect data check)");
-    EXPECT_EQ(refusal(packed(whole), {"u"}), "data: expected UTF-8 text, found gzip's compressed data: unpack them first");
+    EXPECT_EQ(refusal(packed(whole), {"u"}),
+              "data: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
     EXPECT_EQ(refusal(packed(""), {"u"}), "data: expected rows of numbers, found an empty file");
 }
 TEST(Gzip, ABombIsNotHeld) {

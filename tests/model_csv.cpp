@@ -135,7 +135,7 @@ TEST(CsvRefuses, GarbageShortenedAndPrintable) {
               "data.csv:2: column 1 (u): expected a number, found \"" + std::string(40, 'a') + "...\"");
     EXPECT_EQ(refusal("u\n\"a\nb\"", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"a\\x0ab\"");
     EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}), "data.csv:3: expected text, found a zero byte (a binary file?)");
-    EXPECT_EQ(refusal("\xff\xfeu\n", {"u"}), "data.csv: expected UTF-8 text, found UTF-16");
+    EXPECT_EQ(refusal("\xff\xfeu\n", {"u"}), "data.csv: expected rows of numbers as UTF-8 text, found UTF-16");
 }
 
 TEST(CsvRefuses, RaggedRows) {

@@ -1,9 +1,9 @@
-// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number), and here from the first rows to the format,
-// and from rows to columns.
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number, csv_marks), and here from the first rows to
+// the format, and from rows to columns.
 #include <rlslab/model/csv.hpp>
 
 #include <rlslab/core/suggestion.hpp>
-#include <rlslab/model/csv_number.hpp>
+#include <rlslab/model/csv_marks.hpp>
 #include <rlslab/model/csv_text.hpp>
 
 #include <fmt/format.h>
@@ -63,13 +63,7 @@ struct CsvFile::State {
     long line = 0;                       // line on which the row begins
     std::string whole = {}, below = {};  // a row of several lines; the row below the first, if it was looked at
     std::optional<long> below_line = {};
-    long decimal_line = 0;  // where the first number with a mark stands; 0: nowhere, or it was given
-    struct Doubt {
-        long line;
-        std::size_t column;
-        std::string cell;
-    };
-    std::optional<Doubt> doubt = {};  // the first cell like "1,234" while the mark is not known
+    Marks marks = Marks(format.decimal);
 
     [[noreturn]] void fail(long at, std::string const& message) const {
         throw InputError(fmt::format("{}:{}: {}", lines.name(), at, message));
@@ -79,11 +73,15 @@ struct CsvFile::State {
         fail(at, fmt::format("column {}{}: {}", column + 1, name, message));
     }
     std::optional<std::string_view> next_text();
+    bool look_below();
     char separator_of(std::string const& text);
     void take(std::string_view text);
     bool first_row();
     bool next_row();
-    void settle_decimal(char mark, std::size_t column);
+    void take_numbers_for_names(std::vector<std::string> const& asked);
+    void pass(std::optional<Marks::Fault> const& fault) const {
+        if (fault) fail(fault->at.line, fault->at.column, fault->message);
+    }
     double number_in(std::size_t column);
 };
 
@@ -119,6 +117,17 @@ std::optional<std::string_view> CsvFile::State::next_text() {
     return whole += *text;
 }
 
+/// Reads the row below into `below`; false: there is none.
+bool CsvFile::State::look_below() {
+    if (below_line) return true;
+    long const here = line;
+    auto const next = next_text();
+    if (!next) return false;
+    below = *next;
+    below_line = std::exchange(line, here);
+    return true;
+}
+
 /// The separator, from the first row and, if that has only blanks between words, from the row below.
 char CsvFile::State::separator_of(std::string const& text) {
     Quotes quotes(0);
@@ -135,10 +144,7 @@ char CsvFile::State::separator_of(std::string const& text) {
     if (by_blanks.cells < 2) return one_column;
     if (by_blanks.values) return ' ';
     first = line;  // from here on, '#' begins a row
-    auto const next = next_text();
-    if (!next) return one_column;
-    below = *next;
-    below_line = std::exchange(line, first);
+    if (!look_below()) return one_column;
     std::size_t const cells = Split(below, ' ').cells;
     if (cells == by_blanks.cells) return ' ';
     if (cells > 1)
@@ -175,25 +181,36 @@ bool CsvFile::State::next_row() {
     return text.has_value();
 }
 
-void CsvFile::State::settle_decimal(char mark, std::size_t column) {
-    if (format.decimal == mark) return;
-    if (format.decimal == 0) {
-        format.decimal = mark;
-        decimal_line = line;
-        if (mark == '.' && doubt) fail(doubt->line, doubt->column, complaint(Kind::grouped, doubt->cell));
-        return;
+/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are asked for by number.
+void CsvFile::State::take_numbers_for_names(std::vector<std::string> const& asked) {
+    std::vector<std::string> numbers;
+    for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(std::to_string(i + 1));
+    auto const number_of = [&](std::string const& name) { return std::ranges::find(numbers, name) - numbers.begin(); };
+    std::ptrdiff_t const none = std::ssize(numbers);
+    if (std::ranges::any_of(asked, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
+    Row under;
+    if (under.take(below, format.separator) != Row::Taken::whole || under.size() != names.size()) return;
+    bool number = false, text = false;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        Kind const here = reading_of(names[i]).kind, there = reading_of(under[i]).kind;
+        if (here == Kind::text && is_value(there) && there != Kind::missing) return;  // a name over a number
+        number |= is_value(here) && here != Kind::missing;
+        text |= here == Kind::text && there == Kind::text;
     }
-    std::string const as = decimal_line > 0 ? fmt::format(" as in line {}", decimal_line) : "";
-    fail(line, column,
-         fmt::format("expected a decimal {}{}, found {}", format.decimal == '.' ? "point" : "comma", as, in_quotes(row[column])));
+    if (!number || !text) return;
+    for (auto const& name : asked)
+        if (auto const found = std::ranges::find(names, name); found != names.end())
+            fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this row, which is like the "
+                                    "row below",
+                                    in_quotes(name), found - names.begin() + 1));
+    header = false;
+    names = std::move(numbers);
 }
 
 double CsvFile::State::number_in(std::size_t column) {
     auto const [kind, value] = reading_of(row[column]);
     if (!is_value(kind)) fail(line, column, complaint(kind, row[column]));
-    if (kind == Kind::point) settle_decimal('.', column);
-    if (kind == Kind::comma || (kind == Kind::comma_or_group && format.decimal != 0)) settle_decimal(',', column);
-    if (kind == Kind::comma_or_group && format.decimal == 0 && !doubt) doubt = {line, column, std::string(row[column])};
+    pass(marks.number(kind, line, column, row[column]));
     return value;
 }
 
@@ -224,6 +241,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     expects(!asked.empty(), "the name of a column at least");
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
+    if (s.header) s.take_numbers_for_names(asked);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
@@ -238,15 +256,12 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
         }
         if (data.rows() == most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
+        s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);
     }
     if (data.lines.empty())
         throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file, listed(s.names)));
-    if (s.doubt && s.format.decimal == 0)
-        s.fail(
-            s.doubt->line, s.doubt->column,
-            fmt::format("{} may be a decimal comma or a mark between thousands, and no number says which (--decimal , if it is the former)",
-                        in_quotes(s.doubt->cell)));
+    s.pass(s.marks.end(s.format.separator));
     return data;
 }
 

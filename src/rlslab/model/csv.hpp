@@ -36,17 +36,19 @@ struct CsvFormat {
 /// A CSV file; the constructor opens it and reads its first row. What the format does not give is found out:
 ///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else comma, else
 ///               blanks if the next row has as many cells as the first
-///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers)
-///   rows        LF or CRLF; blank lines are skipped, and '#' lines above the first row; all have equally many cells
+///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers); not where all
+///               columns are asked for by number, and it is text and numbers over text and numbers in the same columns
+///   rows        LF, CRLF or CR; blank lines are skipped, and '#' lines above the first row; all have equally many cells
 ///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
-///   decimals    a point or a comma, the same in the whole file; for "1,234" another number must show which of the two it is
+///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead, and so may "1.234"
+///               where a semicolon separates or any cell has a decimal comma: a number of another form, in any column, must show which
 ///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
 /// The name of a column is that in the header; without a header it is the column's number: "1", "2", ...
 class CsvFile {
 public:
     /// Opens path ("-": standard input; it may be a FIFO, because all is read once and in order). Throws InputError when it cannot be
-    /// opened or read, is empty, or is not text; std::invalid_argument for a format of other characters.
+    /// opened or read, is empty, or is no table of text; std::invalid_argument for a format of other characters.
     explicit CsvFile(std::string const& path, CsvFormat format = {});
     /// The same for any bytes; `file` is their name in messages, and more than `most` numbers are refused.
     CsvFile(ByteSource bytes, std::string file, CsvFormat format = {}, long most = most_numbers);
@@ -54,8 +56,8 @@ public:
     CsvFile& operator=(CsvFile&&) noexcept;
     ~CsvFile();
 
-    std::string const& file() const;  ///< its name in messages
-    bool has_header() const;
+    std::string const& file() const;                ///< its name in messages
+    bool has_header() const;                        ///< `read` may find out that there is none
     std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
     /// Reads the columns named in `asked` to the end of the data; other columns may contain anything. May be called once.

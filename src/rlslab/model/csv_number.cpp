@@ -72,8 +72,9 @@ Reading reading_of(std::string_view cell) {
     // from_chars accepts a minus but no plus; the letters that it accepts ("nan(1)") are no number here.
     if (magnitude.empty() || (magnitude[0] != '.' && magnitude[0] != ',' && !is_digit(magnitude[0]))) return {Kind::text};
     if (magnitude.find(',') != magnitude.npos) return with_comma(cell, plus, magnitude);
-    if (in_groups(magnitude, '.') && std::ranges::count(magnitude, '.') > 1) return {Kind::grouped};
-    return decimal(cell, plus);
+    if (!in_groups(magnitude, '.')) return decimal(cell, plus);
+    if (std::ranges::count(magnitude, '.') > 1) return {Kind::grouped};
+    return {Kind::point_or_group, decimal(cell, plus).value};
 }
 
 bool is_value(Kind kind) { return kind <= Kind::comma_or_group || kind == Kind::missing; }

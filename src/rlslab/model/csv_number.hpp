@@ -7,13 +7,13 @@
 
 namespace rlslab::csv {
 
-/// What a cell contains. A comma is decimal (`comma`), or certainly between thousands (`grouped`: "1,234,567", "1,234.5"), or may be either
-/// (`comma_or_group`: "1,234").
-enum class Kind { whole, point, comma, comma_or_group, grouped, missing, infinite, out_of_range, text };
+/// What a cell contains. A mark is decimal (`point`, `comma`), or certainly between thousands (`grouped`: "1,234,567", "1,234.5"), or may
+/// be either (`point_or_group`, `comma_or_group`: "1.234", "1,234").
+enum class Kind { whole, point, point_or_group, comma, comma_or_group, grouped, missing, infinite, out_of_range, text };
 
 struct Reading {
     Kind kind;
-    double value = std::numeric_limits<double>::quiet_NaN();  // a comma read as decimal
+    double value = std::numeric_limits<double>::quiet_NaN();  // a mark that may be either read as decimal
 };
 Reading reading_of(std::string_view cell);
 

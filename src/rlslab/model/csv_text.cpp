@@ -1,6 +1,8 @@
 // One pass over each line. Only cells, and lines that cross chunks, are copied.
 #include <rlslab/model/csv_text.hpp>
 
+#include <rlslab/model/file_kind.hpp>
+
 #include <fmt/format.h>
 
 #include <utility>
@@ -23,16 +25,29 @@ bool Lines::refill() {
     return got > 0;
 }
 
+/// Ends of lines in quotes are not looked at: they are part of a cell.
+void Lines::find_end() {
+    bool quoted = false;
+    std::size_t at = 0, behind = 0;
+    while (end_ == 0 && begin_.size() <= longest_line && refill()) {
+        begin_ += rest_;
+        for (; end_ == 0 && at < begin_.size(); ++at) {
+            if (begin_[at] == '"') quoted = !quoted;
+            if (begin_[at] == '\n') end_ = '\n';
+            if (begin_[at] != '\r' || quoted) continue;
+            behind = begin_.find_first_not_of('\r', at);
+            if (behind == begin_.npos) break;  // in the next chunk
+            end_ = begin_[behind] == '\n' ? '\n' : '\r';
+        }
+    }
+    if (end_ == 0) end_ = behind == begin_.npos ? '\r' : '\n';
+    rest_ = begin_;
+}
+
 std::string_view Lines::checked_line(std::string_view line) {
     if (number_ == 1) {
-        constexpr std::pair<std::string_view, std::string_view> others[] = {
-            {"\xff\xfe", "UTF-16"},
-            {"\xfe\xff", "UTF-16"},
-            {"\x1f\x8b", "gzip's compressed data: unpack them first"},
-            {"PK\x03\x04", "a zip archive or a workbook: save the sheet as CSV"},
-            {"\xd0\xcf\x11\xe0", "a workbook: save the sheet as CSV"}};
-        for (auto const& [begins, what] : others)
-            if (line.starts_with(begins)) throw InputError(fmt::format("{}: expected UTF-8 text, found {}", name_, what));
+        if (auto const what = not_a_table(line); !what.empty())
+            throw InputError(fmt::format("{}: expected rows of numbers as UTF-8 text, found {}", name_, what));
         if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
     }
     if (line.find('\0') != line.npos)
@@ -43,10 +58,11 @@ std::string_view Lines::checked_line(std::string_view line) {
 
 std::optional<std::string_view> Lines::next() {
     line_.clear();
+    if (end_ == 0) find_end();
     if (rest_.empty() && !refill()) return std::nullopt;
     ++number_;
     for (;;) {
-        auto const end = rest_.find('\n');
+        auto const end = rest_.find(end_);
         auto const part = rest_.substr(0, end);
         if (line_.size() + part.size() > longest_line)
             throw InputError(fmt::format("{}:{}: expected a line of at most 1 MiB", name_, number_));
@@ -110,6 +126,15 @@ Row::Taken Row::take(std::string_view row, char separator) {
     if (at_ == At::quoted) return Taken::open;
     if (!blanks || at_ != At::start || ends_.empty()) end_cell();
     return Taken::whole;
+}
+
+std::size_t Row::with_one(char c, std::size_t i) const {
+    for (std::size_t at = i < size() ? text_.find(c, begin(i)) : text_.npos; at != text_.npos; at = text_.find(c, ends_[i])) {
+        while (ends_[i] <= at) ++i;
+        auto const again = text_.find(c, at + 1);
+        if (again == text_.npos || again >= ends_[i]) return i;
+    }
+    return size();
 }
 
 }  // namespace rlslab::csv

@@ -15,21 +15,25 @@ std::string in_quotes(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 
-/// The lines of a text. next() throws InputError for bytes that are not text and for a line that is too long.
+/// The lines of a text, which end with LF, CRLF or (if the first one does) CR. next() throws InputError for bytes that are no table of
+/// text, which it names, and for a line that is too long.
 class Lines {
     std::string name_;
     ByteSource source_;
     std::vector<char> chunk_;
-    std::string_view rest_;  // of the chunk
+    std::string_view rest_;  // of the chunk, or of begin_
+    std::string begin_;      // the chunks up to the first end of a line
     std::string line_;       // one that crosses chunks
     long number_ = 0;
+    char end_ = 0;  // 0: not known yet
 
+    void find_end();
     bool refill();
     std::string_view checked_line(std::string_view line);
 
 public:
     Lines(ByteSource source, std::string name) : name_(std::move(name)), source_(std::move(source)), chunk_(1 << 16) {}
-    Lines(Lines const&) = delete;  // rest_ points into chunk_
+    Lines(Lines const&) = delete;  // rest_ points into chunk_ or begin_
     Lines& operator=(Lines const&) = delete;
     std::string const& name() const { return name_; }
     long number() const { return number_; }  // of the line last returned
@@ -74,6 +78,8 @@ class Row {
 public:
     enum class Taken { whole, open, broken };  // open: inside quotes; broken: text behind a closing quote
     std::size_t size() const { return ends_.size(); }
+    /// The next cell from i on that contains c exactly once; size(): there is none.
+    std::size_t with_one(char c, std::size_t i) const;
     std::string_view operator[](std::size_t i) const { return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i))); }
     Taken take(std::string_view row, char separator);
 };

@@ -1,0 +1,11 @@
+// What a file is that is no table of text, by its first bytes.
+#pragma once
+
+#include <string_view>
+
+namespace rlslab {
+
+/// "a PNG image" with what to do about it, for a text that begins so; "" for anything else.
+std::string_view not_a_table(std::string_view begin);
+
+}  // namespace rlslab
