@@ -3,6 +3,7 @@
 
 #include "advise/guard_trial.hpp"
 #include "compare/compare.hpp"
+#include "report/progress.hpp"
 
 namespace rlslab {
 

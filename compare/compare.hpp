@@ -2,7 +2,7 @@
 #pragma once
 
 #include "catalogue/composition.hpp"
-#include "report/progress.hpp"
+#include "report/stages.hpp"
 
 #include <rlslab/lab/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>

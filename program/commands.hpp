@@ -2,6 +2,7 @@
 #pragma once
 
 #include "report/progress.hpp"
+#include "report/stages.hpp"
 
 #include <rlslab/model/csv.hpp>
 

@@ -1,5 +1,5 @@
 // The behaviour of the program towards its user: misspelt words, closed pipes, interrupts, help.
-#include "report/progress.hpp"
+#include "report/stages.hpp"
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 

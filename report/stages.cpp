@@ -1,5 +1,5 @@
 // The words of a line of progress.
-#include "report/progress.hpp"
+#include "report/stages.hpp"
 
 #include <fmt/format.h>
 
