@@ -17,6 +17,7 @@ TEST(Counting, IsGrowthByStepsOfWhichMostAreEqual) {
     EXPECT_EQ(counting_step(x), std::nullopt) << "nine";
     x.push_back(1999);
     EXPECT_EQ(counting_step(x), 1);
+    x.push_back(2000);
     x[3] = NAN;
     EXPECT_EQ(counting_step(x), 1) << "one is missing";
     x[4] = x[5];
