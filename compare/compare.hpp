@@ -104,6 +104,7 @@ struct ModelText {
     std::string file, output;                           ///< "sales.csv", "sales[k]"
     std::vector<std::string> regressors;                ///< "-sales[k-1]", "lead[k]", "1"
     std::vector<std::pair<std::string, double>> means;  ///< taken off each column first
+    std::vector<std::string> warnings = {};             ///< of the columns
 };
 
 struct Comparison {

@@ -73,6 +73,7 @@ std::string prior_text(Comparison const& c) {
 
 std::vector<std::string> warnings(Comparison const& c) {
     std::vector<std::string> out = composition_warnings(c);
+    out.insert(out.end(), c.model.warnings.begin(), c.model.warnings.end());
     std::string const remedy =
         c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
     if (!(c.prior_bias <= most_prior_bias))

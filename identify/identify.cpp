@@ -5,6 +5,7 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/model/counting.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
@@ -18,6 +19,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 struct Data {
     std::vector<Signal> inputs;
     Signal y;
+    std::vector<std::string> warnings;
 };
 
 Data read(DataFile const& file, IdentifyOptions const& options) {
@@ -32,6 +34,7 @@ Data read(DataFile const& file, IdentifyOptions const& options) {
         Signal const& values = without_missing(columns, name);
         (name == options.output ? out.y : out.inputs.emplace_back()) = values;
     }
+    out.warnings = counting_warnings(columns, options.inputs);
     return out;
 }
 
@@ -142,6 +145,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     std::string const file = out.file = printable(from.path, 200);
     entry_of(options.variant);
     Data data = read(from, options);
+    out.warnings = data.warnings;
     Index const samples = out.samples = Index(data.y.size()), inputs = Index(data.inputs.size());
     out.held_out = Index(std::floor(options.validate * double(samples)));
     Index const fitted_samples = samples - out.held_out;

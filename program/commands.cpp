@@ -57,6 +57,10 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
     std::vector<std::string> out;
     std::string whole;  // of a quoted name, from its quote mark on
     for (std::string const& part : parts) {
+        if (whole.empty() && !out.empty() && out.back().ends_with("(:")) {
+            out.back() += ',' + part;
+            continue;
+        }
         if (whole.empty() && !part.starts_with('"')) {
             out.push_back(part);
             continue;

@@ -20,7 +20,8 @@ void take_forgetting(CLI::App& command, double& forgetting);
 
 /// A check for a name that is not empty; its message is one line that says what was expected.
 CLI::Validator named(char const* expected);
-/// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV.
+/// What a list split at commas holds: "\"u,1\",v" is the two columns u,1 and v, as in CSV;
+/// "x(:,2),v" the columns x(:,2) and v.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
 /// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not swallow FILE behind it.

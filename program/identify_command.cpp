@@ -164,9 +164,9 @@ int run_excitation(ExcitationArguments const& a) {
     std::string const order = fmt::format("\nexciting of order {}{}", e.order, e.order == Index(a.most) ? " at least" : "");
     if (e.persistent < e.order)
         text += fmt::format(
-            "{}, but persistently of order {} only: the least eigenvalue of order {} is carried by\n{:.0f} of {} rows (the input changes "
-            "{}), and their noise decides what is identified\n",
-            order, e.persistent, e.persistent + 1, e.orders[size_t(e.persistent)].carried, Index(u.size()) - e.persistent,
+            "{}, but persistently of order {} only:\n{:.0f} of {} rows carry the least eigenvalue of order {} (the input changes {}),\nand "
+            "their noise decides what is identified\n",
+            order, e.persistent, e.orders[size_t(e.persistent)].carried, Index(u.size()) - e.persistent, e.persistent + 1,
             e.changes == 1 ? "once" : fmt::format("{} times", e.changes));
     else if (e.order < 2) text += order + ": no dynamic model can be identified\n";
     else if (e.order == Index(a.most)) text += fmt::format("{}: a model of order {} can be identified\n", order, e.order - 1);

@@ -1,6 +1,7 @@
 // FILE, columns, model: options, and the rows they describe.
 #include "program/record_options.hpp"
 
+#include <rlslab/model/counting.hpp>
 #include <rlslab/model/doors/open.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
@@ -98,6 +99,8 @@ Question question_of(RecordArguments a) {
     Columns data = read_data({a.file, a.format}, columns);
     Question out;
     out.model.file = printable(data.file, 200);
+    std::erase(columns, a.output);
+    out.model.warnings = counting_warnings(data, columns);
     if (a.detrend) out.model.means = take_means(data);
     auto const named = [&](std::string const& column) { return data.header ? column : "column " + column; };
     out.model.output = text_of({named(a.output), 0});

@@ -131,6 +131,9 @@ TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
     EXPECT_EQ(data["u"], (Numbers{1, 2.5, -3}));
     EXPECT_EQ(data["y"], (Numbers{4, 5, 6}));
     EXPECT_EQ(data["X_2"], (Numbers{7, 8, 9}));
+    EXPECT_EQ(read(file, {"X(:,1)", "X(:, 2)", "u(:,1)"}).values, (std::vector<Numbers>{{1, 2, 3}, {7, 8, 9}, {1, 2.5, -3}}));
+    EXPECT_EQ(read(file, {"X(:,2)"})["X(:,2)"], (Numbers{7, 8, 9}));
+    EXPECT_EQ(refusal(file, {"y(:,2)"}), "data: no column \"y(:,2)\"; the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
     EXPECT_EQ(data.lines, (std::vector<long>{1, 2, 3}));
     EXPECT_EQ(refusal(file, {"u", "Ts"}), "data: expected columns of equal length, found 3 numbers in u and 1 in Ts");
     EXPECT_EQ(refusal(file, {"X"}), "data: X is a matrix: its columns are called X_1 ... X_2");

@@ -331,8 +331,8 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     for (int k = 0; k < 100; ++k) text += k < 60 ? "0.05\n" : "0.06\n";
     folder.file(text);
     EXPECT_THAT(run("--max-order 4"),
-                testing::HasSubstr("exciting of order 4 at least, but persistently of order 1 only: the least eigenvalue of order 2 is "
-                                   "carried by\n1 of 99 rows (the input changes once), and their noise decides what is identified\n"));
+                testing::HasSubstr("exciting of order 4 at least, but persistently of order 1 only:\n1 of 99 rows carry the least "
+                                   "eigenvalue of order 2 (the input changes once),\nand their noise decides what is identified\n"));
 }
 
 }  // namespace

@@ -79,6 +79,16 @@ TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
     refused("compare comma.csv --input '\"u,1' --output y --order 1",
             "comma.csv: no column \"\"u,1\" (did you mean \"u,1\"?); the columns are \"u,1\", \"y\"");
 }
+TEST_F(DataFiles, AColumnAsMatlabNamesItNeedsNoQuotes) {
+    write("matrix.csv", "\"x(:,2)\",y\n" + rows(60, [](int k) { return std::to_string(k * 5 % 13); }));
+    for (std::string const command :
+         {"compare matrix.csv --order 1 --input", "identify matrix.csv --order 1 --input", "compare matrix.csv --regressors"}) {
+        Outcome const run = shell("rlslab " + command + " 'x(:,2)' --output y");
+        EXPECT_LE(run.code, 1) << command << run.err;
+        EXPECT_THAT(run.out, testing::HasSubstr("x(:,2)")) << command;
+    }
+    refused("compare matrix.csv --regressors 'x(:,2),v' --output y", "no column \"v\"");
+}
 TEST_F(DataFiles, AnEmptyFolderIsNoFolder) {
     refused("compare ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");
     refused("identify ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");

@@ -43,10 +43,17 @@ MatVariable::MatVariable(std::string called, MatClass is, bool complex, std::vec
 
 std::string MatVariable::column_name(std::size_t j) const { return cols == 1 ? name : fmt::format("{}_{}", name, j + 1); }
 
+bool MatVariable::is_column(std::size_t j, std::string const& asked) const {
+    if (asked == column_name(j)) return true;
+    std::string plain = asked;
+    std::erase(plain, ' ');
+    return plain == fmt::format("{}(:,{})", name, j + 1);
+}
+
 std::vector<std::size_t> columns_asked(MatVariable const& variable, std::vector<std::string> const& asked) {
     std::vector<std::size_t> out;
     for (std::size_t j = 0; j < variable.cols; ++j)
-        if (std::ranges::count(asked, variable.column_name(j)) > 0) out.push_back(j);
+        if (std::ranges::any_of(asked, [&](auto const& name) { return variable.is_column(j, name); })) out.push_back(j);
     return out;
 }
 
@@ -70,7 +77,10 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
             fail(fmt::format("{}: expected a real numeric vector or matrix, found {}", shown, v->why));
         if (v != variables.end() && v->cols > 1)
             fail(fmt::format("{} is a matrix: its columns are called {}_1 ... {}_{}", shown, shown, shown, v->cols));
-        std::vector<double> const& column = *values[column_called(name, names, true, file, file)];
+        std::string called = name;
+        for (MatVariable const& of : variables)
+            for (std::size_t const j : columns_asked(of, {name})) called = of.column_name(j);
+        std::vector<double> const& column = *values[column_called(called, names, true, file, file)];
         for (std::size_t i = 0; i < column.size(); ++i)
             if (std::abs(column[i]) > largest_value)
                 fail(fmt::format("{}, row {}: expected 0 or a size up to 2^500 (squares must stay finite), found {}", shown, i + 1,

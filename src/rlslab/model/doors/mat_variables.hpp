@@ -35,10 +35,12 @@ struct MatVariable {
     std::map<std::size_t, std::vector<double>> values = {};  ///< those of its columns that are needed
 
     MatVariable(std::string called, MatClass is, bool complex, std::vector<std::size_t> const& sizes);
-    std::string column_name(std::size_t j) const;
+    std::string column_name(std::size_t j) const;  ///< "x_2", or "x" if it is the only one
+    /// Whether `asked` is that name, or "x(:,2)".
+    bool is_column(std::size_t j, std::string const& asked) const;
 };
 
-/// The numbers of those columns of the variable whose names are in `asked`.
+/// The numbers of those columns of the variable that are asked for.
 std::vector<std::size_t> columns_asked(MatVariable const& variable, std::vector<std::string> const& asked);
 
 /// The columns named in `asked`, from variables that hold their values. Throws InputError as read_mat5.
