@@ -192,7 +192,7 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
 /// Of a variant that gave no numbers, its way there and the orders alone.
 std::vector<Figure> drawn(Identified const& m) {
     std::vector<Figure> out;
-    bool const model = !m.model.b.empty();
+    bool const model = !m.measured.empty();
     if (!m.choice.fits.empty()) draw_orders(out, m);
     if (model) draw_outputs(out, m);
     draw_trajectory(out, m);
@@ -227,7 +227,7 @@ std::string as_page(Identified const& m) {
     std::string body =
         fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>",
                     escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure), escaped(m.why));
-    body += boxes("warning", "fails", m.warnings) + "</header>";
+    body += boxes("warning", "fails", m.warnings()) + "</header>";
     for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
@@ -235,8 +235,9 @@ std::string as_page(Identified const& m) {
                         fmt::format("{} ... {}", number_text(p.lower, 5), number_text(p.upper, 5))});
     body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     for (std::string const& words : result_lines(m))
-        if (!words.starts_with("next: ")) body += fmt::format("<p>{}</p>", escaped(words));
-    body += boxes("next", "next", m.hints);
+        if (!words.starts_with("next: ") && !words.starts_with("hint: ")) body += fmt::format("<p>{}</p>", escaped(words));
+    body += boxes("hint", "next", m.hints());
+    if (!m.next().empty()) body += boxes("next", "next", {m.next()});
     for (auto const& lines : {data_lines(m), input_lines(m)})
         for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);

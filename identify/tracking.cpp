@@ -4,11 +4,11 @@
 #include "catalogue/catalogue.hpp"
 #include "catalogue/composed.hpp"
 #include "catalogue/composition_text.hpp"
+#include "identify/checks.hpp"
 #include "identify/text.hpp"
 
 #include <rlslab/lab/breakdown.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -21,16 +21,15 @@ std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""
 
 }  // namespace
 
-Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
-              double noise, double confidence) {
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
+              std::vector<Index> const& samples, double mean, double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
     composition = settled(composition, problem, noise);
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
     out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
-    constexpr double normal = 1e9;                                      // so many degrees of freedom
-    out.quantile = correctly::student_quantile(normal, 0.5 + confidence / 2);
+    out.quantile = normal_quantile(0.5 + confidence / 2);
     auto const filter = composed(composition, variant, "double", problem);
     Arithmetic const& arithmetic = *find_entry(variant)->arithmetic;
     Index const d = records.parameters();
@@ -42,7 +41,7 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
         predicted[k] = expected.value;
         if (std::isfinite(expected.deviation)) ++known, within += expected.low <= y && y <= expected.high;
         filter->update(records.sample(k), y);
-        TrackedRow row{records.presample + k + 1, y + mean,          expected.value + mean, expected.deviation,
+        TrackedRow row{samples[size_t(k)] + 1,   y + mean,          expected.value + mean, expected.deviation,
                        filter->noise_variance(),  Vector<double>(d), Vector<double>(d),     filter->happened()};
         for (Index j = 0; j < d; ++j) {
             Interval<double> const at = filter->interval(j, out.quantile);

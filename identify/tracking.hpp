@@ -32,10 +32,10 @@ struct Tracked {
 };
 
 /// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.
-/// `mean` was taken off the output and is put back.
+/// `mean` was taken off the output and is put back; samples: k of each row, from 0.
 /// Throws InputError where the variant cannot be composed so.
-Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
-              double noise, double confidence);
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
+              std::vector<Index> const& samples, double mean, double noise, double confidence);
 
 /// Lines for the text and the page.
 std::vector<std::string> tracked_lines(Tracked const& tracked, std::vector<std::string> const& names, double confidence);
