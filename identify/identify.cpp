@@ -30,9 +30,6 @@ double largest(Signal const& x, Index count) {
     return out;
 }
 
-/// The numbers are rounded to about this.
-double resolution_of(Signal const& x) { return 0x1p-46 * largest(x, Index(x.size())); }
-
 Data read(DataFile const& file, IdentifyOptions const& options) {
     std::vector<std::string> names = options.inputs;
     names.push_back(options.output);
@@ -42,7 +39,12 @@ Data read(DataFile const& file, IdentifyOptions const& options) {
     Columns columns = read_data(file, names);
     Data out{.inputs = {}, .y = columns[options.output], .resolutions = {}, .lines = std::move(columns.lines)};
     for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
-    for (std::string const& name : names) out.resolutions.push_back(resolution_of(columns[name]));
+    for (std::string const& name : names) {
+        Signal there = columns[name];
+        std::erase_if(there, [](double v) { return std::isnan(v); });
+        // Computed numbers that carry some dozens of roundings: columns of condition 1e14 or so.
+        out.resolutions.push_back(there.empty() ? 0 : resolution_of(there, 0x1p-46));
+    }
     return out;
 }
 
@@ -101,17 +103,18 @@ Signal present(Signal const& x, Index first, Index end) {
     return out;
 }
 
-/// What the inputs can identify, over the part that is fitted: the order they support, `most` at best.
-Index supported_order(Identified& out, Data const& data, Index fitted, Index most, std::vector<Index> const& coefficients,
+/// What the inputs can identify, over the part that is fitted: the order they support, `most` at best. as_read: their means are not taken
+/// off, so that the resolution of their numbers shows.
+Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index fitted, Index most, std::vector<Index> const& coefficients,
                       Progress const& progress) {
     IdentifyOptions const& options = out.options;
     Index supported = most;
-    for (size_t j = 0; j < data.inputs.size(); ++j) {
-        Signal const u = longest_run(data.inputs[j], fitted);
+    for (size_t j = 0; j < as_read.size(); ++j) {
+        Signal const u = longest_run(as_read[j], fitted);
         if (u.empty()) return 0;
-        Excitation const e = excitation(u, coefficients[j], [&](double part) {
-            if (progress) progress((double(j) + part) / double(data.inputs.size()));
-        });
+        Excitation const e = excitation(u, coefficients[j], {.constant = options.intercept, .progress = [&](double part) {
+                                                                 if (progress) progress((double(j) + part) / double(as_read.size()));
+                                                             }});
         std::string const name = printable(options.inputs[j]);
         if (e.order < coefficients[j]) {
             supported = std::min(supported, e.order - 1);
@@ -273,6 +276,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
         throw InputError(fmt::format("{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}",
                                      file, structure_text(options, most), widest.size(), needed, fitted_samples,
                                      out.held_out > 0 ? ", or a smaller --validate" : ""));
+    std::vector<Signal> const as_read = data.inputs;
     for (Index j = 0; j <= inputs; ++j) {
         Signal& x = j < inputs ? data.inputs[size_t(j)] : data.y;
         out.means.push_back(options.detrend ? take_mean(x, fitted_samples) : 0.0);
@@ -288,7 +292,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     for (Term const& t : widest)
         if (t.input >= 0) ++coefficients[size_t(t.input)];
     Index const highest = inputs > 0 ? *std::ranges::max_element(coefficients) - 1 : 0,
-                supported = supported_order(out, data, fitted_samples, highest, coefficients, progress);
+                supported = supported_order(out, as_read, fitted_samples, highest, coefficients, progress);
     if (given ? supported < highest : supported < 1)
         throw InputError(fmt::format(
             "{}: {} ({})", file,

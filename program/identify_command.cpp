@@ -144,26 +144,33 @@ struct ExcitationArguments {
 int run_excitation(ExcitationArguments const& a) {
     Columns const columns = read_data({a.file, a.format}, {a.input});
     Signal const& u = without_missing(columns, a.input);
-    Excitation const e = excitation(u, a.most, progress_after_a_second("looking at the excitation"));
-    std::string text = fmt::format(
-        "{}: input {}, {} samples, resolution {:.3g}\n\n  order  least eigenvalue of R_u   kappa(U)   definite  above the resolution\n",
-        printable(a.file, 200), printable(a.input), u.size(), e.resolution);
+    Excitation const e = excitation(u, a.most, {.progress = progress_after_a_second("looking at the excitation")});
+    std::string text =
+        fmt::format("{}: input {}, {} samples, resolution {:.3g}\n\n", printable(a.file, 200), printable(a.input), u.size(), e.resolution) +
+        "  order  least eigenvalue   kappa(U)  definite  above rounding  carried by rows\n";
     nlohmann::ordered_json orders = nlohmann::ordered_json::array();
     for (ExcitationOrder const& n : e.orders) {
-        text += fmt::format("  {:>5}  {:>24.4g}  {:>9}   {:<8}  {}\n", n.order, n.least,
+        text += fmt::format("  {:>5}  {:>16.4g}  {:>9}  {:<8}  {:<14}  {:.0f}\n", n.order, n.least,
                             std::isfinite(n.condition) ? fmt::format("{:.3g}", n.condition) : "-", n.definite ? "yes" : "no",
-                            n.resolved ? "yes" : "no");
+                            n.resolved ? "yes" : "no", n.carried);
         orders.push_back({{"order", n.order},
                           {"least_eigenvalue", n.least},
                           {"condition", std::isfinite(n.condition) ? nlohmann::ordered_json(n.condition) : nullptr},
                           {"definite", n.definite},
-                          {"resolved", n.resolved}});
+                          {"resolved", n.resolved},
+                          {"rows_that_carry", n.carried}});
     }
     if (e.constant_at_start > 0) text += fmt::format("\nthe input does not change over its first {} samples\n", e.constant_at_start);
-    text += e.order == Index(a.most)
-                ? fmt::format("\nexciting of order {} at least: a model of order {} can be identified\n", e.order, e.order - 1)
-            : e.order >= 2 ? fmt::format("\nexciting of order {}: models up to order {} can be identified\n", e.order, e.order - 1)
-                           : fmt::format("\nexciting of order {}: no dynamic model can be identified\n", e.order);
+    std::string const order = fmt::format("\nexciting of order {}{}", e.order, e.order == Index(a.most) ? " at least" : "");
+    if (e.persistent < e.order)
+        text += fmt::format(
+            "{}, but persistently of order {} only: the least eigenvalue of order {} is carried by\n{:.0f} of {} rows (the input changes "
+            "{}), and their noise decides what is identified\n",
+            order, e.persistent, e.persistent + 1, e.orders[size_t(e.persistent)].carried, Index(u.size()) - e.persistent,
+            e.changes == 1 ? "once" : fmt::format("{} times", e.changes));
+    else if (e.order < 2) text += order + ": no dynamic model can be identified\n";
+    else if (e.order == Index(a.most)) text += fmt::format("{}: a model of order {} can be identified\n", order, e.order - 1);
+    else text += fmt::format("{}: models up to order {} can be identified\n", order, e.order - 1);
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n", e.exact_order, e.order);
     nlohmann::ordered_json const out = {{"file", a.file},
@@ -171,6 +178,8 @@ int run_excitation(ExcitationArguments const& a) {
                                         {"samples", u.size()},
                                         {"exciting_of_order", e.order},
                                         {"exact_order", e.exact_order},
+                                        {"persistent_order", e.persistent},
+                                        {"changes", e.changes},
                                         {"resolution", e.resolution},
                                         {"constant_at_start", e.constant_at_start},
                                         {"orders", orders}};

@@ -14,12 +14,37 @@ namespace {
 
 using namespace balls;
 
-/// log2 of the largest eigenvalue of a positive definite matrix, to about 1e-15 d: with t_i the trace of A_i,
-///
-///   (1)  A_(i+1) = (A_i / t_i)^2        log2 trace(A^m)^(1/m),  m = 2^i,  is  sum_(l<=i) log2(t_l) / 2^l
-///
-/// and lambda_max <= trace(A^m)^(1/m) <= d^(1/m) lambda_max. Rounding at stage i enters divided by 2^i.
-double log2_norm(BallMatrix const& A) {
+BallMatrix gram_of(Records const& data, double forgetting, long bits) {
+    Index const d = data.parameters();
+    BallMatrix gram(d, d);
+    auto fill = [&](auto entry) {
+        for (Index j = 0; j < d; ++j)
+            for (Index i = 0; i <= j; ++i) {
+                entry(gram(i, j), i, j);
+                arb_set(gram(j, i), gram(i, j));
+            }
+    };
+    if (forgetting == 1) {
+        IntegerGram sum(data, data.rows());
+        sum.advance(data.rows());
+        fill([&](arb_ptr ball, Index i, Index j) { sum.entry(ball, i, j, bits); });
+    } else {
+        ForgettingGram sum(data, forgetting, BallMatrix(d + 1, d + 1), bits);
+        sum.advance(data.rows());
+        fill([&](arb_ptr ball, Index i, Index j) { arb_set(ball, sum.matrix()(i, j)); });
+    }
+    return gram;
+}
+
+}  // namespace
+
+// With t_i the trace of A_i,
+//
+//   (1)  A_(i+1) = (A_i / t_i)^2        log2 trace(A^m)^(1/m),  m = 2^i,  is  sum_(l<=i) log2(t_l) / 2^l
+//
+// and lambda_max <= trace(A^m)^(1/m) <= d^(1/m) lambda_max. Rounding at stage i enters divided by 2^i. A_i / t_i tends to the projection on
+// the eigenvectors of lambda_max: its longest column is one of them.
+Dominant balls::dominant(BallMatrix const& A) {
     Index const d = A.rows();
     constexpr int stages = 40;
     Ball trace;
@@ -47,32 +72,13 @@ double log2_norm(BallMatrix const& A) {
             }
         X = square;
     }
-    return sum;
+    Index longest = 0;
+    for (Index j = 1; j < d; ++j)
+        if (X(j, j) > X(longest, longest)) longest = j;
+    double squares = 0;
+    for (Index i = 0; i < d; ++i) squares += X(i, longest) / X(longest, longest) * (X(i, longest) / X(longest, longest));
+    return {sum, X.col(longest) / X(longest, longest) / std::sqrt(squares)};
 }
-
-BallMatrix gram_of(Records const& data, double forgetting, long bits) {
-    Index const d = data.parameters();
-    BallMatrix gram(d, d);
-    auto fill = [&](auto entry) {
-        for (Index j = 0; j < d; ++j)
-            for (Index i = 0; i <= j; ++i) {
-                entry(gram(i, j), i, j);
-                arb_set(gram(j, i), gram(i, j));
-            }
-    };
-    if (forgetting == 1) {
-        IntegerGram sum(data, data.rows());
-        sum.advance(data.rows());
-        fill([&](arb_ptr ball, Index i, Index j) { sum.entry(ball, i, j, bits); });
-    } else {
-        ForgettingGram sum(data, forgetting, BallMatrix(d + 1, d + 1), bits);
-        sum.advance(data.rows());
-        fill([&](arb_ptr ball, Index i, Index j) { arb_set(ball, sum.matrix()(i, j)); });
-    }
-    return gram;
-}
-
-}  // namespace
 
 double condition(Records const& data, double forgetting) {
     constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
@@ -90,7 +96,7 @@ double condition(Records const& data, double forgetting) {
     }
     auto const& enclosure = *exact.enclosure();
     BallMatrix const gram = gram_of(regressors, forgetting, enclosure.bits);
-    return correctly::exp2((log2_norm(gram) + log2_norm(enclosure.covariance)) / 2);
+    return correctly::exp2((dominant(gram).log2_value + dominant(enclosure.covariance).log2_value) / 2);
 }
 
 double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from) {

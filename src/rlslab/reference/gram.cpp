@@ -10,11 +10,9 @@ namespace rlslab::balls {
 
 namespace {
 
-/// x = mantissa 2^exponent, the mantissa odd or 0.
-struct Dyadic {
-    std::int64_t mantissa = 0;
-    int exponent = 0;
-};
+double entry_of(Records const& data, Index j, Index k) { return j < data.parameters() ? data.psi(j, k) : data.y(k); }
+
+}  // namespace
 
 Dyadic dyadic(double x) {
     if (x == 0) return {};
@@ -23,10 +21,6 @@ Dyadic dyadic(double x) {
     int const zeros = std::countr_zero(std::uint64_t(wide));
     return {wide >> zeros, exponent - 53 + zeros};
 }
-
-double entry_of(Records const& data, Index j, Index k) { return j < data.parameters() ? data.psi(j, k) : data.y(k); }
-
-}  // namespace
 
 IntegerGram::IntegerGram(Records const& data, Index last)
     : data_(data), unit_(size_t(data.parameters() + 1), std::numeric_limits<int>::max()),

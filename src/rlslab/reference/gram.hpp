@@ -68,8 +68,24 @@ std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& s
 /// Throws std::range_error when the exponents within a column differ by more than 2^20.
 bool nonsingular(Matrix<Reference> const& A);
 
+bool nonsingular(IntegerMatrix const& A);
+
 /// True proves that a finite square matrix is nonsingular (modulo the same prime); false proves nothing. Fast.
 bool surely_nonsingular(Matrix<double> const& A);
+
+/// The largest eigenvalue of a positive definite matrix, to about 1e-15 d, and a vector of length 1 that belongs to it.
+struct Dominant {
+    double log2_value;
+    Vector<double> vector;
+};
+Dominant dominant(BallMatrix const& A);
+
+/// x = mantissa 2^exponent, the mantissa odd or 0.
+struct Dyadic {
+    std::int64_t mantissa = 0;
+    int exponent = 0;
+};
+Dyadic dyadic(double x);
 
 /// The sign of the determinant of the leading n x n block of F + F', exactly. Throws std::range_error as `nonsingular`.
 int sign_of_leading_minor(Matrix<Reference> const& F, Index n);

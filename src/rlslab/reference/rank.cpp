@@ -129,8 +129,10 @@ bool nonsingular(Matrix<Reference> const& A) {
         for (Index i = 0; i < A.rows(); ++i) columns[size_t(j)].emplace_back(A(i, j));
     IntegerMatrix integers(A.rows(), A.cols());
     to_integers(integers, columns);
-    return full_rank_modulo_prime(integers) || fmpz_mat_rank(integers) == A.rows();
+    return nonsingular(integers);
 }
+
+bool nonsingular(IntegerMatrix const& A) { return full_rank_modulo_prime(A) || fmpz_mat_rank(A) == A.rows(); }
 
 bool surely_nonsingular(Matrix<double> const& A) {
     ModularEchelon echelon(A.rows());
