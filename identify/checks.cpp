@@ -179,9 +179,9 @@ std::optional<Largest> too_large(Signal const& residuals) {
         if (!(std::abs(e) <= std::abs(residuals[size_t(at)]))) at = Index(k);
     }
     if (!(J > 0)) return {};
-    double const e = residuals[size_t(at)], deviations = std::abs(e) / std::sqrt(J / count);
-    if (!(deviations > normal_quantile(1 - 0.0005 / count))) return {};
-    return Largest{at, deviations, e * e / J};
+    double const e = residuals[size_t(at)], F = e * e / ((J - e * e) / (count - 1));  // against the others
+    if (count < 2 || !(J - e * e > 0 ? correctly::fisher_tail(1, count - 1, F) * count < 0.001 : count > 2)) return {};
+    return Largest{at, std::abs(e) / std::sqrt(J / count), e * e / J};
 }
 
 namespace {
@@ -217,9 +217,9 @@ void advise_of_cancellations(Identified& m, bool chosen) {
     auto const fit = std::ranges::find(m.choice.fits, lower, &OrderFit::order);
     if (fit == m.choice.fits.end())
         m.remarks.push_back({Rank::structure,
-                              apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see "
-                                      "whether the residuals stay white",
-                              "fewer terms"});
+                             apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see "
+                                     "whether the residuals stay white",
+                             "fewer terms"});
     else if (!(fit->ljung_box >= white_level))
         m.remarks.push_back(
             {Rank::structure,
@@ -228,7 +228,8 @@ void advise_of_cancellations(Identified& m, bool chosen) {
              "", true});
     else if (!chosen && lower > 0)
         m.remarks.push_back(
-            {Rank::structure, fmt::format("{}: they may cancel, and the residuals of order {} pass for white, too", apart, lower),
+            {Rank::structure,
+             fmt::format("{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}", apart, lower),
              fmt::format("--order {}", lower)});
 }
 
@@ -267,12 +268,12 @@ void advise_of_residuals(Identified& m) {
         std::string const remedy = late ? delay_option(o, f.input, f.begins) : more_terms(o);
         m.remarks.push_back(
             {late ? Rank::delay : Rank::order,
-             fmt::format("the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones stay within {:.2g}: the "
-                         "estimate is biased, and its standard deviations do not hold. {}: {}",
-                         name, f.correlation, f.lag, f.bound,
-                         late ? fmt::format("{} acts from lag {} on", name, f.begins)
-                              : "More of its past is needed, or the system is not linear",
-                         remedy),
+             fmt::format(
+                 "the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones stay within {:.2g}: the "
+                 "estimate is biased, and its standard deviations do not hold. {}: {}",
+                 name, f.correlation, f.lag, f.bound,
+                 late ? fmt::format("{} acts from lag {} on", name, f.begins) : "More of its past is needed, or the system is not linear",
+                 remedy),
              remedy});
     }
     if (m.ljung_box.white()) return;
@@ -310,10 +311,10 @@ void advise_of_held_out(Identified& m) {
              "use it for prediction only"});
     else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
         m.remarks.push_back({Rank::held_out,
-                              fmt::format("one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or "
-                                          "its level changed, or the order is too high",
-                                          100 - m.fit_one_step, 100 - m.held_out_one_step),
-                              change});
+                             fmt::format("one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or "
+                                         "its level changed, or the order is too high",
+                                         100 - m.fit_one_step, 100 - m.held_out_one_step),
+                             change});
 }
 
 }  // namespace
@@ -322,9 +323,9 @@ void advise(Identified& m, int most) {
     IdentifyOptions const& o = m.options;
     bool const chosen = !structure_given(o), at_limit = chosen && m.order == most;
     if (at_limit && most == o.max_order)
-        m.remarks.push_back(
-            {Rank::order, fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(o)),
-             more_terms(o)});
+        m.remarks.push_back({Rank::order,
+                             fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(o)),
+                             more_terms(o)});
     else if (at_limit)
         m.remarks.push_back(
             {Rank::order,
@@ -351,11 +352,11 @@ void advise(Identified& m, int most) {
     for (size_t j = 0; j < o.inputs.size() && o.regressors.empty(); ++j)
         if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0) {
             std::string const option = delay_option(o, int(j), o.delay[j] + idle);
-            m.remarks.push_back({Rank::delay,
-                                  fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
-                                              idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(o.inputs[j]),
-                                              option),
-                                  option, true});
+            m.remarks.push_back(
+                {Rank::delay,
+                 fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
+                             idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(o.inputs[j]), option),
+                 option, true});
         }
     advise_of_cancellations(m, chosen);
 }

@@ -31,8 +31,8 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
 /// Of the normal distribution: Student's with very many degrees of freedom.
 double normal_quantile(double p);
 
-/// The largest |e| over the root mean square of these residuals, if all of as many normal ones stay below it with
-/// probability 99.9 %. NaN: no residual.
+/// The largest |e| over the root mean square of these residuals, if so large a one is found among as many normal ones with probability
+/// 0.1 % at most. NaN: no residual.
 struct Largest {
     Index at;
     double deviations, share;  ///< share: of the sum of squares

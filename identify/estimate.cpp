@@ -55,7 +55,8 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
     }
     DefaultPrior prior = default_prior(records, problem.forgetting);
     Vector<Reference> const theta = free.exact.theta();
-    Vector<double> const sd = free.scatter.sd * std::sqrt(free.scatter.J / free.scatter.freedom), allowed = tolerance(sd, theta, prior.s, 1e-12);
+    Vector<double> const sd = free.scatter.sd * std::sqrt(free.scatter.J / free.scatter.freedom),
+                         allowed = tolerance(sd, theta, prior.s, 1e-12);
     constexpr double largest_c = 0x1p60;
     for (;;) {
         problem.prior = prior.prior();
@@ -139,7 +140,8 @@ bool warn_of_dependence(Identified& out, Records const& records, Scatter const& 
     std::vector<std::string> of;
     bool outputs = false;
     for (Index j = 0; j < d; ++j)
-        if (std::abs(w[j]) * s[j] > 1e-3 * largest) of.push_back(out.terms[size_t(j)].of), outputs = outputs || out.terms[size_t(j)].input == -1;
+        if (std::abs(w[j]) * s[j] > 1e-3 * largest)
+            of.push_back(out.terms[size_t(j)].of), outputs = outputs || out.terms[size_t(j)].input == -1;
     std::string const names = of.size() > 8 ? fmt::format("{} of the {} regressors", of.size(), d) : fmt::format("{}", fmt::join(of, ", ")),
                       instead = !out.options.regressors.empty() || out.options.inputs.size() > 1 ? "leave out one of " + names
                                                                                                  : "a lower order, or a richer input";
@@ -168,26 +170,27 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
     if (out.failure)
         out.remarks.push_back(
             {Rank::breakdown,
-             fmt::format("{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
-                         out.failure->kind == "indefinite" ? "the P it stores is not positive definite"
-                                                           : "its numbers are no longer finite",
-                         better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)),
+             fmt::format(
+                 "{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
+                 out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
+                 better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)),
              next});
     else if (rounded && biased && better.empty())
         out.remarks.push_back({Rank::arithmetic,
-                                fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them "
-                                            "by more than a tenth of what noise does: {}",
-                                            records.parameters(), hardly),
-                                next});
+                               fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them "
+                                           "by more than a tenth of what noise does: {}",
+                                           records.parameters(), hardly),
+                               next});
     else if (rounded)
-        out.remarks.push_back(
-            {Rank::arithmetic, fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead), next});
+        out.remarks.push_back({Rank::arithmetic,
+                               fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead),
+                               next});
     if (biased && !(rounded && better.empty())) {
         std::string const weaker = out.options.p0 ? "a larger --p0, or none given" : remedy;
-        out.remarks.push_back({Rank::arithmetic,
-                                fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}",
-                                            out.options.p0 ? weaker : hardly),
-                                weaker});
+        out.remarks.push_back(
+            {Rank::arithmetic,
+             fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", out.options.p0 ? weaker : hardly),
+             weaker});
     }
 }
 

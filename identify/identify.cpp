@@ -99,7 +99,8 @@ Signal scaled_correlation(Signal const& eps, Signal const& x, Index lags) {
 /// Samples first ... end - 1; a missing one is 0, the mean.
 Signal present(Signal const& x, Index first, Index end) {
     Signal out(x.begin() + first, x.begin() + end);
-    std::ranges::replace_if(out, [](double v) { return std::isnan(v); }, 0.0);
+    std::ranges::replace_if(
+        out, [](double v) { return std::isnan(v); }, 0.0);
     return out;
 }
 
@@ -118,14 +119,21 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
         std::string const name = printable(options.inputs[j]);
         if (e.order < coefficients[j]) {
             supported = std::min(supported, e.order - 1);
-            out.remarks.push_back({Remark::Rank::excitation,
-                                    e.order >= 2
-                                        ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that "
-                                                      "changes more often, or at more frequencies, supports a higher one",
-                                                      name, e.order, e.order - 1)
-                                        : fmt::format("input {} is exciting of order {} only", name, e.order),
-                                    "a richer input"});
-        }
+            out.remarks.push_back(
+                {Remark::Rank::excitation,
+                 e.order >= 2 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that "
+                                            "changes more often, or at more frequencies, supports a higher one",
+                                            name, e.order, e.order - 1)
+                              : fmt::format("input {} is exciting of order {} only", name, e.order),
+                 "a richer input"});
+        } else if (e.persistent < coefficients[j])
+            out.remarks.push_back(
+                {Remark::Rank::excitation,
+                 fmt::format(
+                     "input {} changes {} times: its coefficients after the first {} rest on a few rows, and the noise there decides "
+                     "them. An input that changes more often says more",
+                     name, e.changes, e.persistent),
+                 "a richer input"});
         constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
         if (e.constant_at_start > long_enough && e.order > 0)
             out.remarks.push_back(
@@ -361,8 +369,8 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
         Vector<double> const scales = Eigen::Map<Vector<double> const>(out.scales.data(), Index(out.scales.size()));
         Matrix<double> const P0 = (out.c / scales.array()).square().matrix().asDiagonal();
         out.tracked = track(options.composition, options.variant,
-                            {.size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}},
-                            all.records, all.samples, out.means.back(), out.sigma2, options.confidence);
+                            {.size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}}, all.records,
+                            all.samples, out.means.back(), out.sigma2, options.confidence);
     }
     advise(out, given ? 0 : int(std::min<Index>(most, supported)));
     std::ranges::stable_sort(out.remarks, {}, [](Remark const& f) { return std::pair(f.hint, f.rank); });

@@ -71,7 +71,7 @@ struct Remark {
     enum class Rank { breakdown, dependence, outlier, excitation, arithmetic, delay, nothing, order, whiteness, held_out, structure };
     Rank rank;
     std::string sentence;
-    std::string next;  ///< what to do first, options if there are any; empty: nothing
+    std::string next;   ///< what to do first, options if there are any; empty: nothing
     bool hint = false;  ///< nothing is wrong
 };
 
@@ -86,8 +86,8 @@ struct Followed {
 
 /// A residual that is too large for its row to be like the others.
 struct Outlier {
-    Index row;                 ///< of the record, from 1
-    long line;                 ///< of the file
+    Index row;  ///< of the record, from 1
+    long line;  ///< of the file
     bool held_out;
     double deviations, share;  ///< in root mean squares of its part's residuals; of their sum of squares
 };
@@ -119,16 +119,16 @@ struct Identified {
     LjungBox ljung_box;                                          ///< of the residuals over the fitted rows
     Signal auto_correlation;                                     ///< r_0 = 1, r_1 ... of the residuals
     std::vector<Signal> cross_correlation;                       ///< of residuals and each input, lags 0 ...
-    double bound;                        ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
+    double bound;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
     std::vector<Followed> followed;
     std::vector<Outlier> outliers;       ///< the largest of the fitted part, and of the part held out
     std::vector<Excitation> excitation;  ///< of each input over the fitted part
     double digits, digits_worst;         ///< the variant kept of the certified minimiser for its problem; NaN: none
     double condition;                    ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory;
-    std::optional<Tracked> tracked;            ///< where there is a composition
-    Signal measured, one_step, simulated;      ///< from the first row of the equation on, means put back; NaN: not known
-    std::vector<Remark> remarks;             ///< warnings before hints, each by rank
+    std::optional<Tracked> tracked;        ///< where there is a composition
+    Signal measured, one_step, simulated;  ///< from the first row of the equation on, means put back; NaN: not known
+    std::vector<Remark> remarks;           ///< warnings before hints, each by rank
 
     std::vector<std::string> warnings() const, hints() const;  ///< their sentences
     std::string next() const;                                  ///< of the first finding that has one; "" if none has

@@ -11,8 +11,13 @@
 namespace rlslab {
 namespace {
 
+/// Without points that are not known.
 Curve curve(std::string name, size_t place, Signal x, Signal y) {
     Look look = look_of("", place);
+    size_t known = 0;
+    for (size_t k = 0; k < y.size(); ++k)
+        if (!std::isnan(y[k])) x[known] = x[k], y[known++] = y[k];
+    x.resize(known), y.resize(known);
     return {.name = std::move(name), .look = look, .x = std::move(x), .y = y, .lower = y, .upper = y};
 }
 Curve line(std::string name, size_t place, Signal x, Signal y) {
@@ -72,13 +77,13 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     for (size_t k = 0, next = 0; k < N; k = next) {
         size_t const end = k < size_t(begins) ? size_t(begins) : N, count = std::min(bin, end - k);  // no bin on both sides
         next = k + count;
-        double sum = 0, low = INFINITY, high = -INFINITY;
-        for (size_t i = k; i < k + count; ++i) {
-            double const e = m.measured[i] - m.one_step[i];
-            sum += e, low = std::min(low, e), high = std::max(high, e);
-        }
+        double sum = 0, known = 0, low = INFINITY, high = -INFINITY;
+        for (size_t i = k; i < k + count; ++i)
+            if (double const e = m.measured[i] - m.one_step[i]; !std::isnan(e))
+                sum += e, ++known, low = std::min(low, e), high = std::max(high, e);
+        if (known == 0) continue;
         errors.x.push_back(double(presample) + double(k) + double(count - 1) / 2);
-        errors.y.push_back(sum / double(count)), errors.lower.push_back(low), errors.upper.push_back(high);
+        errors.y.push_back(sum / known), errors.lower.push_back(low), errors.upper.push_back(high);
     }
     Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
     if (m.held_out > 0) record.panels[0].events.push_back({.x = double(presample + begins), .text = "held out from here"});

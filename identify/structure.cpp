@@ -52,9 +52,10 @@ IdentifyOptions completed(IdentifyOptions o) {
                         fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
             }
     } else if (o.inputs.empty())
-        throw InputError(fmt::format("--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
-                                     "--regressors '{}[k-1..k-3]')",
-                                     o.output));
+        throw InputError(
+            fmt::format("--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
+                        "--regressors '{}[k-1..k-3]')",
+                        o.output));
     if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
     if (o.max_order && (o.order || o.na || !o.nb.empty())) throw InputError("--max-order: does not go with --order, --na and --nb");
     if (o.na && o.nb.empty()) throw InputError("--na: expected --nb, too");
@@ -116,7 +117,8 @@ Index past_outputs(std::vector<Term> const& terms) {
 Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
     Index const first = presample(terms), last = Index(y.size()), d = Index(terms.size());
     expects(last >= first, "more samples than the longest lag");
-    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .names = {}, .skipped = 0, .presample = first}, {}};
+    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .names = {}, .skipped = 0, .presample = first},
+             {}};
     Records& r = out.records;
     for (Term const& t : terms) r.names.push_back(t.name);
     for (Index at = first; at < last; ++at) {

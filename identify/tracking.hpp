@@ -23,7 +23,7 @@ struct TrackedRow {
 struct Tracked {
     std::string text;  ///< "window of 60 rows; guard reset"
     std::vector<TrackedRow> rows;
-    double fit;        ///< of the predictions, in percent of the outputs they are made for; NaN: not known
+    double fit;        ///< of the predictions, in percent of the outputs, those apart that the guard took for outliers; NaN: not known
     double covered;    ///< share of the outputs within their interval
     double quantile;   ///< of the intervals: the normal distribution's
     Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none

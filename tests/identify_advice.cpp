@@ -42,7 +42,8 @@ TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
     Identified const at_limit = identified(u, y, {.max_order = 2}), below = identified(u, y, {.max_order = 6}),
                      given = identified(u, y, {.order = 2});
     EXPECT_EQ(at_limit.order, 2);
-    EXPECT_THAT(at_limit.warnings(), Contains(HasSubstr("order 2 is the largest that was tried: a higher one may be better: --max-order 4")));
+    EXPECT_THAT(at_limit.warnings(),
+                Contains(HasSubstr("order 2 is the largest that was tried: a higher one may be better: --max-order 4")));
     EXPECT_EQ(below.order, 3);
     EXPECT_THAT(below.warnings(), IsEmpty());
     EXPECT_THAT(given.warnings(), Not(Contains(HasSubstr("largest that was tried"))));
@@ -65,8 +66,9 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
     for (size_t k = 1; k < 600; ++k) y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();  // the gain changes its sign
     Identified const m = identified(u, y, {.order = 1});
     EXPECT_LT(m.held_out_one_step, 0);
-    EXPECT_THAT(m.warnings(), Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"),
-                                                    HasSubstr("do not use it there"), HasSubstr("--validate"), HasSubstr("--forgetting"))));
+    EXPECT_THAT(m.warnings(),
+                Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"),
+                                        HasSubstr("do not use it there"), HasSubstr("--validate"), HasSubstr("--forgetting"))));
     EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("use it for prediction only"))));
     EXPECT_THAT(as_table(m), HasSubstr("warning: held out, the model predicts worse"));
 }
@@ -130,20 +132,21 @@ TEST_F(Advice, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
         m = unremarkable();
         m.ljung_box.p = p;
         advise(m, 0);
-        EXPECT_THAT(m.warnings(), testing::Conditional(p < 0.01, testing::ElementsAre(HasSubstr("they do not follow the inputs")), IsEmpty()));
+        EXPECT_THAT(m.warnings(),
+                    testing::Conditional(p < 0.01, testing::ElementsAre(HasSubstr("they do not follow the inputs")), IsEmpty()));
     }
 }
-/// Ten thousand records of white residuals: a bound of 99.9 % is exceeded in about 10, in 25 with probability below 1e-4.
+/// Of 2000 records of normal residuals 2 are expected to have one, and 12 or more with probability 1e-6.
 TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     int found = 0;
-    for (std::uint64_t k = 0; k < 10000; ++k) {
+    for (std::uint64_t k = 0; k < 2000; ++k) {
         Seed seed{k};
         Signal e(100);
         for (double& x : e) x = std::sqrt(-2 * std::log(1 - seed.uniform())) * std::cos(6.283185307179586 * seed.uniform());
         found += too_large(e).has_value();
     }
     EXPECT_GT(found, 0);
-    EXPECT_LT(found, 25);
+    EXPECT_LT(found, 12);
     auto const of = [](double size) { return too_large({1, -1, NAN, size, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}); };
     EXPECT_FALSE(of(3));
     ASSERT_TRUE(of(-40));
@@ -152,6 +155,7 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     EXPECT_NEAR(of(-40)->deviations, 40 / std::sqrt(1618.0 / 19), 1e-14);
     EXPECT_FALSE(too_large({}));
     EXPECT_FALSE(too_large({0, 0}));
+    EXPECT_TRUE(too_large({0, 0, 1})) << "nothing but this row";
 }
 TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
     for (std::complex<double> const pole :

@@ -94,12 +94,12 @@ IdentifyOptions list(std::vector<std::string> regressors, std::string variant = 
 }
 
 std::vector<System> systems() {
-    std::string const dependent = "depend on one another",
-                      nothing = "nothing here is predicted";
+    std::string const dependent = "depend on one another", nothing = "nothing here is predicted";
     std::vector<System> out{
         {"clean", first_order(random_input(), 0.1), arx(), {nothing_wrong}, {}},
         {"second_order_given",
-         {{"u", "y"}, {random_input(), simulate({.a = {-1.5, 0.7}, .b = {{0, 1, 0.5}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.1))}},
+         {{"u", "y"},
+          {random_input(), simulate({.a = {-1.5, 0.7}, .b = {{0, 1, 0.5}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.1))}},
          arx({.order = 2}),
          {nothing_wrong},
          {}},
@@ -114,7 +114,11 @@ std::vector<System> systems() {
          arx({.na = 1, .nb = {0}, .delay = {5}}),
          {"the residuals follow past u", "next: --delay 1"},
          {}},
-        {"delay_15", first_order(random_input(), 0.1, 14), arx(), {"the residuals follow past u", "at lag 15", "next: --delay 15"}, {nothing}},
+        {"delay_15",
+         first_order(random_input(), 0.1, 14),
+         arx(),
+         {"the residuals follow past u", "at lag 15", "next: --delay 15"},
+         {nothing}},
         {"delay_15_given", first_order(random_input(), 0.1, 14), arx({.delay = {15}}), {nothing_wrong}, {}},
         {"delay_of_the_second_input",
          [] {
@@ -129,7 +133,8 @@ std::vector<System> systems() {
          {"follow past u"}},
         {"order_too_low",
          {{"u", "y"},
-          {random_input(), simulate({.a = {-1.2, 0.7, -0.2}, .b = {{0, 1, 0.5, -0.4}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.02))}},
+          {random_input(),
+           simulate({.a = {-1.2, 0.7, -0.2}, .b = {{0, 1, 0.5, -0.4}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.02))}},
          arx({.order = 1}),
          {"the residuals follow past u", "the residuals are not white"},
          {nothing_wrong}},
@@ -141,18 +146,27 @@ std::vector<System> systems() {
          {"order 2 is the largest that was tried", "next: --max-order 4"},
          {}},
         // Nothing to find.
-        {"noise_alone", {{"u", "y"}, {random_input(), white(N, 1)}}, arx(), {"BIC says 0: nothing here is predicted", "next: another input"}, {}},
+        {"noise_alone",
+         {{"u", "y"}, {random_input(), white(N, 1)}},
+         arx(),
+         {"BIC says 0: nothing here is predicted", "next: another input"},
+         {}},
         {"a_static_gain",
          {{"u", "y"}, {random_input(), plus(times(random_input(), 3), white(N, 1))}},
          arx(),
          {"BIC says 0: ", "no dynamics", "next: --na 0 --nb 0"},
          {nothing}},
-        {"past_outputs_alone", {{"u", "y"}, {random_input(), coloured_noise(N, {-0.8}, seed_of(1))}}, arx(), {"order 1 (the least BIC, and"}, {nothing, "follow past u"}},
+        {"past_outputs_alone",
+         {{"u", "y"}, {random_input(), coloured_noise(N, {-0.8}, seed_of(1))}},
+         arx(),
+         {"order 1 (the least BIC, and"},
+         {nothing, "follow past u"}},
         // Outliers.
         {"outlier",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] += 100; }),
          arx(),
-         {"row 301 (line 302) is 20 standard deviations off", "Do not believe the estimate", "next: look at row 301 (line 302); --guard reset"},
+         {"row 301 (line 302) is 20 standard deviations off", "Do not believe the estimate",
+          "next: look at row 301 (line 302); --guard reset"},
          {}},
         {"outlier_held_out",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[500] += 100; }),
@@ -164,26 +178,44 @@ std::vector<System> systems() {
          arx(),
          {"row 301 (line 302) is", "standard deviations off"},
          {"Do not believe the estimate"}},
-        {"outlier_emptied",
-         with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] = NAN; }),
-         arx(),
-         {nothing_wrong},
-         {}},
+        {"outlier_emptied", with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] = NAN; }), arx(), {nothing_wrong}, {}},
         // Regressors that depend on one another.
-        {"collinear", regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))), list({"a", "b", "c"}), {dependent, "next: leave out one of"}, {"--variant"}},
-        {"collinear_as_advised", regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))), list({"a", "b", "c"}, "potter"), {dependent}, {"--variant"}},
+        {"collinear",
+         regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))),
+         list({"a", "b", "c"}),
+         {dependent, "next: leave out one of"},
+         {"--variant"}},
+        {"collinear_as_advised",
+         regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))),
+         list({"a", "b", "c"}, "potter"),
+         {dependent},
+         {"--variant"}},
         {"collinear_to_three_decimals",
          regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2)), "{:.3f}"),
          list({"a", "b", "c"}),
          {dependent, "next: leave out one of"},
          {}},
-        {"collinear_with_one_left_out", regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))), list({"a", "b"}), {nothing_wrong}, {}},
+        {"collinear_with_one_left_out",
+         regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))),
+         list({"a", "b"}),
+         {nothing_wrong},
+         {}},
         {"one_sine_order_2", first_order(sine(N, 0.3), 0.1), arx({.order = 2}), {"REFUSED", "it supports order 1"}, {}},
         {"one_sine_order_1", first_order(sine(N, 0.3), 0.1), arx({.order = 1}), {nothing_wrong}, {}},
         // Constants and offsets.
-        {"offset", with(first_order(random_input(), 0.1), 1, [](Signal& y) { for (double& x : y) x += 1e6; }), arx(), {nothing_wrong}, {}},
+        {"offset",
+         with(first_order(random_input(), 0.1), 1,
+              [](Signal& y) {
+                  for (double& x : y) x += 1e6;
+              }),
+         arx(),
+         {nothing_wrong},
+         {}},
         {"level_changes",
-         with(first_order(random_input(), 0.1), 1, [](Signal& y) { for (size_t k = 400; k < y.size(); ++k) y[k] += 20; }),
+         with(first_order(random_input(), 0.1), 1,
+              [](Signal& y) {
+                  for (size_t k = 400; k < y.size(); ++k) y[k] += 20;
+              }),
          arx(),
          {"held out"},
          {nothing_wrong}},
@@ -215,7 +247,11 @@ std::vector<System> systems() {
          {nothing_wrong},
          {}},
         // Noise free, coloured noise, a series alone.
-        {"noise_free", first_order(random_input(), 0), arx(), {nothing_wrong, "nothing is left beyond rounding"}, {"their largest correlation"}},
+        {"noise_free",
+         first_order(random_input(), 0),
+         arx(),
+         {nothing_wrong, "nothing is left beyond rounding"},
+         {"their largest correlation"}},
         {"coloured_noise",
          {{"u", "y"}, {random_input(), plus(random_input(), coloured_noise(N, {-0.9}, seed_of(8)), 0.5)}},
          arx({.na = 0, .nb = {0}}),
@@ -257,7 +293,7 @@ TEST_P(Systems, SayWhatAUserShouldRead) {
     for (std::string const& sentence : s.read) EXPECT_THAT(said, HasSubstr(sentence));
     for (std::string const& sentence : s.not_read) EXPECT_THAT(said, Not(HasSubstr(sentence)));
 }
-INSTANTIATE_TEST_SUITE_P(Known, Systems, testing::ValuesIn(systems()), [](auto const& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Known, Systems, testing::ValuesIn(systems()), [](auto const& system) { return system.param.name; });
 
 }  // namespace
 }  // namespace rlslab
