@@ -255,7 +255,8 @@ void advise_of_residuals(Identified& m) {
         if (!m.ljung_box.white())
             m.remarks.push_back(
                 {Rank::whiteness,
-                 "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white",
+                 "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be "
+                 "white",
                  "", true});
         return;
     }

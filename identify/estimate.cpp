@@ -119,9 +119,9 @@ std::string better_variant(Problem<double> const& problem, Records const& record
 
 using Rank = Remark::Rank;
 
-/// What is left of a regressor i after the others have explained it, x_i + sum_j w_j x_j with w_j = G_ij / G_ii of G = (Phi'Phi)^-1, has the
-/// mean square 1 / (N G_ii). Numbers rounded to q_j leave sum_j w_j^2 q_j^2 / 12 by themselves: below four times that the regressors depend
-/// on one another but for rounding. The one of which least is left, in its own units, is looked at.
+/// G = (Phi'Phi)^-1. What is left of a regressor i after the others have explained it, x_i + sum_j w_j x_j with w_j = G_ij / G_ii, has the
+/// mean square 1 / (N G_ii). Numbers rounded to q_j leave sum_j w_j^2 q_j^2 / 12 by themselves: below four times that the regressors
+/// depend on one another but for rounding. The one of which least is left, in its own units, is looked at.
 bool warn_of_dependence(Identified& out, Records const& records, Scatter const& free, Vector<double> const& resolution) {
     Index const d = records.parameters();
     Vector<double> const s = regressor_scales(records);

@@ -48,7 +48,7 @@ struct OrderColumns {
     Vector<double> y;
     int inputs;
     bool intercept;
-    std::vector<Index> samples;  ///< k of each row
+    std::vector<Index> samples = {};  ///< k of each row
     /// Columns of order n.
     Index columns(int order) const { return inputs + intercept + Index(order) * (1 + inputs); }
 };
