@@ -107,11 +107,6 @@ std::string text(Point z) {
     return z.imag() == 0 ? fmt::format("{:.4g}", z.real()) : fmt::format("{:.4g} +- {:.4g}i", z.real(), std::abs(z.imag()));
 }
 
-std::string listed(std::vector<Index> const& lags) {
-    std::vector<Index> const shown(lags.begin(), lags.begin() + std::min<long>(6, std::ssize(lags)));
-    return fmt::format("{}{}", fmt::join(shown, ", "), lags.size() > shown.size() ? ", ..." : "");
-}
-
 }  // namespace
 
 /// A coefficient of more standard deviations than this divides the others to first order.
@@ -172,14 +167,41 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
     return idle == all ? 0 : idle;
 }
 
-std::vector<Index> beyond(Signal const& correlation, double bound, Index first) {
-    std::vector<Index> out;
-    for (Index lag = first; lag < Index(correlation.size()); ++lag)
-        if (std::abs(correlation[size_t(lag)]) > bound) out.push_back(lag);
-    return out;
+double normal_quantile(double p) { return correctly::student_quantile(1e9, p); }
+
+std::optional<Largest> too_large(Signal const& residuals) {
+    double J = 0, count = 0;
+    Index at = 0;
+    for (size_t k = 0; k < residuals.size(); ++k) {
+        double const e = residuals[k];
+        if (std::isnan(e)) continue;
+        J += e * e, ++count;
+        if (!(std::abs(e) <= std::abs(residuals[size_t(at)]))) at = Index(k);
+    }
+    if (!(J > 0)) return {};
+    double const e = residuals[size_t(at)], F = e * e / ((J - e * e) / (count - 1));  // against the others
+    if (count < 2 || !(J - e * e > 0 ? correctly::fisher_tail(1, count - 1, F) * count < 0.001 : count > 2)) return {};
+    return Largest{at, std::abs(e) / std::sqrt(J / count), e * e / J};
 }
 
 namespace {
+
+using Rank = Remark::Rank;
+
+/// "--delay 0,15": those in use but for one input.
+std::string delay_option(IdentifyOptions const& o, int input, Index delay) {
+    std::vector<Index> all(o.delay.begin(), o.delay.end());
+    all[size_t(input)] = delay;
+    return fmt::format("--delay {}", fmt::join(all, ","));
+}
+
+/// "a higher order", in the options of this structure.
+std::string more_terms(IdentifyOptions const& o) {
+    return !o.regressors.empty() ? "more lags among the --regressors"
+           : o.na                ? "a higher --na or --nb"
+           : o.order             ? fmt::format("--order {}", std::min(200, 2 * o.order))
+                                 : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
+}
 
 /// What to do depends on the order that is left: chosen by its criterion, the larger one is better than a smaller one whose residuals are
 /// white.
@@ -194,78 +216,149 @@ void advise_of_cancellations(Identified& m, bool chosen) {
     std::string const apart = fmt::format("the record cannot tell apart {}", fmt::join(pairs, ", "));
     auto const fit = std::ranges::find(m.choice.fits, lower, &OrderFit::order);
     if (fit == m.choice.fits.end())
-        m.warnings.push_back(apart +
-                             ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether the "
-                             "residuals stay white");
+        m.remarks.push_back({Rank::structure,
+                             apart + ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see "
+                                     "whether the residuals stay white",
+                             "fewer terms"});
     else if (!(fit->ljung_box >= white_level))
-        m.hints.push_back(
-            fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white",
-                        m.order, apart, lower));
+        m.remarks.push_back(
+            {Rank::structure,
+             fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are not white",
+                         m.order, apart, lower),
+             "", true});
     else if (!chosen && lower > 0)
-        m.warnings.push_back(
-            fmt::format("{}: they may cancel, and the residuals of order {} pass for white, too: --order {}", apart, lower, lower));
+        m.remarks.push_back(
+            {Rank::structure,
+             fmt::format("{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}", apart, lower),
+             fmt::format("--order {}", lower)});
 }
 
-}  // namespace
+void advise_of_outliers(Identified& m) {
+    for (Outlier const& o : m.outliers) {
+        std::string const row = o.line == o.row ? fmt::format("row {}", o.row) : fmt::format("row {} (line {})", o.row, o.line);
+        bool const rules = o.share > 0.1;  // what the others say hardly counts
+        m.remarks.push_back(
+            {rules ? Rank::outlier : Rank::structure,
+             fmt::format("{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the sum of squares{}. {}"
+                         "If it is wrong, empty its cell, and it is skipped; --guard reset leaves such rows out as they come",
+                         row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share, o.held_out ? " there" : "",
+                         !rules       ? ""
+                         : o.held_out ? "The held-out fit says little. "
+                                      : "Do not believe the estimate, nor that residuals pass for white. "),
+             fmt::format("look at {}{}", row, m.tracked ? "" : "; --guard reset leaves it out")});
+    }
+}
+
+void advise_of_residuals(Identified& m) {
+    IdentifyOptions const& o = m.options;
+    if (o.forgetting != 1) {
+        if (!m.ljung_box.white())
+            m.remarks.push_back(
+                {Rank::whiteness,
+                 "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be "
+                 "white",
+                 "", true});
+        return;
+    }
+    for (Followed const& f : m.followed) {
+        std::string const name = printable(o.inputs[size_t(f.input)]);
+        Index first = f.lag, last = 0;
+        for (Term const& t : m.terms)
+            if (t.input == f.input) first = std::min<Index>(first, t.lag), last = std::max<Index>(last, t.lag);
+        bool const late = o.regressors.empty() && f.begins >= 0 && (f.begins < first || f.begins > last || first == f.lag);
+        std::string const remedy = late ? delay_option(o, f.input, f.begins) : more_terms(o);
+        m.remarks.push_back(
+            {late ? Rank::delay : Rank::order,
+             fmt::format(
+                 "the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones stay within {:.2g}: the "
+                 "estimate is biased, and its standard deviations do not hold. {}: {}",
+                 name, f.correlation, f.lag, f.bound,
+                 late ? fmt::format("{} acts from lag {} on", name, f.begins) : "More of its past is needed, or the system is not linear",
+                 remedy),
+             remedy});
+    }
+    if (m.ljung_box.white()) return;
+    bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
+    m.remarks.push_back(
+        {Rank::whiteness,
+         fmt::format("the residuals are not white (p = {:.2g}): {}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
+                     past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                                  : "the standard deviations of the estimate do not hold",
+                     m.followed.empty() ? "; they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes "
+                                          "it up), or an input is missing"
+                                        : ""),
+         more_terms(o)});
+}
 
 /// A warning is given if the residuals of the held-out part are more than this times those of the fit.
 constexpr double falls_by = 1.5;
+
+void advise_of_held_out(Identified& m) {
+    std::string const change = "look at the record where the held-out part begins; --forgetting 0.99 if the system drifts";
+    if (m.held_out_one_step < 0)
+        m.remarks.push_back(
+            {Rank::held_out,
+             fmt::format("held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from the "
+                         "first, or the order is too high: look at the record, try a lower --order, another --validate, --forgetting 0.99",
+                         std::isfinite(m.held_out_one_step) ? fmt::format("{:.3g} %", m.held_out_one_step) : "y does not change there"),
+             change});
+    else if (m.held_out_simulated < 0)
+        m.remarks.push_back(
+            {Rank::held_out,
+             fmt::format("held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for prediction "
+                         "only; for simulation try another order, or remove a drift of y",
+                         std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated)
+                                                             : "the simulation grows beyond all numbers"),
+             "use it for prediction only"});
+    else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
+        m.remarks.push_back({Rank::held_out,
+                             fmt::format("one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or "
+                                         "its level changed, or the order is too high",
+                                         100 - m.fit_one_step, 100 - m.held_out_one_step),
+                             change});
+}
+
+}  // namespace
 
 void advise(Identified& m, int most) {
     IdentifyOptions const& o = m.options;
     bool const chosen = !structure_given(o), at_limit = chosen && m.order == most;
     if (at_limit && most == o.max_order)
-        m.warnings.push_back(fmt::format("order {} is the largest that was tried: a higher one may be better: --max-order {}", m.order,
-                                         std::min(200, 2 * most)));
+        m.remarks.push_back({Rank::order,
+                             fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(o)),
+                             more_terms(o)});
     else if (at_limit)
-        m.warnings.push_back(fmt::format(
-            "order {} is the largest that this input supports: a richer input would show whether a higher one is better", m.order));
-    if (m.failure && m.poles.empty() && m.model.b.empty()) return;
-    if (!m.ljung_box.white() && o.forgetting != 1) {
-        m.hints.push_back(
-            "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white");
-    } else if (!m.ljung_box.white()) {
-        std::vector<std::string> what;
-        bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
-        for (size_t j = 0; j < m.cross_correlation.size(); ++j)
-            if (auto const lags = beyond(m.cross_correlation[j], m.bound, 0); lags.size() > 1)
-                what.push_back(fmt::format(
-                    "they follow past {} (lags {}): more of its past is needed (a higher order or nb), or the system is not linear",
-                    printable(o.inputs[j]), listed(lags)));
-        if (what.empty())
-            what.push_back(
-                "they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes it up), or an input is "
-                "missing");
-        m.warnings.push_back(
-            fmt::format("the residuals are not white (p = {:.2g}): {}; {}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
-                        past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
-                                     : "the standard deviations of the estimate do not hold",
-                        fmt::join(what, "; ")));
-    }
-    if (m.held_out_one_step < 0)
-        m.warnings.push_back(
-            fmt::format("held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from the "
-                        "first, or the order "
-                        "is too high: look at the record, try a lower --order, another --validate, --forgetting 0.99",
-                        std::isfinite(m.held_out_one_step) ? fmt::format("{:.3g} %", m.held_out_one_step) : "y does not change there"));
-    else if (m.held_out_simulated < 0)
-        m.warnings.push_back(fmt::format(
-            "held out, the model simulates worse than the mean of y ({}), though it predicts one step: use it for prediction only; "
-            "for simulation try another order, or remove a drift of y",
-            std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated)
-                                                : "the simulation grows beyond all numbers"));
-    else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
-        m.warnings.push_back(fmt::format(
-            "one step ahead the fit falls from {:.3g} % to {:.3g} % held out: the system or its level changed, or the order is too high",
-            m.fit_one_step, m.held_out_one_step));
+        m.remarks.push_back(
+            {Rank::order,
+             fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better",
+                         m.order),
+             "a richer input"});
+    if (chosen && m.choice.bic == 0)
+        m.remarks.push_back(
+            {Rank::nothing,
+             fmt::format("BIC says 0: {}",
+                         m.choice.static_p < improvement_level
+                             ? "the past of y and of the inputs predicts nothing that the present input does not: no dynamics"
+                             : "nothing here is predicted by the inputs or the past of y"),
+             m.choice.static_p < improvement_level ? "--na 0 --nb 0" : "another input, or another output"});
+    if (m.failure && m.measured.empty()) return;
+    advise_of_outliers(m);
+    advise_of_residuals(m);
+    advise_of_held_out(m);
     if (std::ranges::any_of(m.poles, [](Point p) { return std::abs(p) >= 1; }))
-        m.warnings.push_back(
-            "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high");
-    for (size_t j = 0; j < o.inputs.size(); ++j)
-        if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0)
-            m.hints.push_back(fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: --delay {}",
-                                          idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(o.inputs[j]),
-                                          o.delay[j] + idle));
+        m.remarks.push_back(
+            {Rank::structure,
+             "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high",
+             "a lower order, if the system is stable"});
+    for (size_t j = 0; j < o.inputs.size() && o.regressors.empty(); ++j)
+        if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0) {
+            std::string const option = delay_option(o, int(j), o.delay[j] + idle);
+            m.remarks.push_back(
+                {Rank::delay,
+                 fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
+                             idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(o.inputs[j]), option),
+                 option, true});
+        }
     advise_of_cancellations(m, chosen);
 }
 

@@ -3,6 +3,8 @@
 
 #include "identify/estimate.hpp"
 
+#include <optional>
+
 namespace rlslab {
 
 /// Poles p and zeros z that the record cannot tell apart. To first order p and z move with theta,
@@ -26,10 +28,18 @@ std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<T
 /// The number of leading terms of an input whose intervals all hold 0; 0 if all of its terms' do.
 int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& parameters, int input);
 
-/// The lags at which |r| exceeds the bound, from `first` on.
-std::vector<Index> beyond(Signal const& correlation, double bound, Index first);
+/// Of the normal distribution: Student's with very many degrees of freedom.
+double normal_quantile(double p);
 
-/// Warnings and hints about a model that is otherwise complete; `most`: the largest order that could be chosen.
+/// The largest |e| over the root mean square of these residuals, if so large a one is found among as many normal ones with probability
+/// 0.1 % at most. NaN: no residual.
+struct Largest {
+    Index at;
+    double deviations, share;  ///< share: of the sum of squares
+};
+std::optional<Largest> too_large(Signal const& residuals);
+
+/// Remarks about a model that is otherwise complete; `most`: the largest order that could be chosen.
 void advise(Identified& m, int most);
 
 }  // namespace rlslab

@@ -25,11 +25,12 @@ Entry const& entry_of(std::string const& variant) {
 
 namespace {
 
-/// The error that does not matter: a tenth of the error due to noise, or, for a record without noise, the rounding error of the arithmetic.
-Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, double least) {
-    double scale = 0;
-    for (Reference const& x : theta) scale = std::max(scale, std::abs(static_cast<double>(x)));
-    return (sd.array().isNaN().select(0, 0.1 * sd.array()) + least * scale).matrix();
+/// The error that does not matter: a tenth of the error due to noise, or, for a record without noise, the rounding error of the arithmetic:
+/// `least` of the largest term, each in units s of its regressor.
+Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, Vector<double> const& s, double least) {
+    double largest = 0;
+    for (Index i = 0; i < theta.size(); ++i) largest = std::max(largest, std::abs(static_cast<double>(theta[i])) * s[i]);
+    return (sd.array().isNaN().select(0, 0.1 * sd.array()) + least * largest / s.array()).matrix();
 }
 
 /// The largest |a - b| / tolerance; NaN where one is.
@@ -54,7 +55,8 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
     }
     DefaultPrior prior = default_prior(records, problem.forgetting);
     Vector<Reference> const theta = free.exact.theta();
-    Vector<double> const sd = free.scatter.sd * std::sqrt(free.scatter.J / free.scatter.freedom), allowed = tolerance(sd, theta, 1e-12);
+    Vector<double> const sd = free.scatter.sd * std::sqrt(free.scatter.J / free.scatter.freedom),
+                         allowed = tolerance(sd, theta, prior.s, 1e-12);
     constexpr double largest_c = 0x1p60;
     for (;;) {
         problem.prior = prior.prior();
@@ -115,37 +117,86 @@ std::string better_variant(Problem<double> const& problem, Records const& record
     return "";
 }
 
+using Rank = Remark::Rank;
+
+/// G = (Phi'Phi)^-1. What is left of a regressor i after the others have explained it, x_i + sum_j w_j x_j with w_j = G_ij / G_ii, has the
+/// mean square 1 / (N G_ii). Numbers rounded to q_j leave sum_j w_j^2 q_j^2 / 12 by themselves: below four times that the regressors
+/// depend on one another but for rounding. The one of which least is left, in its own units, is looked at.
+bool warn_of_dependence(Identified& out, Records const& records, Scatter const& free, Vector<double> const& resolution) {
+    Index const d = records.parameters();
+    Vector<double> const s = regressor_scales(records);
+    Index i = 0;
+    for (Index j = 1; j < d; ++j)
+        if (s[j] * free.sd[j] > s[i] * free.sd[i]) i = j;
+    Vector<double> w(d);
+    double rounding = 0, largest = 0;
+    for (Index j = 0; j < d; ++j) {
+        w[j] = free.correlation(i, j) * free.sd[j] / free.sd[i];
+        rounding += w[j] * w[j] * resolution[j] * resolution[j] / 12;
+        largest = std::max(largest, std::abs(w[j]) * s[j]);
+    }
+    double const left = 1 / (free.freedom + double(d)) / free.sd[i] / free.sd[i];
+    if (!(left < 4 * rounding)) return false;
+    std::vector<std::string> of;
+    bool outputs = false;
+    for (Index j = 0; j < d; ++j)
+        if (std::abs(w[j]) * s[j] > 1e-3 * largest)
+            of.push_back(out.terms[size_t(j)].of), outputs = outputs || out.terms[size_t(j)].input == -1;
+    std::string const names = of.size() > 8 ? fmt::format("{} of the {} regressors", of.size(), d) : fmt::format("{}", fmt::join(of, ", ")),
+                      instead = !out.options.regressors.empty() || out.options.inputs.size() > 1 ? "leave out one of " + names
+                                                                                                 : "a lower order, or a richer input";
+    out.remarks.push_back(
+        {Rank::dependence,
+         fmt::format("{} depend on one another but for the rounding of their numbers: this record does not determine their parameters, in "
+                     "whatever arithmetic: {}",
+                     names, instead),
+         instead});
+    return true;
+}
+
 void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records const& records, Vector<Reference> const& theta,
-                        Vector<Reference> const& best, Vector<Reference> const& free, Vector<double> const& sd) {
+                        Vector<Reference> const& best, Vector<Reference> const& free, Vector<double> const& sd, bool dependent) {
     std::string const& variant = out.options.variant;
-    Vector<double> const allowed = tolerance(sd, best, 1e-9);
-    bool const rounded = !(largest_difference(theta, best, allowed) <= 1), biased = !(largest_difference(best, free, allowed) <= 1);
-    std::string const hardly = fmt::format("a lower order, fewer samples a second, or a richer input ({})",
+    Vector<double> const allowed = tolerance(sd, best, regressor_scales(records), 1e-9);
+    bool const rounded = !dependent && !(largest_difference(theta, best, allowed) <= 1),
+               biased = !dependent && !(largest_difference(best, free, allowed) <= 1);
+    std::string const remedy = "a lower order, fewer samples a second, or a richer input",
+                      hardly = fmt::format("{} ({})", remedy,
                                            std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
-    std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "";
+    std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "",
+                      next = better.empty() ? remedy : "--variant " + better;
     std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
                                                : fmt::format("--variant {} keeps enough of them on this record", better);
     if (out.failure)
-        out.warnings.push_back(
-            fmt::format("{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
-                        out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
-                        better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)));
+        out.remarks.push_back(
+            {Rank::breakdown,
+             fmt::format(
+                 "{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
+                 out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
+                 better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)),
+             next});
     else if (rounded && biased && better.empty())
-        out.warnings.push_back(fmt::format(
-            "the record hardly determines these {} parameters: the prior and the rounding both move them by more than a tenth of what "
-            "noise does: {}",
-            records.parameters(), hardly));
+        out.remarks.push_back({Rank::arithmetic,
+                               fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them "
+                                           "by more than a tenth of what noise does: {}",
+                                           records.parameters(), hardly),
+                               next});
     else if (rounded)
-        out.warnings.push_back(fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead));
-    if (biased && !(rounded && better.empty()))
-        out.warnings.push_back(out.options.p0
-                                   ? "the prior moves the estimate by more than a tenth of what noise does: a larger --p0, or none given"
-                                   : fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", hardly));
+        out.remarks.push_back({Rank::arithmetic,
+                               fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead),
+                               next});
+    if (biased && !(rounded && better.empty())) {
+        std::string const weaker = out.options.p0 ? "a larger --p0, or none given" : remedy;
+        out.remarks.push_back(
+            {Rank::arithmetic,
+             fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", out.options.p0 ? weaker : hardly),
+             weaker});
+    }
 }
 
 }  // namespace
 
-Estimation estimate(Identified& out, Records const& records) {
+Estimation estimate(Identified& out, Records const& records, Vector<double> const& resolution) {
     IdentifyOptions const& options = out.options;
     Index const d = records.parameters(), rows = records.rows();
     Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
@@ -165,6 +216,7 @@ Estimation estimate(Identified& out, Records const& records) {
     out.condition = condition(records, options.forgetting);
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
+    out.noise_free = free.scatter.J <= rounding_alone(rows, records.y.cwiseAbs().maxCoeff());
     out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : std::nan("");
     for (size_t i = 0; i < exact.size(); ++i)
         out.trajectory.push_back({checkpoints[i],
@@ -172,9 +224,10 @@ Estimation estimate(Identified& out, Records const& records) {
                                   std::sqrt(out.sigma2) * exact[i].scatter.sd});
     Estimation const result{out.trajectory.back().sd, scatter.correlation};
     out.prior_move = largest_difference(last.theta(), free.exact.theta(), result.sd);
-    warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd);
+    bool const dependent = warn_of_dependence(out, records, free.scatter, resolution);
+    warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd, dependent);
     if (!(result.sd.array() >= 0).all())
-        out.warnings.push_back("the standard deviations could not be worked out to 12 digits and are left out");
+        out.remarks.push_back({Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
     out.digits = std::min(last.theta_digits(theta), 15.95);
     out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
     return result;

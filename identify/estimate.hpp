@@ -16,7 +16,7 @@ struct Estimation {
 
 /// Fills in c, scales, trajectory, failure, sigma2, freedom, quantile, condition, digits, and warnings of arithmetic. The standard
 /// deviations are those of the certified minimiser (scatter.hpp); the estimates are the variant's.
-/// Throws InputError where lambda remembers too few rows.
-Estimation estimate(Identified& out, Records const& records);
+/// resolution (d): the numbers of each regressor are rounded to about this. Throws InputError where lambda remembers too few rows.
+Estimation estimate(Identified& out, Records const& records, Vector<double> const& resolution);
 
 }  // namespace rlslab

@@ -65,10 +65,38 @@ struct Cancellation {
     double distance, sd;              ///< |pole - zero|, and its standard deviation
 };
 
+/// What was found wrong with the record or the model, or what may make the model better.
+struct Remark {
+    /// The first makes all that follow doubtful, and so on down.
+    enum class Rank { breakdown, dependence, outlier, excitation, arithmetic, delay, nothing, order, whiteness, held_out, structure };
+    Rank rank;
+    std::string sentence;
+    std::string next;   ///< what to do first, options if there are any; empty: nothing
+    bool hint = false;  ///< nothing is wrong
+};
+
+/// Residuals that follow past values of an input: they are not independent of it.
+struct Followed {
+    int input;
+    Index lag;           ///< of the largest correlation
+    double correlation;  ///< there
+    double bound;        ///< 99 % bound of all lags of all inputs together
+    Index begins;        ///< the first lag that counts with all lags to this one in the equation; -1: none
+};
+
+/// A residual that is too large for its row to be like the others.
+struct Outlier {
+    Index row;  ///< of the record, from 1
+    long line;  ///< of the file
+    bool held_out;
+    double deviations, share;  ///< in root mean squares of its part's residuals; of their sum of squares
+};
+
 struct Identified {
     std::string file;
     IdentifyOptions options;
-    Index samples, fitted, held_out;  ///< rows of the model's equation besides samples
+    Index samples, fitted, held_out;  ///< rows of the model's equation that are fitted, samples of the part held out
+    Index skipped;                    ///< rows of the equation that miss a value
     std::vector<double> means;        ///< taken off: of each input, then the output
     OrderChoice choice;               ///< of all orders, also where one was given; empty for another structure
     int order;                        ///< the longest lag of the output, or of an input past its delay
@@ -85,25 +113,31 @@ struct Identified {
     std::vector<Cancellation> cancellations;
     std::vector<double> gain, gain_sd;                           ///< steady state, of each input; NaN: a pole at 1
     double sigma2, freedom, quantile;                            ///< quantile: Student's, of the interval
+    bool noise_free;                                             ///< the least squares leave rounding alone
     double aic, bic, fpe;                                        ///< of the model as fitted, lambda = 1; else NaN
     double fit_one_step, held_out_one_step, held_out_simulated;  ///< percent; NaN: not known
     LjungBox ljung_box;                                          ///< of the residuals over the fitted rows
     Signal auto_correlation;                                     ///< r_0 = 1, r_1 ... of the residuals
     std::vector<Signal> cross_correlation;                       ///< of residuals and each input, lags 0 ...
-    double bound;                        ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
+    double bound;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
+    std::vector<Followed> followed;
+    std::vector<Outlier> outliers;       ///< the largest of the fitted part, and of the part held out
     std::vector<Excitation> excitation;  ///< of each input over the fitted part
     double digits, digits_worst;         ///< the variant kept of the certified minimiser for its problem; NaN: none
     double condition;                    ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory;
-    std::optional<Tracked> tracked;            ///< where there is a composition
-    Signal measured, one_step, simulated;      ///< from the first row of the equation on, means put back
-    std::vector<std::string> warnings, hints;  ///< what is wrong, and what to do; what may make it better
+    std::optional<Tracked> tracked;        ///< where there is a composition
+    Signal measured, one_step, simulated;  ///< from the first row of the equation on, means put back; NaN: not known
+    std::vector<Remark> remarks;           ///< warnings before hints, each by rank
+
+    std::vector<std::string> warnings() const, hints() const;  ///< their sentences
+    std::string next() const;                                  ///< of the first finding that has one; "" if none has
 };
 
 /// A column. Throws InputError with file, line and column where a value is missing.
 Signal const& without_missing(Columns const& columns, std::string const& name);
 
-/// The record's columns must have no missing values. Throws InputError for options or a record that do not make sense, and where
+/// Rows of the equation that miss a value are skipped. Throws InputError for options or a record that do not make sense, and where
 /// the regressors are linearly dependent: the message names the order that the input can support.
 Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});
 

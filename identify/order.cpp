@@ -12,20 +12,24 @@ namespace rlslab {
 
 OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay, bool intercept) {
     expects(!inputs.empty() && delay.size() == inputs.size(), "an input, and a delay for each");
-    Index const first = most + *std::ranges::max_element(delay), rows = Index(y.size()) - first;
-    OrderColumns out{{}, {}, int(inputs.size()), intercept};
-    expects(rows > out.columns(most), "more rows than parameters of the largest order");
-    out.X.resize(rows, out.columns(most));
-    out.y.resize(rows);
-    for (Index k = 0; k < rows; ++k) {
+    Index const first = most + *std::ranges::max_element(delay), last = Index(y.size());
+    OrderColumns out{{}, {}, int(inputs.size()), intercept, {}};
+    expects(last - first > out.columns(most), "more rows than parameters of the largest order");
+    out.X.resize(last - first, out.columns(most));
+    out.y.resize(last - first);
+    for (Index at = first; at < last; ++at) {
+        Index const k = Index(out.samples.size());
         Index column = 0;
-        out.y[k] = y[size_t(first + k)];
+        out.y[k] = y[size_t(at)];
         for (Index lag = 0; lag <= most; ++lag) {
-            if (lag > 0) out.X(k, column++) = -y[size_t(first + k - lag)];
-            for (size_t j = 0; j < inputs.size(); ++j) out.X(k, column++) = inputs[j][size_t(first + k - delay[j] - lag)];
+            if (lag > 0) out.X(k, column++) = -y[size_t(at - lag)];
+            for (size_t j = 0; j < inputs.size(); ++j) out.X(k, column++) = inputs[j][size_t(at - delay[j] - lag)];
             if (lag == 0 && intercept) out.X(k, column++) = 1;
         }
+        if (!std::isnan(out.y[k]) && !out.X.row(k).hasNaN()) out.samples.push_back(at);
     }
+    out.X.conservativeResize(Index(out.samples.size()), Eigen::NoChange);
+    out.y.conservativeResize(Index(out.samples.size()));
     return out;
 }
 
@@ -64,6 +68,9 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
     expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
     // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
     double const nothing = rounding_alone(fitted, all.y.head(fitted).cwiseAbs().maxCoeff());
+    double constant = 0, about_constant = 0;
+    for (Index k = 0; k < fitted && all.intercept; ++k) constant += all.y[k] / double(fitted);
+    for (Index k = 0; k < fitted; ++k) about_constant += (all.y[k] - constant) * (all.y[k] - constant);
     OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
     OrderChoice out{.rows = fitted};
     for (int order = 0; order <= most; ++order) {
@@ -84,11 +91,12 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
         double const J = std::max(recursion.J(), nothing);
         auto const [aic, bic, fpe] = criteria(J, fitted, d);
         OrderFit fit{order, d, J, aic, bic, fpe, 1, 0, std::numeric_limits<double>::quiet_NaN()};
-        if (!out.fits.empty()) {
-            double const more = double(d - out.fits.back().parameters), left = double(fitted - d);
-            double const F = (out.fits.back().J - J) / more / (J / left);
-            fit.p = J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
-        }
+        auto const improvement = [&](double from, Index parameters) {
+            double const more = double(d - parameters), left = double(fitted - d), F = (from - J) / more / (J / left);
+            return J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
+        };
+        if (!out.fits.empty()) fit.p = improvement(out.fits.back().J, out.fits.back().parameters);
+        else out.static_p = improvement(about_constant, all.intercept);
         Vector<double> residuals = all.y.head(fitted);
         Vector<double> const p = predicted(0, fitted);
         for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
@@ -102,19 +110,21 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
             if (keeps(fit) && (!best || fit.*criterion < best->*criterion)) best = &fit;
         return best ? best->order : -1;
     };
-    auto const any = [](OrderFit const& fit) { return fit.order > 0; };
+    auto const any = [](OrderFit const&) { return true; };
     out.aic = least(&OrderFit::aic, any);
     out.bic = least(&OrderFit::bic, any);
     out.fpe = least(&OrderFit::fpe, any);
+    int const best = least(&OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
     for (OrderFit const& fit : out.fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
     // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
     int const white =
-        least(&OrderFit::bic, [&](OrderFit const& fit) { return any(fit) && fit.order >= out.bic && fit.ljung_box >= white_level; });
-    out.order = white > 0 ? white : out.bic;
-    out.why = white == out.bic ? "the least BIC, and its residuals pass for white"
-              : white > 0      ? fmt::format("the least BIC among orders whose residuals pass for white (without that: {})", out.bic)
-                               : "the least BIC; neither there nor above do the residuals pass for white";
+        least(&OrderFit::bic, [&](OrderFit const& fit) { return best > 0 && fit.order >= best && fit.ljung_box >= white_level; });
+    std::string const of = out.bic == 0 ? "the least BIC above order 0" : "the least BIC";
+    out.order = white > 0 ? white : best;
+    out.why = white == best ? of + ", and its residuals pass for white"
+              : white > 0   ? fmt::format("{} among orders whose residuals pass for white (without that: {})", of, best)
+                            : of + "; neither there nor above do the residuals pass for white";
     return out;
 }
 

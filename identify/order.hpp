@@ -28,25 +28,27 @@ struct OrderFit {
     double held_out;       ///< percent of one-step fit on the rows held out; NaN where none are
 };
 
-/// What each criterion suggests, and the choice: from the order of the least BIC on, the least BIC of those whose residuals pass for
-/// white; if none does, the least BIC of all. `why` says which. Below that order residuals may pass for white only because what the
-/// model lacks makes them large.
+/// What each criterion suggests, order 0 included, and the choice: from the order of the least BIC on, 1 at least, the least BIC of those
+/// whose residuals pass for white; if none does, the least BIC from order 1 on. `why` says which. Below that order residuals may pass for
+/// white only because what the model lacks makes them large.
 struct OrderChoice {
     Index rows = 0;
     std::vector<OrderFit> fits = {};
     int aic = 0, bic = 0, fpe = 0, f_test = 0;  ///< f_test: the last order that improves on the one before
+    double static_p = 1;                        ///< F-test of order 0 against the constant alone: the tail probability
     int order = 0;
     std::string why = {};
 };
 
 /// The columns of an ARX model in the order of its recursion, for all orders at once on the same rows (the presample of the largest):
 /// X = u_k (each input), 1 if there is an intercept, then -y_{k-1}, u_{k-1} (each input), ..., -y_{k-most}, u_{k-most}; each input
-/// later by its delay.
+/// later by its delay. Rows in which a value is missing (NaN) are left out.
 struct OrderColumns {
     Matrix<double> X;
     Vector<double> y;
     int inputs;
     bool intercept;
+    std::vector<Index> samples = {};  ///< k of each row
     /// Columns of order n.
     Index columns(int order) const { return inputs + intercept + Index(order) * (1 + inputs); }
 };

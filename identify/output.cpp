@@ -11,8 +11,13 @@
 namespace rlslab {
 namespace {
 
+/// Without points that are not known.
 Curve curve(std::string name, size_t place, Signal x, Signal y) {
     Look look = look_of("", place);
+    size_t known = 0;
+    for (size_t k = 0; k < y.size(); ++k)
+        if (!std::isnan(y[k])) x[known] = x[k], y[known++] = y[k];
+    x.resize(known), y.resize(known);
     return {.name = std::move(name), .look = look, .x = std::move(x), .y = y, .lower = y, .upper = y};
 }
 Curve line(std::string name, size_t place, Signal x, Signal y) {
@@ -72,13 +77,13 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     for (size_t k = 0, next = 0; k < N; k = next) {
         size_t const end = k < size_t(begins) ? size_t(begins) : N, count = std::min(bin, end - k);  // no bin on both sides
         next = k + count;
-        double sum = 0, low = INFINITY, high = -INFINITY;
-        for (size_t i = k; i < k + count; ++i) {
-            double const e = m.measured[i] - m.one_step[i];
-            sum += e, low = std::min(low, e), high = std::max(high, e);
-        }
+        double sum = 0, known = 0, low = INFINITY, high = -INFINITY;
+        for (size_t i = k; i < k + count; ++i)
+            if (double const e = m.measured[i] - m.one_step[i]; !std::isnan(e))
+                sum += e, ++known, low = std::min(low, e), high = std::max(high, e);
+        if (known == 0) continue;
         errors.x.push_back(double(presample) + double(k) + double(count - 1) / 2);
-        errors.y.push_back(sum / double(count)), errors.lower.push_back(low), errors.upper.push_back(high);
+        errors.y.push_back(sum / known), errors.lower.push_back(low), errors.upper.push_back(high);
     }
     Figure record{"errors", "One-step errors over the whole record", "sample", "error", false, false, false, {{"", {errors}, {}}}};
     if (m.held_out > 0) record.panels[0].events.push_back({.x = double(presample + begins), .text = "held out from here"});
@@ -192,7 +197,7 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
 /// Of a variant that gave no numbers, its way there and the orders alone.
 std::vector<Figure> drawn(Identified const& m) {
     std::vector<Figure> out;
-    bool const model = !m.model.b.empty();
+    bool const model = !m.measured.empty();
     if (!m.choice.fits.empty()) draw_orders(out, m);
     if (model) draw_outputs(out, m);
     draw_trajectory(out, m);
@@ -227,7 +232,7 @@ std::string as_page(Identified const& m) {
     std::string body =
         fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>",
                     escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure), escaped(m.why));
-    body += boxes("warning", "fails", m.warnings) + "</header>";
+    body += boxes("warning", "fails", m.warnings()) + "</header>";
     for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
@@ -235,8 +240,9 @@ std::string as_page(Identified const& m) {
                         fmt::format("{} ... {}", number_text(p.lower, 5), number_text(p.upper, 5))});
     body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     for (std::string const& words : result_lines(m))
-        if (!words.starts_with("next: ")) body += fmt::format("<p>{}</p>", escaped(words));
-    body += boxes("next", "next", m.hints);
+        if (!words.starts_with("next: ") && !words.starts_with("hint: ")) body += fmt::format("<p>{}</p>", escaped(words));
+    body += boxes("hint", "next", m.hints());
+    if (!m.next().empty()) body += boxes("next", "next", {m.next()});
     for (auto const& lines : {data_lines(m), input_lines(m)})
         for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);

@@ -51,9 +51,11 @@ IdentifyOptions completed(IdentifyOptions o) {
                     throw InputError(
                         fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
             }
-        if (o.inputs.empty()) throw InputError("--regressors: expected an input among them, found past outputs alone");
-    }
-    if (o.inputs.empty()) throw InputError("--input: expected the name of an input column, or several: a,b (or --regressors)");
+    } else if (o.inputs.empty())
+        throw InputError(
+            fmt::format("--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
+                        "--regressors '{}[k-1..k-3]')",
+                        o.output));
     if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
     if (o.max_order && (o.order || o.na || !o.nb.empty())) throw InputError("--max-order: does not go with --order, --na and --nb");
     if (o.na && o.nb.empty()) throw InputError("--na: expected --nb, too");
@@ -112,20 +114,37 @@ Index past_outputs(std::vector<Term> const& terms) {
     return std::ranges::count_if(terms, [](Term const& t) { return t.input == -1; });
 }
 
-Records records_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
-    Index const first = presample(terms), rows = Index(y.size()) - first, d = Index(terms.size());
-    expects(rows >= 0, "more samples than the longest lag");
-    Records out{.psi = Matrix<double>(d, rows), .y = Vector<double>(rows), .names = {}, .skipped = 0, .presample = first};
-    for (Term const& t : terms) out.names.push_back(t.name);
-    for (Index k = 0; k < rows; ++k) {
-        out.y[k] = y[size_t(first + k)];
+Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
+    Index const first = presample(terms), last = Index(y.size()), d = Index(terms.size());
+    expects(last >= first, "more samples than the longest lag");
+    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .names = {}, .skipped = 0, .presample = first},
+             {}};
+    Records& r = out.records;
+    for (Term const& t : terms) r.names.push_back(t.name);
+    for (Index at = first; at < last; ++at) {
+        Index const k = Index(out.samples.size());
+        r.y[k] = y[size_t(at)];
         for (Index i = 0; i < d; ++i) {
             Term const& t = terms[size_t(i)];
-            size_t const at = size_t(first + k - t.lag);
-            out.psi(i, k) = t.input >= 0 ? inputs[size_t(t.input)][at] : t.input == -1 ? -y[at] : 1.0;
+            size_t const then = size_t(at - t.lag);
+            r.psi(i, k) = t.input >= 0 ? inputs[size_t(t.input)][then] : t.input == -1 ? -y[then] : 1.0;
         }
+        if (!std::isnan(r.y[k]) && !r.psi.col(k).hasNaN()) out.samples.push_back(at);
     }
+    r.skipped = last - first - Index(out.samples.size());
+    r.psi.conservativeResize(Eigen::NoChange, Index(out.samples.size()));
+    r.y.conservativeResize(Index(out.samples.size()));
     return out;
+}
+
+Rows Rows::before(Index sample) const {
+    Index const count = std::ranges::lower_bound(samples, sample) - samples.begin();
+    return {{.psi = records.psi.leftCols(count),
+             .y = records.y.head(count),
+             .names = records.names,
+             .skipped = 0,
+             .presample = records.presample},
+            {samples.begin(), samples.begin() + count}};
 }
 
 std::string equation_text(std::vector<Term> const& terms, std::string const& output) {
@@ -142,7 +161,7 @@ std::string equation_text(std::vector<Term> const& terms, std::string const& out
         side += (side.empty() ? "" : " + ") + part;
         i = end;
     }
-    return left + " = " + right + " + e[k]";
+    return left + " = " + right + (right.empty() ? "e[k]" : " + e[k]");
 }
 
 DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> const& theta, size_t inputs) {

@@ -21,8 +21,14 @@ Index presample(std::vector<Term> const& terms);
 int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
 Index past_outputs(std::vector<Term> const& terms);
 
-/// y[k] = psi' theta, one row for each sample from the longest lag on.
-Records records_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y);
+/// y[k] = psi' theta, one row for each sample from the longest lag on that misses no value (NaN).
+struct Rows {
+    Records records;
+    std::vector<Index> samples;  ///< k of each row
+    /// The rows before this sample.
+    Rows before(Index sample) const;
+};
+Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y);
 
 /// "y[k] + a1 y[k-1] + ... + a4 y[k-4] = b0 u[k] + ... + b4 u[k-4] + c + e[k]".
 std::string equation_text(std::vector<Term> const& terms, std::string const& output);

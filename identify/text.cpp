@@ -69,8 +69,6 @@ std::string arithmetic_line(Identified const& m) {
 /// A line, or several of which all but the first are indented.
 std::string in_lines(std::string const& text) { return wrapped(text, 0, 4, 120) + '\n'; }
 
-std::string criterion_text(int order) { return order > 0 ? fmt::format("{}", order) : "none"; }
-
 }  // namespace
 
 std::string number_text(double x, int digits) { return std::isfinite(x) ? fmt::format("{:.{}g}", x, digits) : "-"; }
@@ -84,7 +82,8 @@ std::vector<std::string> data_lines(Identified const& m) {
     for (size_t j = 0; o.detrend && j < m.means.size(); ++j)
         means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ", printable(j < o.inputs.size() ? o.inputs[j] : o.output),
                              m.means[j]);
-    return {fmt::format("{} samples: {} rows fitted, {} held out{}", m.samples, m.fitted, m.held_out, means),
+    return {fmt::format("{} samples: {} rows fitted, {} held out{}{}", m.samples, m.fitted, m.held_out,
+                        m.skipped > 0 ? fmt::format("; {} skipped, which miss a value", m.skipped) : "", means),
             fmt::format("{} in double, lambda = {}, prior {}", o.variant, o.forgetting, prior)};
 }
 
@@ -101,8 +100,8 @@ std::vector<std::string> input_lines(Identified const& m) {
 std::vector<std::string> order_lines(Identified const& m) {
     std::string const said = m.choice.fits.empty() || structure_given(m.options)
                                  ? ""
-                                 : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", criterion_text(m.choice.aic),
-                                               criterion_text(m.choice.bic), criterion_text(m.choice.fpe), criterion_text(m.choice.f_test));
+                                 : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", m.choice.aic, m.choice.bic, m.choice.fpe,
+                                               m.choice.f_test > 0 ? fmt::format("{}", m.choice.f_test) : "none");
     std::string const how = structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
     return {fmt::format("{} ({}{}){}", m.structure, m.why, how, said), equation_text(m.terms, m.options.output)};
 }
@@ -115,7 +114,7 @@ std::vector<std::string> parameter_names(Identified const& m) {
 
 std::vector<std::string> result_lines(Identified const& m) {
     std::vector<std::string> out;
-    bool const model = !m.model.b.empty();
+    bool const model = !m.measured.empty();
     if (model) {
         double const size = m.poles.empty() ? 0 : std::abs(m.poles[0]);
         out.push_back("poles: " + list_of(m.poles) +
@@ -125,13 +124,14 @@ std::vector<std::string> result_lines(Identified const& m) {
         for (size_t j = 0; j < m.gain.size(); ++j)
             out.push_back(std::isfinite(m.gain[j]) ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]),
                                                                  m.gain[j], number_text(m.gain_sd[j], 2))
-                                                   : fmt::format("steady-state gain of {}: not determined, a pole may lie at 1",
-                                                                 printable(m.options.inputs[j])));
+                                                   : fmt::format("steady-state gain of {}: {}", printable(m.options.inputs[j]),
+                                                                 size >= 1 ? "none, a pole lies on or outside the unit circle"
+                                                                           : "not determined, a pole may lie at 1"));
         out.push_back(fmt::format("fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)",
                                   percent(m.fit_one_step), percent(m.held_out_one_step), percent(m.held_out_simulated)));
     }
     out.push_back(residual_line(m));
-    if (model && m.auto_correlation.size() > 1) {
+    if (model && m.ljung_box.Q > 0) {
         std::string line = largest_of(m.auto_correlation, 1, "their largest correlation: with themselves");
         for (size_t j = 0; j < m.cross_correlation.size(); ++j)
             line += largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
@@ -144,7 +144,8 @@ std::vector<std::string> result_lines(Identified const& m) {
     out.push_back(arithmetic_line(m));
     if (m.tracked)
         for (std::string const& line : tracked_lines(*m.tracked, parameter_names(m), m.options.confidence)) out.push_back(line);
-    for (std::string const& hint : m.hints) out.push_back("next: " + hint);
+    for (std::string const& hint : m.hints()) out.push_back("hint: " + hint);
+    if (!m.next().empty()) out.push_back("next: " + m.next());
     return out;
 }
 
@@ -152,7 +153,7 @@ std::string as_table(Identified const& m) {
     std::string out = printable(m.file, 200) + ": ";
     for (std::string const& words : data_lines(m)) out += words + '\n';
     for (std::string const& words : input_lines(m)) out += words + '\n';
-    for (std::string const& warning : m.warnings) out += in_lines("warning: " + warning);
+    for (std::string const& warning : m.warnings()) out += in_lines("warning: " + warning);
     for (std::string const& words : order_lines(m)) out += '\n' + words;
     size_t name = 9, of = 4;
     for (Parameter const& p : m.parameters) name = std::max(name, printable(p.name).size()), of = std::max(of, p.of.size());
@@ -216,7 +217,7 @@ std::string as_json(Identified const& m) {
                           {"p", number(f.p)},
                           {"whiteness", number(f.ljung_box)},
                           {"held_out", number(f.held_out)}});
-    bool const model = !m.model.b.empty();
+    bool const model = !m.measured.empty();
     for (size_t j = 0; j < m.excitation.size(); ++j)
         inputs.push_back({{"name", m.options.inputs[j]},
                           {"mean", number(m.means[j])},
@@ -247,9 +248,11 @@ std::string as_json(Identified const& m) {
           {"confidence", o.confidence}}},
         {"samples", m.samples},
         {"fitted", m.fitted},
+        {"skipped", m.skipped},
         {"held_out", m.held_out},
-        {"warnings", m.warnings},
-        {"hints", m.hints},
+        {"warnings", m.warnings()},
+        {"hints", m.hints()},
+        {"next", m.next()},
         {"order", m.order},
         {"structure", m.structure},
         {"why", m.why},

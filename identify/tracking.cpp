@@ -4,11 +4,11 @@
 #include "catalogue/catalogue.hpp"
 #include "catalogue/composed.hpp"
 #include "catalogue/composition_text.hpp"
+#include "identify/checks.hpp"
 #include "identify/text.hpp"
 
 #include <rlslab/lab/breakdown.hpp>
 #include <rlslab/model/fit.hpp>
-#include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -21,29 +21,29 @@ std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""
 
 }  // namespace
 
-Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
-              double noise, double confidence) {
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
+              std::vector<Index> const& samples, double mean, double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
     composition = settled(composition, problem, noise);
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
     out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
-    constexpr double normal = 1e9;                                      // so many degrees of freedom
-    out.quantile = correctly::student_quantile(normal, 0.5 + confidence / 2);
+    out.quantile = normal_quantile(0.5 + confidence / 2);
     auto const filter = composed(composition, variant, "double", problem);
     Arithmetic const& arithmetic = *find_entry(variant)->arithmetic;
     Index const d = records.parameters();
-    Vector<double> predicted(records.rows());
+    Signal measured, predicted;  // without outliers
     Index known = 0, within = 0;
     for (Index k = 0; k < records.rows(); ++k) {
         Interval<double> const expected = filter->prediction(records.sample(k), out.quantile);
         double const y = records.y[k];
-        predicted[k] = expected.value;
         if (std::isfinite(expected.deviation)) ++known, within += expected.low <= y && y <= expected.high;
+        Index const outliers = filter->happened().outliers;
         filter->update(records.sample(k), y);
-        TrackedRow row{records.presample + k + 1, y + mean,          expected.value + mean, expected.deviation,
-                       filter->noise_variance(),  Vector<double>(d), Vector<double>(d),     filter->happened()};
+        if (filter->happened().outliers == outliers) measured.push_back(y), predicted.push_back(expected.value);
+        TrackedRow row{samples[size_t(k)] + 1,   y + mean,          expected.value + mean, expected.deviation,
+                       filter->noise_variance(), Vector<double>(d), Vector<double>(d),     filter->happened()};
         for (Index j = 0; j < d; ++j) {
             Interval<double> const at = filter->interval(j, out.quantile);
             row.theta[j] = at.value, row.theta_sd[j] = at.deviation;
@@ -55,7 +55,8 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
         }
         out.rows.push_back(std::move(row));
     }
-    out.fit = fit_percent(records.y, predicted);
+    auto const numbers = [](Signal const& x) { return Eigen::Map<Vector<double> const>(x.data(), Index(x.size())); };
+    out.fit = fit_percent(numbers(measured), numbers(predicted));
     out.covered = known > 0 ? double(within) / double(known) : std::nan("");
     return out;
 }
@@ -64,10 +65,10 @@ std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string
     TrackedRow const& last = t.rows.back();
     std::string const happened = happened_text(last.happened);
     std::vector<std::string> out{fmt::format(
-        "tracked over all rows by {}: one-step fit {} %, {} % of the outputs within their {:g} % interval; noise variance at the end "
+        "tracked over all rows by {}: one-step fit {} %{}, {} % of the outputs within their {:g} % interval; noise variance at the end "
         "{}{}",
-        t.text, number_text(t.fit, 4), number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
-        happened.empty() ? "" : "; " + happened)};
+        t.text, number_text(t.fit, 4), last.happened.outliers > 0 ? " without the outliers" : "", number_text(100 * t.covered, 3),
+        100 * confidence, number_text(last.noise_variance, 4), happened.empty() ? "" : "; " + happened)};
     if (t.broken > 0)
         out.push_back(
             fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on", t.text, t.kind, t.broken));

@@ -23,7 +23,7 @@ struct TrackedRow {
 struct Tracked {
     std::string text;  ///< "window of 60 rows; guard reset"
     std::vector<TrackedRow> rows;
-    double fit;        ///< of the predictions, in percent of the outputs they are made for; NaN: not known
+    double fit;        ///< of the predictions, in percent of the outputs, those apart that the guard took for outliers; NaN: not known
     double covered;    ///< share of the outputs within their interval
     double quantile;   ///< of the intervals: the normal distribution's
     Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
@@ -32,10 +32,10 @@ struct Tracked {
 };
 
 /// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.
-/// `mean` was taken off the output and is put back.
+/// `mean` was taken off the output and is put back; samples: k of each row, from 0.
 /// Throws InputError where the variant cannot be composed so.
-Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records, double mean,
-              double noise, double confidence);
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
+              std::vector<Index> const& samples, double mean, double noise, double confidence);
 
 /// Lines for the text and the page.
 std::vector<std::string> tracked_lines(Tracked const& tracked, std::vector<std::string> const& names, double confidence);

@@ -205,7 +205,7 @@ Command identify_command(CLI::App& app) {
         "\n"
         "Exit code: 0 a model; 1 the variant, or it with its composition, broke down, and is named; 2 options or a record that do not "
         "make sense.");
-    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; without missing values")
+    c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's; rows that miss a value are skipped")
         ->required()
         ->type_name("");
     take_format(*c, a->format);

@@ -218,7 +218,7 @@ TEST(Identify, FindsTheOrderAndTheParameters) {
     std::string const file = folder.file(csv({u, simulate(model, {u}, xi)}, "u,y"));
     Identified const m = identify(file, {.inputs = {"u"}, .output = "y"});
     EXPECT_EQ(m.order, 2);
-    EXPECT_TRUE(m.warnings.empty()) << m.warnings.front();
+    EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
     EXPECT_NEAR(m.parameters[0].value, -1.5, 4 * m.parameters[0].sd);
     EXPECT_NEAR(m.parameters[3].value, 0.5, 4 * m.parameters[3].sd);
     EXPECT_NEAR(m.sigma2, 0.01, 0.001);
@@ -238,7 +238,7 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
         EXPECT_NEAR(m.parameters[0].value, -1.5, 1e-12);
         EXPECT_NEAR(m.parameters[1].value, 0.7, 1e-12);
         EXPECT_NEAR(m.parameters[3].value, 0.5, 1e-12);
-        EXPECT_TRUE(m.warnings.empty()) << m.warnings.front();
+        EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
     }
     std::string const constant = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
     EXPECT_THAT(files::message_of([&] { identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
@@ -286,15 +286,15 @@ TEST(Identify, SaysWhichOrderAPoorInputSupports) {
     EXPECT_THAT(said(Signal(600, 1.0), 2), HasSubstr("supports no model of order 1 or more"));
     Identified const m = identify(record(sine), {.inputs = {"u"}, .output = "y", .detrend = false});
     EXPECT_LE(m.order, 1);
-    ASSERT_FALSE(m.warnings.empty());
-    EXPECT_THAT(m.warnings.front(), HasSubstr("input u is exciting of order 2 only: it supports a model of order 1"));
+    ASSERT_FALSE(m.warnings().empty());
+    EXPECT_THAT(m.warnings().front(), HasSubstr("input u is exciting of order 2 only: it supports a model of order 1"));
 }
 TEST(Identify, TheHeatExchangersStandstillIsNamed) {
     std::string const file = RLSLAB_SOURCE_DIR "/../shared/data/heat_exchanger.csv";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
     Identified const m = identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
-    ASSERT_FALSE(m.warnings.empty());
-    EXPECT_THAT(m.warnings.front(), HasSubstr("input u stands still over the first 100 of"));
+    ASSERT_FALSE(m.warnings().empty());
+    EXPECT_THAT(m.warnings().front(), HasSubstr("input u stands still over the first 100 of"));
 }
 
 /// The model that the recursion ends with predicts the held-out third as a batch QR does at the same order.

@@ -72,7 +72,7 @@ TEST(IdentifyAnswers, NoNumberIsMissingForAnIllConditionedRecord) {
         EXPECT_LT(p.lower, p.upper) << p.name;
     }
     expect_numbers(m, "order 10");
-    for (std::string const& warning : m.warnings) EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
+    for (std::string const& warning : m.warnings()) EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
 }
 
 /// The standard deviations of that record, by exact rationals: sigma^2 (Phi'Phi)^-1 without a prior.
@@ -115,7 +115,7 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
                     expect_numbers(m, what);
                     broken += m.failure.has_value();
                     if (m.failure) {
-                        EXPECT_THAT(m.warnings, testing::Contains(HasSubstr("broke down after row"))) << what;
+                        EXPECT_THAT(m.warnings(), testing::Contains(HasSubstr("broke down after row"))) << what;
                         EXPECT_THAT(as_json(m), HasSubstr("\"breakdown\": {")) << what;
                     }
                     if (std::ranges::any_of(m.parameters, [](Parameter const& p) { return std::isnan(p.value); })) {
@@ -155,7 +155,7 @@ TEST(IdentifyAnswers, AVariantThatIsRecommendedDoesBetter) {
         IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 4};
         options.variant = variant, options.p0 = 0x1p60;
         Identified const m = identify(file, options);
-        for (std::string const& warning : m.warnings)
+        for (std::string const& warning : m.warnings())
             if (auto const at = warning.find("--variant "); at != warning.npos) {
                 std::string const other = warning.substr(at + 10, warning.find_first_of(" :", at + 10) - at - 10);
                 EXPECT_NE(other, variant);
@@ -163,7 +163,7 @@ TEST(IdentifyAnswers, AVariantThatIsRecommendedDoesBetter) {
                 Identified const better = identify(file, options);
                 EXPECT_FALSE(better.failure) << other;
                 EXPECT_GT(better.digits, m.failure ? 0 : m.digits) << variant << " -> " << other;
-                for (std::string const& again : better.warnings) EXPECT_THAT(again, Not(HasSubstr("--variant"))) << other;
+                for (std::string const& again : better.warnings()) EXPECT_THAT(again, Not(HasSubstr("--variant"))) << other;
                 ++named;
             }
     }

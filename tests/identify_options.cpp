@@ -137,7 +137,6 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
               "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
     EXPECT_EQ(refusal({.delay = {1}, .regressors = {"u"}}),
               "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.regressors = {"y[k-1]"}}), "--regressors: expected an input among them, found past outputs alone");
     EXPECT_EQ(refusal({.regressors = {"u", "y"}}), "--regressors: y: the output needs a lag: y[k-1] or further back");
     EXPECT_EQ(refusal({.regressors = {"y[k-201]", "u"}}), "--regressors: y[k-201]: expected a lag of at most 200 for the output");
     EXPECT_EQ(refusal({.regressors = {"u", "u[k-201]"}}),
@@ -146,7 +145,8 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_EQ(refusal({.inputs = {"u", "u"}}), "data.csv: column \"u\" is asked for twice");
     EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
     EXPECT_EQ(message_of([&] { identify(file, {.output = "y"}); }),
-              "--input: expected the name of an input column, or several: a,b (or --regressors)");
+              "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: --regressors "
+              "'y[k-1..k-3]')");
     EXPECT_EQ(message_of([&] { identify(file, {.inputs = {"u"}}); }), "--output: expected the name of the output column");
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {

@@ -53,19 +53,16 @@ int decimals_of_half(std::map<int, size_t> const& counts) {
     return at->first;
 }
 
-/// Root mean square of the units to which the numbers were rounded: powers of ten. A last digit of 0 is not written everywhere, so the
-/// decimals of a number are those of half of the values in its decade (of half of all values, where it has few), or its own if they are
-/// more. Numbers that are no decimals are a converter's, with its step for all. A signal of a few levels (PRBS, steps) was made with these
-/// levels, not rounded to them. No unit is below 2^-42 of the largest number: computed data carry about a thousand rounding errors of
-/// binary64, and measured data are coarser.
-double resolution_of(Signal const& x) {
+}  // namespace
+
+double resolution_of(Signal const& x, double least) {
     struct Value {
         size_t times;
         int decade, decimals;
     };
     Signal sorted = x;
     std::ranges::sort(sorted);
-    double const rounding = 0x1p-42 * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
+    double const rounding = least * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
     std::vector<Value> values;
     std::map<int, size_t> all;
     std::map<int, std::map<int, size_t>> decades;
@@ -99,6 +96,8 @@ double resolution_of(Signal const& x) {
     for (Value const& v : values) squares += double(v.times) * square_of(std::max(v.decimals, of_decade[v.decade]));
     return std::sqrt(squares / double(x.size()));
 }
+
+namespace {
 
 /// How many rows carry z'v_k, v_k less their mean if `centred`: 1 where it is 0 but in one row, all where its size is the same in all.
 double rows_that_carry(Signal const& x, Vector<double> const& z, bool centred) {

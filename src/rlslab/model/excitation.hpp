@@ -18,6 +18,13 @@ Matrix<double> correlation_matrix(Signal const& x, Index n);
 /// Whether the sum of |R_ij|, j != i, is below R_ii in every row i: sufficient for positive definiteness, not necessary.
 bool diagonally_dominant(Matrix<double> const& R);
 
+/// Root mean square of the units to which the numbers were rounded: powers of ten. A last digit of 0 is not written everywhere, so the
+/// decimals of a number are those of half of the values in its decade (of half of all values, where it has few), or its own if they are
+/// more. Numbers that are no decimals are a converter's, with its step for all. A signal of a few levels (PRBS, steps) was made with these
+/// levels, not rounded to them. No unit is below `least` of the largest number: computed data carry about a thousand rounding errors of
+/// binary64, and measured data are coarser.
+double resolution_of(Signal const& x, double least = 0x1p-42);
+
 /// The results for one order n.
 struct ExcitationOrder {
     Index order;
