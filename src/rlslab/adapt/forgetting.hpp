@@ -48,11 +48,13 @@ public:
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
     /// Around a filter that was made of this problem, with options of its own.
     Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
-        : filter_(filter), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
+        : filter_(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
+                                                .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
         rule_.start(problem, memory_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
+        expects(psi.size() == memory_.a.size() && psi.size() > 0, "a regressor of the problem's size");
         Step<T> const step = rule_.update(filter_, memory_, psi, y);
         ++memory_.rows.n;
         return step;

@@ -23,23 +23,25 @@ struct WindowOptions {
 /// The last W rows [psi y] in order, in memory that is taken once.
 template <Field T>
 class RowRing {
-    Index d_, rows_;
+    Index d_;
+    detail::MovedSize rows_;
     BoundedCount held_, next_;
     std::vector<T> numbers_;  // d + 1 a row
 
 public:
     RowRing(Index size, Index rows)
         : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0}, numbers_(size_t((size + 1) * rows), T(0)) {}
-    Index held() const { return held_.n; }
-    bool full() const { return held_.n == rows_; }
-    T* row(Index age_from_oldest) { return numbers_.data() + (next_.n - held_.n + age_from_oldest + rows_) % rows_ * (d_ + 1); }
+    Index held() const { return std::min(held_.n, rows_.value); }
+    bool full() const { return held_.n == rows_.value; }
+    T* row(Index age_from_oldest) { return numbers_.data() + (next_.n - held_.n + age_from_oldest + rows_.value) % rows_.value * (d_ + 1); }
     /// Where the newest row goes, in place of the oldest where the ring is full.
     void push(T const* psi, T const& y) {
+        expects(rows_.value > 0, "a window that was not moved from");
         T* const place = numbers_.data() + next_.n * (d_ + 1);
         for (Index i = 0; i < d_; ++i) place[i] = psi[i];
         place[d_] = y;
-        next_.n = (next_.n + 1) % rows_;
-        if (held_.n < rows_) ++held_.n;
+        next_.n = (next_.n + 1) % rows_.value;
+        if (held_.n < rows_.value) ++held_.n;
     }
     void clear() { held_.n = next_.n = 0; }
     static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
