@@ -87,6 +87,16 @@ constexpr std::string_view name_of(Health health) {
 /// The worse of two, in the order of the enumeration.
 constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
 
+template <>
+struct Encoding<Health> {
+    static constexpr std::size_t size = 1;
+    static void write(Health const& x, std::byte* to) { *to = std::byte(x); }
+    static bool read(std::byte const* from, Health& x) {
+        x = Health(std::to_integer<int>(*from));
+        return x <= Health::nonfinite;
+    }
+};
+
 /// What one update reports. While theta is undetermined innovation and residual are NaN and gamma is 0.
 template <Scalar T>
 struct Step {
