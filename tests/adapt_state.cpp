@@ -8,6 +8,7 @@
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
 #include <rlslab/adapt/weighted.hpp>
+#include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -133,7 +134,7 @@ void check_version_one(std::string const& name, bool writes = false) {
     EXPECT_TRUE(same(reports(f, 900, Seed{13}), reports(g, 900, Seed{13}))) << name;
 }
 void check_versions_one(bool writes = false) {
-    check_version_one<Windowed<Qr<double>>>("windowed-qr", writes);
+    check_version_one<Windowed<Gentleman<double>>>("windowed-gentleman", writes);
     check_version_one<Guarded<Ud<float, 3>>>("guarded-ud", writes);
     check_version_one<Guarded<Windowed<Ud<double, 3>>, rebuilding>>("guarded-windowed-ud", writes);
     check_version_one<Forgetting<Ud<double, 3>, RotatingRidge<double>>>("ridge-ud", writes);
