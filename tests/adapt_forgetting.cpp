@@ -1,9 +1,11 @@
 // Rules of forgetting: each keeps the law in its formula block, and what it says of P without excitation.
 #include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
 
 #include "tests/adapt.hpp"
 
 #include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
 #include <rlslab/variants/inverse_qr.hpp>
 #include <rlslab/variants/kalman.hpp>
 #include <rlslab/variants/qr.hpp>
@@ -40,6 +42,8 @@ TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
     using Ruled = Forgetting<Ud<double, 3>, Fortescue<double>>;
     static_assert(RecursiveLeastSquares<Ruled> && TimeUpdates<Ruled> && Inflates<Ruled> && ReportsVariances<Ruled>);
     static_assert(!ForgettingRule<CaoSchwartz<double>, Symmetric<double, 3>>);  // psi'P^-1 psi would cost d^3
+    static_assert(!ForgettingRule<Fortescue<double>, Guarded<Ud<double, 3>>>);  // would forget from a row that the guard skips
+    static_assert(Guardable<Ruled>);
     EXPECT_THROW(Ruled({}, {.noise_variance = 0}), std::invalid_argument);
     EXPECT_THROW(Ruled({}, {.memory = NAN}), std::invalid_argument);
     EXPECT_THROW(Ruled({}, {.least = 1.5}), std::invalid_argument);
@@ -230,6 +234,34 @@ TEST(Directional, WindsUpOnNoiseWithoutAFloorOfExcitation) {
 }
 
 // --- ridge, reset, walk -----------------------------------------------------------------------------------------------------------
+
+/// Without a prior: NaN until the rows determine theta, then theta; the bits of a rule that had waited for that.
+template <class F, class Rule>
+void check_without_prior(Rule const& rule, char const* what) {
+    Forgetting<F, Rule> f({.forgetting = 0.98, .prior = std::nullopt}, rule);
+    Seed seed{74};
+    double psi[3];
+    Health last = Health::nonfinite;
+    for (int k = 0; k < 50; ++k) {
+        double const y = draw(seed, psi, 0);
+        last = f.update(psi, y).health;
+        EXPECT_EQ(last, k < 3 ? Health::undetermined : Health::sound) << F::name << what << k;
+    }
+    EXPECT_LT((Vector<double>(f.theta()) - Vector<double>{{1, -2, 3}}).norm(), 1e-3) << F::name << what;
+}
+TEST(Rules, WaitUntilTheRowsDetermineTheta) {
+    auto const check = []<class F>(F const*) {
+        check_without_prior<F>(RotatingRidge<double>{}, " ridge ");
+        check_without_prior<F>(CovarianceReset<double>{.period = 1}, " reset at each row ");
+        check_without_prior<F>(CovarianceReset<double>{.period = 2}, " reset ");
+        check_without_prior<F>(Kulhavy<double>{}, " kulhavy ");
+        check_without_prior<F>(CaoSchwartz<double>{}, " cao ");
+        check_without_prior<F>(RandomWalk<double>{.variance = 1e-6}, " walk ");
+    };
+    check(static_cast<Qr<double, 3>*>(nullptr));
+    check(static_cast<Information<double, 3>*>(nullptr));
+    check(static_cast<Gentleman<double, 3>*>(nullptr));
+}
 
 template <class F>
 void check_ridge() {

@@ -48,6 +48,25 @@ TEST(Guarded, LeavesTheFiltersBitsOnCleanRows) {
     check_clean<JosephRankTwo<double, 4>>();
     check_clean<Qr<double, 4>>();
 }
+/// An outlier in each hundred rows: all are seen, and nothing else is.
+void check_memory(Index noise_memory) {
+    Guarded<Ud<double, 4>> g(problem, {.noise_memory = noise_memory});
+    Seed seed{73};
+    double psi[4];
+    for (int k = 0; k < 2000; ++k) {
+        double const y = draw(seed, psi);
+        g.update(psi, y + (k % 100 == 99 && k > 1000 ? 50 : 0));
+    }
+    EXPECT_NEAR(std::log2(g.noise_variance() / 0.015625), 0, 1) << noise_memory;  // as far off as the median of 60 numbers may be
+    EXPECT_EQ(g.counts().outliers, 10) << noise_memory;
+    EXPECT_EQ(g.counts().changes, 0) << noise_memory;
+}
+TEST(Guarded, RemembersTheNoiseOverAnyNumberOfRows) {
+    check_memory(200);
+    check_memory(std::numeric_limits<int>::max());
+    check_memory(Index{1} << 32);
+    check_memory(std::numeric_limits<Index>::max());
+}
 TEST(Guarded, RefusesOptionsThatMakeNoSense) {
     using G = Guarded<Ud<double, 4>>;
     EXPECT_THROW(G(problem, {.largest_variance = -1}), std::invalid_argument);

@@ -3,9 +3,12 @@
 
 #include "tests/adapt.hpp"
 
+#include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/weighted.hpp>
+#include <rlslab/variants/gentleman.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -13,6 +16,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 
 namespace rlslab {
 namespace {
@@ -110,6 +115,34 @@ TEST(State, OfARuleContinuesBitForBit) {
     check<Forgetting<F, RandomWalk<double>>>("walk");
     check<Guarded<Forgetting<Ud<float, 3>, RotatingRidge<float>>>>("guarded ridge");
 }
+
+/// The file of version 1 that holds f after 250 rows. Never write it anew.
+template <class F>
+void check_version_one(std::string const& name, bool writes = false) {
+    std::filesystem::path const path = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1" / (name + ".state");
+    F f = Made<F>::saved(), g = Made<F>::other();
+    reports(f, 250, Seed{11});
+    if (writes) {
+        Bytes const bytes = bytes_of(f);
+        std::ofstream(path, std::ios::binary).write(reinterpret_cast<char const*>(bytes.data()), std::streamsize(bytes.size()));
+    }
+    std::ifstream file(path, std::ios::binary);
+    std::string const text{std::istreambuf_iterator<char>(file), {}};
+    ASSERT_FALSE(text.empty()) << path;
+    ASSERT_EQ(load(g, std::as_bytes(std::span(text))), StateFault::none) << name;
+    EXPECT_EQ(bytes_of(f), bytes_of(g)) << name;
+    EXPECT_TRUE(same(reports(f, 900, Seed{13}), reports(g, 900, Seed{13}))) << name;
+}
+void check_versions_one(bool writes = false) {
+    check_version_one<Windowed<Gentleman<double>>>("windowed-gentleman", writes);
+    check_version_one<Guarded<Ud<float, 3>>>("guarded-ud", writes);
+    check_version_one<Guarded<Windowed<Ud<double, 3>>, rebuilding>>("guarded-windowed-ud", writes);
+    check_version_one<Forgetting<Ud<double, 3>, RotatingRidge<double>>>("ridge-ud", writes);
+    check_version_one<Guarded<Forgetting<Ud<float, 3>, Fortescue<float>>>>("guarded-fortescue-ud", writes);
+    check_version_one<Handing<Symmetric<float, 3>>>("guarded-relay-symmetric-ud", writes);
+    check_version_one<Assessed<Weighted<Ud<double, 3>>>>("assessed-weighted-ud", writes);
+}
+TEST(State, OfVersionOneLoadsIntoWhatIsAround) { check_versions_one(); }
 
 /// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one coordinate
 /// corrects, or what counts, is not among them.

@@ -1,4 +1,7 @@
 // A filter of fixed size needs no Problem::size, and is the same filter with it.
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/merge.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -66,6 +69,31 @@ TEST(FixedSize, OfAWalkIsImpliedToo) {
     Kalman<double, 2> const walk({}, Matrix<double>{{2.0, 0.5}, {0.5, 1.0}});
     EXPECT_THROW((Kalman<double, 2>({}, Matrix<double>(3, 3))), std::invalid_argument);
     EXPECT_EQ(walk.stored().F(1, 1), 16384.0);
+}
+TEST(FixedSize, ImpliesThatOfAStoredPriorAndOfWhatIsMerged) {
+    using F = Ud<double, 3>;
+    Part<F> a{F({.forgetting = 0.96875}), 0}, b = a;
+    Seed seed{5};
+    for (Part<F>* part : {&a, &b})
+        for (; part->rows < 10; ++part->rows) part->filter.update({seed.bell(), seed.bell(), seed.bell()}, seed.bell());
+    EXPECT_TRUE(same_bits(F({.prior = Prior<double>{.stored = a.filter.stored()}}).stored(), a.filter.stored()));
+    EXPECT_THROW(F({.prior = Prior<double>{.stored = Ud<double>({.size = 2}).stored()}}), std::invalid_argument);
+    auto const implied = merged(a, b, {.forgetting = 0.96875}), given = merged(a, b, {.size = 3, .forgetting = 0.96875});
+    ASSERT_TRUE(implied && given);
+    EXPECT_TRUE(same_bits(implied->filter.stored(), given->filter.stored()));
+    EXPECT_THROW((void)merged(a, b, {.size = 2}), std::invalid_argument);
+}
+/// A filter of one size in what is made for a problem of another: refused when it is made, not at the first row.
+TEST(FixedSize, IsThatOfTheProblemOfWhatIsAround) {
+    using F = Ud<double>;
+    F const filter({.size = 3});
+    for (Index size : {2, 4}) {
+        EXPECT_THROW(Guarded<F>(filter, {.size = size}), std::invalid_argument);
+        EXPECT_THROW((Forgetting<F, Kulhavy<double>>(filter, {.size = size})), std::invalid_argument);
+    }
+    EXPECT_EQ(Guarded<F>(filter, {}).update({1, 2, 3}, 4).health, Health::sound);
+    EXPECT_EQ((Forgetting<F, RandomWalk<double>>(filter, {}).update({1, 2, 3}, 4).health), Health::sound);
+    EXPECT_THROW(Guarded<F>(filter, {.forgetting = 2}), std::invalid_argument);
 }
 TEST(FixedSize, AsAnApplicationWritesIt) {
     Ud<float, 3> filter({.forgetting = 0.99f});

@@ -69,6 +69,53 @@ TEST(Fleet, EachFilterHasItsBitsWhateverTheOthersMiss) {
         }
 }
 
+/// Filters that start without prior, each of which misses rows of its own and begins anew when it likes: theta and health of each alone.
+template <class V, class One>
+void expect_the_same_without_prior(Index filters, std::uint64_t from) {
+    using T = typename One::scalar;
+    Problem<T> const p{.size = 3, .forgetting = T(0.99), .prior = std::nullopt};
+    Fleet<V> fleet(filters, p);
+    auto alone = std::vector<One>(size_t(filters), One(p));
+    auto health = std::vector<Health>(size_t(filters), Health::undetermined);
+    Seed seed{from};
+    for (auto const& s : samples<T>(filters, 3, 40, from)) {
+        if (seed.uniform() < 0.3) {
+            Index const i = Index(seed.uniform() * double(filters));
+            fleet.reset(i);
+            alone[size_t(i)] = One(p);
+            health[size_t(i)] = Health::undetermined;
+        }
+        fleet.update(s.psi, s.y);
+        for (Index i = 0; i < filters; ++i) {
+            Vector<T> const psi = s.psi.row(i);
+            Health& mine = health[size_t(i)];
+            if (psi.allFinite() && std::isfinite(s.y[i])) {
+                Health const step = alone[size_t(i)].update(psi, s.y[i]).health;
+                mine = mine == Health::undetermined ? step : worse(mine, step);
+            }
+            Vector<T> const theta = alone[size_t(i)].theta(), found = fleet.theta(i);
+            EXPECT_EQ(fleet.health(i), mine) << One::name << " " << i << " of " << filters;
+            if (mine == Health::undetermined) EXPECT_EQ(found.allFinite(), theta.allFinite()) << One::name << " " << i;
+            else EXPECT_EQ(found, theta) << One::name << " " << i << " of " << filters;
+        }
+    }
+}
+TEST(Fleet, WithoutPriorEachFilterHasItsBitsAndItsHealth) {
+    for (std::uint64_t seed = 91; seed < 101; ++seed)
+        for (Index const filters : {1, 8, 9, 20}) {
+            expect_the_same_without_prior<Information<Pack<double, 8>, 3>, Information<double, 3>>(filters, seed);
+            expect_the_same_without_prior<Information<Pack<float, 8>>, Information<float>>(filters, seed);
+            expect_the_same_without_prior<Qr<Pack<double, 8>, 3>, Qr<double, 3>>(filters, seed);
+            expect_the_same_without_prior<Gentleman<Pack<double, 8>, 3>, Gentleman<double, 3>>(filters, seed);
+        }
+}
+template <class F>
+concept MakesAFleet = requires { typename Fleet<F>; };
+TEST(Fleet, TakesNoFilterThatCountsTheRowsOfAllLanesAtOnce) {
+    static_assert(MakesAFleet<Information<Pack<double, 8>>> && MakesAFleet<Kalman<Pack<double, 8>>>);
+    static_assert(!MakesAFleet<QrBlock<Pack<double, 8>>>);
+}
+
 /// A filter over packs that is given zeros for what is missing, as a fleet without memory would: it forgets.
 TEST(Fleet, WithoutPuttingBackTheBitsWouldDiffer) {
     using P = Pack<double, 8>;

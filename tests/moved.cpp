@@ -1,4 +1,9 @@
-// A filter that was moved from has no size: it refuses every row, and may be assigned to.
+// A filter that was moved from has no size: it refuses every row, and may be assigned to. What is around one refuses with it.
+#include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -20,6 +25,40 @@ TEST(MovedFrom, AFilterRefusesRowsUntilItIsAssignedTo) {
         ++tried;
     });
     EXPECT_GE(tried, 15);
+}
+
+template <class F>
+void check_composed(char const* what) {
+    Vector<double> const psi{{1.0, 2.0, 3.0}};
+    F f(Problem<double>{.size = 3});
+    for (int k = 0; k < 5; ++k) f.update(psi, 1.0);
+    F g = std::move(f);
+    EXPECT_THROW(f.update(psi, 1.0), std::invalid_argument) << what;  // NOLINT: what is tested
+    if constexpr (detail::size_of<F> == Dynamic) {
+        EXPECT_THROW(f.update(std::span<double const>{}, 1.0), std::invalid_argument) << what;
+    }
+    if constexpr (requires { f.refactor(); }) f.refactor();
+    f = g;
+    f.update(psi, 2.0), g.update(psi, 2.0);
+    EXPECT_EQ(Vector<double>(f.theta()), Vector<double>(g.theta())) << what;
+}
+TEST(MovedFrom, WhatIsAroundAFilterRefusesRowsUntilItIsAssignedTo) {
+    using F = Ud<double>;
+    check_composed<Forgetting<F, ConstantForgetting<double>>>("constant");
+    check_composed<Forgetting<F, Fortescue<double>>>("fortescue");
+    check_composed<Forgetting<F, Kulhavy<double>>>("kulhavy");
+    check_composed<Forgetting<F, CaoSchwartz<double>>>("cao and schwartz");
+    check_composed<Forgetting<F, RotatingRidge<double>>>("ridge");
+    check_composed<Forgetting<F, CovarianceReset<double>>>("reset");
+    check_composed<Forgetting<F, RandomWalk<double>>>("walk");
+    check_composed<Windowed<F>>("window");
+    check_composed<Windowed<Ud<double, 3>>>("window of fixed size");
+    check_composed<Guarded<F, rebuilding>>("guard");
+    check_composed<Guarded<Ud<double, 3>, rebuilding>>("guard of fixed size, whose kept rows are not");
+    check_composed<Guarded<Windowed<F>>>("guarded window");
+    check_composed<Weighted<F>>("weights");
+    check_composed<Assessed<F>>("assessed");
+    check_composed<Relay<Symmetric<double>, F>>("relay");
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class Information {
     StateVector<RealOf<T>, N> D_;
     StateMatrix<T, N> X_, L_;
     Truth<T> positive_, started_;    // X factors; has been seen to factor
-    Index rows_;                     // so far; a prior counts as d
+    PerLane<T, Index> rows_;         // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
     auto equations() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
     Information& solve() {

@@ -1,4 +1,6 @@
 // Misuse where exceptions are compiled out: -DHANDLED with a function of the program's own, without it a trap.
+#include <rlslab/arithmetic/fixed.hpp>
+#include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/variants/ud.hpp>
 
 #include <board.hpp>

@@ -10,51 +10,77 @@
 namespace rlslab {
 
 namespace detail {
-/// Appends every number that a filter over packs keeps, in the order of its state.
+/// What a filter over packs holds for each lane, in the order of its state.
 template <class P>
 struct NumbersOfLanes : Silent {
-    std::vector<P>* to;
-    explicit NumbersOfLanes(std::vector<P>& numbers) : to(&numbers) {}
-    void number(P const& x) { to->push_back(x); }
+    using Count = Lanes<Index, P::lanes>;
+    std::vector<P> numbers = {};
+    std::vector<typename P::Mask> truths = {};
+    std::vector<Count> counts = {};
+    void number(P const& x) { numbers.push_back(x); }
+    void number(typename P::Mask const& x) { truths.push_back(x); }
+    void number(Count const& x) { counts.push_back(x); }
+    template <class X>
+    void number(X const&) {}
+    void clear() { numbers.clear(), truths.clear(), counts.clear(); }
+};
+/// Puts it back in the lanes of the mask.
+template <class P>
+struct LanesPutBack : Silent {
+    typename P::Mask mask;
+    P const* number_at;
+    typename P::Mask const* truth_at;
+    Lanes<Index, P::lanes> const* count_at;
+    LanesPutBack(NumbersOfLanes<P> const& from, typename P::Mask const& lanes)
+        : mask(lanes), number_at(from.numbers.data()), truth_at(from.truths.data()), count_at(from.counts.data()) {}
+    void number(P& x) { x = select(mask, *number_at++, x); }
+    void number(typename P::Mask& x) { x = (mask && *truth_at++) || (!mask && x); }
+    void number(Lanes<Index, P::lanes>& x) { x = select(mask, *count_at++, x); }
     template <class X>
     void number(X const&) {}
 };
-/// Puts them back in the lanes of the mask.
-template <class P>
-struct LanesPutBack : Silent {
-    P const* from;
-    typename P::Mask mask;
-    LanesPutBack(std::vector<P> const& numbers, typename P::Mask const& lanes) : from(numbers.data()), mask(lanes) {}
-    void number(P& x) {
-        x = select(mask, *from, x);
-        ++from;
-    }
-    template <class X>
-    void number(X&) {}
-};
+
+template <class X>
+constexpr bool counts_all_lanes_at_once();
+template <class... Members>
+constexpr bool any_counts(std::tuple<Members&...> const*) {
+    return (counts_all_lanes_at_once<std::remove_const_t<Members>>() || ...);
+}
+template <class X>
+constexpr bool counts_all_lanes_at_once() {
+    if constexpr (NamesItsState<X>) return any_counts(static_cast<decltype(X::state(std::declval<X&>()))*>(nullptr));
+    else return std::integral<X> && !std::same_as<X, bool>;
+}
 }  // namespace detail
+
+/// A variant over a Pack whose lanes have nothing in common but options. QrBlock counts the rows of all lanes at once: a fleet of it would
+/// take the rows of one filter for another's.
+template <class F>
+concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && !detail::counts_all_lanes_at_once<F>();
 
 /// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem. Each keeps the bits
 /// of the scalar variant on its own rows.
 ///
 /// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A sample with a number
 /// that is not finite is missing: its filter stays as it was, and no other filter notices. Time does not pass for it; update it with
-/// psi = 0 and y = 0 where it should.
+/// psi = 0 and y = 0 where it should. Without a prior each filter counts its own rows.
 ///
 /// Memory: that of F for each P::lanes filters; an update allocates the numbers of two such F. A row moves the state of all through the
 /// processor once. Source: layout as in arrays of structures of arrays; folklore.
-template <class F>
-    requires(requires { F::scalar::lanes; }) && NamesItsState<F>
+template <KeepsLanesApart F>
 class Fleet {
 public:
-    using pack = typename F::scalar;
+    using scalar = typename F::scalar;
+    using pack = scalar;
     using number = typename pack::lane_type;
     static constexpr int lanes = pack::lanes;
+    static constexpr std::string_view name = F::name;
 
     /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
     Fleet(Index filters, Problem<number> const& problem)
         : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(size_t((filters + lanes - 1) / lanes), fresh_), health_(packs_.size()) {}
+          packs_(size_t((filters + lanes - 1) / lanes), fresh_), first_(problem.prior ? Health::sound : Health::undetermined),
+          health_(packs_.size(), first_) {}
 
     Index filters() const { return filters_; }  ///< M
     Index parameters() const { return size_; }  ///< d
@@ -75,7 +101,8 @@ public:
         return out;
     }
 
-    /// The d parameters of filter i; the worst health of its steps since it began. i < M is not checked.
+    /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its steps. i < M is not
+    /// checked.
     Vector<number> theta(Index i) const {
         return packs_[size_t(i / lanes)].theta().unaryExpr([lane = int(i % lanes)](pack const& x) { return x[lane]; });
     }
@@ -83,14 +110,13 @@ public:
 
     /// Filter i begins anew.
     void reset(Index i) {
-        std::vector<pack> numbers;
-        detail::NumbersOfLanes<pack> reading(numbers);
-        detail::walk(reading, fresh_);
+        detail::NumbersOfLanes<pack> fresh;
+        detail::walk(fresh, fresh_);
         pack chosen;
         chosen.set(int(i % lanes), number(1));
-        detail::LanesPutBack<pack> back(numbers, chosen == pack(number(1)));
+        detail::LanesPutBack<pack> back(fresh, chosen == pack(number(1)));
         detail::walk(back, packs_[size_t(i / lanes)]);
-        health_[size_t(i / lanes)].value[size_t(i % lanes)] = Health::sound;
+        health_[size_t(i / lanes)].value[size_t(i % lanes)] = first_;
     }
 
 private:
@@ -100,6 +126,10 @@ private:
     }
     static Problem<pack> in_packs(Problem<number> const& problem) {
         return problem.template mapped<pack>([](number x) { return pack(x); });
+    }
+    static void add(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step, typename pack::Mask const& present) {
+        for (int i = 0; i < lanes; ++i)
+            if (Health& mine = health.value[size_t(i)]; present[i]) mine = mine == Health::undetermined ? step[i] : worse(mine, step[i]);
     }
     /// The numbers of `count` filters in a row, NaN behind the last.
     static pack loaded(number const* from, Index count) {
@@ -111,7 +141,7 @@ private:
     }
 
     Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
-        std::vector<pack> before;  // the numbers of a filter of which some lanes stay as they were
+        detail::NumbersOfLanes<pack> before;  // of a filter of which some lanes stay as they were
         std::vector<pack> numbers_of_row(size_t(size_), pack{});
         Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);
         Index missing = 0;
@@ -125,19 +155,18 @@ private:
             }
             F& filter = packs_[size_t(g)];
             if (all(present)) {
-                health_[size_t(g)] = worse(health_[size_t(g)], filter.update(row, output).health);
+                add(health_[size_t(g)], filter.update(row, output).health, present);
                 continue;
             }
             for (int lane = 0; lane < here; ++lane) missing += !present[lane];
             if (!any(present)) continue;
             before.clear();
-            detail::NumbersOfLanes<pack> reading(before);
-            detail::walk(reading, filter);
+            detail::walk(before, filter);
             for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
             auto const step = filter.update(row, select(present, output, pack()));
             detail::LanesPutBack<pack> back(before, !present);
             detail::walk(back, filter);
-            health_[size_t(g)] = worse(health_[size_t(g)], select(present, step.health, Lanes<Health, lanes>(Health::sound)));
+            add(health_[size_t(g)], step.health, present);
         }
         return missing;
     }
@@ -146,6 +175,7 @@ private:
     F fresh_;
     Index size_;
     std::vector<F> packs_;
+    Health first_;  // of a filter that took no row
     std::vector<Lanes<Health, lanes>> health_;
 };
 

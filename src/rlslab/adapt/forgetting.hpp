@@ -22,8 +22,10 @@ struct RuleMemory {
 /// A rule is an aggregate of options with
 ///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
+/// F follows its problem: from a row that a guard skips, a rule would forget all the same.
 template <class Rule, class F>
 concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
+                         !requires { F::departs; } &&  // a guard goes around the rule: Guarded<Forgetting<F, Rule>>
                          requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
                                   RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
                              rule.start(problem, memory);
@@ -48,11 +50,13 @@ public:
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
     /// Around a filter that was made of this problem, with options of its own.
     Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
-        : filter_(filter), rule_(rule), memory_{.lambda = problem.forgetting, .a = StateVector<T, detail::size_of<F>>(problem.size)} {
+        : filter_(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
+                                                .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
         rule_.start(problem, memory_);
     }
 
     Step<T> update(Regressor<T> psi, T y) {
+        expects(psi.size() == memory_.a.size() && psi.size() > 0, "a regressor of the problem's size");
         Step<T> const step = rule_.update(filter_, memory_, psi, y);
         ++memory_.rows.n;
         return step;
@@ -179,7 +183,7 @@ struct CaoSchwartz {
 ///
 /// whose output is sqrt(r) theta_j as it is (`toward_zero` false: theta_j does not move, bit for bit where theta is stored), or 0. Then
 /// P^-1 >= ridge lambda^(d-1) I and tr P <= d lambda^(1-d) / ridge whatever the regressors, if P0 <= I / ridge; from a larger P0 these
-/// are approached as lambda^k. Cost of (3): one row.
+/// are approached as lambda^k. Without a prior, (3) waits until the rows determine theta. Cost of (3): one row.
 /// Sources: Gay 1996 (abstract read); derived (docs/theory.md 58). Toward zero, theta is biased as by that ridge / (d (1 - lambda)).
 template <Real T>
 struct RotatingRidge {
@@ -200,12 +204,13 @@ struct RotatingRidge {
         for (Index i = 0; i < d; ++i) m.a[i] = T(0);
         m.a[j] = m.strength;
         T const output = toward_zero ? T(0) : T(m.strength * f.theta()[j]);
+        if (!toward_zero && (step.health == Health::undetermined || !is_finite(output))) return step;
         measure(f, Regressor<T>(m.a.data(), d), output, T(1), m.lambda);  // (3)
         return step;
     }
 };
 
-/// P = variance I every `period` rows; theta is kept. Source: Goodwin, Elliott & Teoh 1983 (cited, not read).
+/// P = variance I every `period` rows; theta is kept. Left out while the rows do not determine theta. Source: Goodwin, Elliott & Teoh 1983 (cited, not read).
 template <Field T>
 struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows
@@ -221,7 +226,7 @@ struct CovarianceReset {
         Step<T> const step = f.update(psi, y);
         if ((m.rows.n + 1) % period == 0) {
             auto const theta = f.theta();
-            reset(f, variance, theta);
+            if (step.health != Health::undetermined && all_finite<T>(theta)) reset(f, variance, theta);
         }
         return step;
     }

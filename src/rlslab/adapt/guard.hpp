@@ -116,9 +116,9 @@ public:
     explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {}) : Guarded(F(problem), problem, options) {}
     /// Around a filter that was made of this problem, with options of its own, and has taken no row.
     Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
-        : filter_(filter), options_(options), lambda_(problem.forgetting),
-          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(problem.size), variances_(problem.size),
-          theta_(problem.size), squares_(10 * psi_.size() + 20),
+        : filter_(filter), options_(options), lambda_(checked(problem, int(filter.theta().size())).forgetting),
+          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(filter_.theta().size()), variances_(psi_.size()),
+          theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(), policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
           learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1} {
         expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise, "options >= 0");
@@ -244,7 +244,7 @@ private:
         if (!is_finite(square) || !(T(0) <= square)) return;
         if (learnt_.n == squares_.size()) {
             T const most = T(9) * noise_, clipped = square < most ? square : most;
-            noise_ += (clipped / T(0.995) - noise_) / T(int(options_.noise_memory));
+            noise_ += (clipped / T(0.995) - noise_) / T(double(options_.noise_memory));
             return;
         }
         squares_[learnt_.n++] = square;

@@ -100,7 +100,7 @@ template <OverOrderedField F>
     requires(std::same_as<Truth<typename F::scalar>, bool>)
 Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<typename F::scalar> const& problem) {
     using T = typename F::scalar;
-    checked(problem);
+    checked(problem, detail::size_of<F>);
     expects(older.rows >= 0 && newer.rows >= 0, "counts of rows");
     if (newer.rows == 0) return {.filter = older};
     if (older.rows == 0) return {.filter = newer};
@@ -111,7 +111,7 @@ Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<ty
         F const before(problem);
         prior.emplace(before.stored(), before.theta());
     }
-    Problem<T> start{.size = problem.size, .forgetting = problem.forgetting};
+    Problem<T> start{.size = detail::size_of<F> == Dynamic ? problem.size : detail::size_of<F>, .forgetting = problem.forgetting};
     T const mu = power(problem.forgetting, newer.rows);
     Health const health = detail::merge_rows(sum, added, prior ? &*prior : nullptr, mu, start);  // (2)
     if (health != Health::sound) return {.health = health};

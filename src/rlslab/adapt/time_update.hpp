@@ -266,10 +266,6 @@ void reset(NormalEquations<T, N> f, T const& variance, Regressor<T> theta) {
 }
 
 namespace detail {
-/// N of a filter of fixed size, else Dynamic.
-template <class F>
-inline constexpr int size_of = std::remove_cvref_t<decltype(std::declval<F const&>().theta())>::SizeAtCompileTime;
-
 /// A row that tells nothing: time passes, P -> P / lambda. `scratch` has d numbers.
 template <class F, class T, int N>
 Step<T> pass_time(F& f, StateVector<T, N>& scratch) {

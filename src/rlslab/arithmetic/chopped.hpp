@@ -5,11 +5,11 @@
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/core/encoding.hpp>
+#include <rlslab/core/misuse.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <cmath>
 #include <compare>
-#include <stdexcept>
 
 namespace rlslab {
 
@@ -28,9 +28,9 @@ public:
 
     /// This thread's seed; null when no stream is installed.
     static Seed* installed() { return current_; }
-    /// The same; throws std::logic_error when no stream is installed.
+    /// The same; throws std::invalid_argument when no stream is installed.
     static Seed& current() {
-        if (!current_) throw std::logic_error("stochastic rounding needs a StochasticStream in this thread");
+        expects(current_, "a StochasticStream in this thread: rounding is stochastic");
         return *current_;
     }
     static double uniform() { return current().uniform(); }  ///< the next draw

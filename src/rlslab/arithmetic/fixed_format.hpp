@@ -1,10 +1,11 @@
 // What a fixed-point word is, how an exact number is put into one, and what is counted when it does not fit.
 #pragma once
 
+#include <rlslab/core/misuse.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <stdexcept>
 #include <utility>
 
 #ifndef __SIZEOF_INT128__
@@ -45,8 +46,7 @@ class [[nodiscard]] FixedScope {
 
 public:
     explicit FixedScope(FixedFormat format) : previous_(current_) {
-        if (!is_fixed_format(format))
-            throw std::invalid_argument("expected a word of 2 to 48 bits, 0 to bits - 1 of them behind the point");
+        expects(is_fixed_format(format), "a word of 2 to 48 bits, 0 to bits - 1 of them behind the point");
         current_ = format;
     }
     ~FixedScope() { current_ = previous_; }

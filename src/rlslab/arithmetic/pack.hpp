@@ -45,6 +45,23 @@ struct PackShape {
 };
 }  // namespace detail
 
+/// One value for each lane of a type that is not a number of the arithmetic, for example Health or a count of rows.
+template <class X, int L>
+struct Lanes {
+    std::array<X, size_t(L)> value;
+    explicit(false) Lanes(X x = {}) { value.fill(x); }
+    X const& operator[](int lane) const { return value[size_t(lane)]; }
+    Lanes& operator++() {
+        for (X& x : value) ++x;
+        return *this;
+    }
+    friend Lanes<bool, L> operator>=(Lanes const& a, X const& b) {
+        Lanes<bool, L> out;
+        for (size_t i = 0; i < size_t(L); ++i) out.value[i] = a.value[i] >= b;
+        return out;
+    }
+};
+
 /// The result of a comparison of packs: one truth for each lane.
 template <class T, int L>
 class PackMask {
@@ -57,6 +74,9 @@ public:
     PackMask() = default;
     [[gnu::always_inline]] explicit(false) PackMask(bool b) {
         detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { m[k] = Bits{} - (b ? 1 : 0); });
+    }
+    explicit PackMask(Lanes<bool, L> const& truths) {
+        for (int i = 0; i < L; ++i) m[i / Shape::width][i % Shape::width] = truths[i] ? -1 : 0;
     }
     bool operator[](int lane) const { return m[lane / Shape::width][lane % Shape::width] != 0; }
     [[gnu::always_inline]] friend PackMask operator&&(PackMask const& a, PackMask const& b) {
@@ -194,13 +214,6 @@ private:
     }
 };
 
-/// One value for each lane of a type that is not a number, for example Health.
-template <class X, int L>
-struct Lanes {
-    std::array<X, size_t(L)> value;
-    explicit(false) Lanes(X x = {}) { value.fill(x); }
-    X const& operator[](int lane) const { return value[size_t(lane)]; }
-};
 template <class X, class T, int L>
 Lanes<X, L> select(PackMask<T, L> const& mask, Lanes<X, L> const& a, Lanes<X, L> const& b) {
     Lanes<X, L> out = b;
@@ -239,6 +252,20 @@ struct Encoding<Pack<T, L>> {
         return true;
     }
 };
+template <Encodable X, int L>
+struct Encoding<Lanes<X, L>> {
+    static constexpr std::size_t size = L * Encoding<X>::size;
+    static void write(Lanes<X, L> const& x, std::byte* to) {
+        for (int i = 0; i < L; ++i) Encoding<X>::write(x[i], to + std::size_t(i) * Encoding<X>::size);
+    }
+    static bool read(std::byte const* from, Lanes<X, L>& x) {
+        for (X& lane : x.value) {
+            if (!Encoding<X>::read(from, lane)) return false;
+            from += Encoding<X>::size;
+        }
+        return true;
+    }
+};
 template <class T, int L>
 struct Encoding<PackMask<T, L>> {
     static constexpr std::size_t size = L;
@@ -246,12 +273,10 @@ struct Encoding<PackMask<T, L>> {
         for (int i = 0; i < L; ++i) Encoding<bool>::write(x[i], to + i);
     }
     static bool read(std::byte const* from, PackMask<T, L>& x) {
-        for (int i = 0; i < L; ++i) {
-            bool lane;
-            if (!Encoding<bool>::read(from + i, lane)) return false;
-            x.m[i / detail::PackShape<T, L>::width][i % detail::PackShape<T, L>::width] = lane ? -1 : 0;
-        }
-        return true;
+        Lanes<bool, L> truths;
+        bool const read = Encoding<Lanes<bool, L>>::read(from, truths);
+        x = PackMask<T, L>(truths);
+        return read;
     }
 };
 

@@ -5,10 +5,10 @@
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/core/encoding.hpp>
+#include <rlslab/core/misuse.hpp>
 
 #include <cmath>
 #include <compare>
-#include <stdexcept>
 
 namespace rlslab {
 
@@ -20,7 +20,7 @@ class [[nodiscard]] PrecisionScope {
 
 public:
     explicit PrecisionScope(int bits) : previous_(current_) {
-        if (bits < 2 || bits > 53) throw std::invalid_argument("expected 2 to 53 bits of precision");
+        expects(bits >= 2 && bits <= 53, "2 to 53 bits of precision");
         current_ = bits;
     }
     ~PrecisionScope() { current_ = previous_; }

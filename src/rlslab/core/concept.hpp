@@ -30,6 +30,12 @@ concept RecursiveLeastSquares = Scalar<typename F::scalar> && std::copyable<F> &
                                     { c.stored() } -> std::same_as<Stored<typename F::scalar>>;
                                 };
 
+namespace detail {
+/// N of a filter of fixed size, else Dynamic.
+template <class F>
+inline constexpr int size_of = std::remove_cvref_t<decltype(std::declval<F const&>().theta())>::SizeAtCompileTime;
+}  // namespace detail
+
 /// Over an ordered field. What is composed around a filter asks for it as long as its formulas are not written for complex numbers.
 template <class F>
 concept OverOrderedField = RecursiveLeastSquares<F> && Field<typename F::scalar>;

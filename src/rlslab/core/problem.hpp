@@ -2,16 +2,13 @@
 #pragma once
 
 #include <rlslab/core/complex.hpp>
+#include <rlslab/core/misuse.hpp>
 
 #include <Eigen/Core>
 #include <initializer_list>
 #include <optional>
 #include <span>
 #include <string_view>
-#ifdef __cpp_exceptions
-#include <stdexcept>
-#include <string>
-#endif
 
 namespace rlslab {
 
@@ -89,6 +86,16 @@ constexpr std::string_view name_of(Health health) {
 
 /// The worse of two, in the order of the enumeration.
 constexpr Health worse(Health a, Health b) { return a < b ? b : a; }
+
+template <>
+struct Encoding<Health> {
+    static constexpr std::size_t size = 1;
+    static void write(Health const& x, std::byte* to) { *to = std::byte(x); }
+    static bool read(std::byte const* from, Health& x) {
+        x = Health(std::to_integer<int>(*from));
+        return x <= Health::nonfinite;
+    }
+};
 
 /// What one update reports. While theta is undetermined innovation and residual are NaN and gamma is 0.
 template <Scalar T>
@@ -170,23 +177,6 @@ Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const
     return select(determined, step, report_undetermined(eta));
 }
 
-#ifndef __cpp_exceptions
-/// Called on misuse where exceptions are compiled out (-fno-exceptions), with what was expected: "size >= 1". An application may
-/// define it; it must not return. Where it is not defined, or returns, the program stops at a trap.
-[[gnu::weak]] void on_misuse(char const* expected);
-#endif
-
-/// Throws std::invalid_argument("expected " + what) unless `holds`; without exceptions calls on_misuse(what).
-inline void expects(bool holds, char const* what) {
-    if (holds) return;
-#ifdef __cpp_exceptions
-    throw std::invalid_argument(std::string("expected ") + what);
-#else
-    if (on_misuse) on_misuse(what);
-    __builtin_trap();
-#endif
-}
-
 /// Returns the problem. Throws std::invalid_argument unless size >= 1 (or, if fixed_size is not Dynamic, size is that or 0),
 /// 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a full P0 is positive
 /// definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range of T is accepted: the consequence is
@@ -204,8 +194,8 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         expects(!prior.theta || prior.theta->size() == size, "prior theta of the problem's size");
         expects(!prior.covariance || (prior.covariance->rows() == size && prior.covariance->cols() == size),
                 "prior covariance of the problem's size");
-        expects(!prior.stored || (prior.stored->F.rows() == problem.size && prior.stored->F.cols() == problem.size &&
-                                  (prior.stored->D.size() == 0 || prior.stored->D.size() == problem.size)),
+        expects(!prior.stored || (prior.stored->F.rows() == size && prior.stored->F.cols() == size &&
+                                  (prior.stored->D.size() == 0 || prior.stored->D.size() == size)),
                 "a stored prior of the problem's size");
         if (prior.covariance)
             for (Index j = 0; j < size; ++j)

@@ -72,7 +72,7 @@ struct NormalEquations {
     StateVector<T, N>& f;  // workspace
     StateMatrix<T, N>&X, &L;
     Truth<T>&positive, &started;  // X factors; has been seen to factor
-    Index& rows;                  // so far; a prior counts as d
+    PerLane<T, Index>& rows;      // so far; a prior counts as d
     bool& solved;
 
     /// Rounding can make a singular X factor; fewer rows than parameters prove that it is.
