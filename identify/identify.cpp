@@ -270,7 +270,7 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     std::string const file = out.file = printable(from.path, 200);
     entry_of(options.variant);
     Data data = read(from, options);
-    for (std::string const& sentence : data.counting) out.remarks.push_back({Remark::Rank::excitation, sentence, "another input"});
+    for (std::string const& sentence : data.counting) out.remarks.push_back({Remark::Rank::excitation, sentence, ""});
     Index const samples = out.samples = Index(data.y.size()), inputs = Index(data.inputs.size());
     out.held_out = Index(std::floor(options.validate * double(samples)));
     Index const fitted_samples = samples - out.held_out;
