@@ -55,7 +55,7 @@ struct ExcitationOptions {
 /// Number k of a record is rounded to a unit q_k, which by itself adds about the mean of q_k^2/12 to every eigenvalue: a least eigenvalue
 /// below 4 times that says nothing about the input. An input that changes once is exciting of every order, by the n - 1 rows at its change:
 /// one noise sample there decides. It is not persistent beyond order 1. Throws std::invalid_argument for an empty record. Time grows as
-/// most N + most^4. Source: Söderström & Stoica 1989, 5.4; docs/theory.md 4.
+/// most^2 N + most^4. Source: Söderström & Stoica 1989, 5.4; docs/theory.md 4.
 Excitation excitation(Signal const& u, Index most, ExcitationOptions const& options = {});
 
 }  // namespace rlslab

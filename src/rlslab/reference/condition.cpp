@@ -64,10 +64,11 @@ Dominant balls::dominant(BallMatrix const& A) {
         double t = 0;
         for (Index j = 0; j < d; ++j) t += X(j, j);
         sum += weight * correctly::log2(t);
+        for (double& x : X.reshaped()) x /= t;
         for (Index j = 0; j < d; ++j)
             for (Index i = 0; i <= j; ++i) {  // (1)
                 double product = 0;
-                for (Index k = 0; k < d; ++k) product += X(k, i) / t * (X(k, j) / t);
+                for (Index k = 0; k < d; ++k) product += X(k, i) * X(k, j);
                 square(i, j) = square(j, i) = product;
             }
         X = square;
