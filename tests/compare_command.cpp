@@ -204,8 +204,7 @@ TEST_F(CompareCommand, TakesSeveralInputs) {
     EXPECT_EQ(listed["data"]["regressors"], (json{"1", "y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));
     for (size_t i = 0; i < 6; ++i) {
         std::string const own = listed["reference"]["least_squares"][i], of_arx = arx["reference"]["least_squares"][(i + 5) % 6];
-        if (i == 1) EXPECT_EQ("-" + own, of_arx) << "the sign of what was named";
-        else EXPECT_EQ(own, of_arx);
+        EXPECT_EQ((i == 1 ? "-" : "") + own, of_arx) << "y[k-1] has its own sign";
     }
     EXPECT_THAT(listed["code"].get<std::string>(), HasSubstr("psi = (1, y[k-1], u[k-1], u[k-2], v[k-1], v[k-2])"));
     EXPECT_EQ(arx["data"]["rows"], listed["data"]["rows"]);
