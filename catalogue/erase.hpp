@@ -61,6 +61,8 @@ class Erased final : public AnyFilter {
 public:
     using scalar = T;
     static constexpr std::string_view name = F::name;
+    static constexpr std::string_view layer = DataRounding<T>::stochastic ? "stream" : F::name;
+    static constexpr int edition = detail::edition_of<F>();
     /// The filter, and where rounding is at random its stream.
     static auto state(auto& e) {
         if constexpr (DataRounding<T>::stochastic) return std::tie(e.filter_, e.seed_);
@@ -122,7 +124,7 @@ public:
     void load(std::span<std::byte const> from) override {
         if constexpr (NamesItsState<F>) {
             if (StateFault const fault = rlslab::load(*this, from); fault != StateFault::none)
-                throw InputError(refusal(fault, state_header(*this), from));
+                throw InputError(refusal(fault, state_header(*this), state_entries(*this), from));
         } else {
             throw std::invalid_argument("expected a variant that names its state, not " + std::string(F::name));
         }

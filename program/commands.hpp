@@ -73,6 +73,7 @@ Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);
 Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
+Command state_command(CLI::App& app);
 Command list_command(CLI::App& app);
 Command help_command(CLI::App& app);
 Command man_command(CLI::App& app);         ///< not shown: for the build

@@ -4,11 +4,14 @@
 #include "tests/adapt.hpp"
 
 #include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/information.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -118,14 +121,10 @@ TEST(State, OfARuleContinuesBitForBit) {
 
 /// The file of version 1 that holds f after 250 rows. Never write it anew.
 template <class F>
-void check_version_one(std::string const& name, bool writes = false) {
+void check_version_one(std::string const& name) {
     std::filesystem::path const path = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1" / (name + ".state");
     F f = Made<F>::saved(), g = Made<F>::other();
     reports(f, 250, Seed{11});
-    if (writes) {
-        Bytes const bytes = bytes_of(f);
-        std::ofstream(path, std::ios::binary).write(reinterpret_cast<char const*>(bytes.data()), std::streamsize(bytes.size()));
-    }
     std::ifstream file(path, std::ios::binary);
     std::string const text{std::istreambuf_iterator<char>(file), {}};
     ASSERT_FALSE(text.empty()) << path;
@@ -133,16 +132,101 @@ void check_version_one(std::string const& name, bool writes = false) {
     EXPECT_EQ(bytes_of(f), bytes_of(g)) << name;
     EXPECT_TRUE(same(reports(f, 900, Seed{13}), reports(g, 900, Seed{13}))) << name;
 }
-void check_versions_one(bool writes = false) {
-    check_version_one<Windowed<Gentleman<double>>>("windowed-gentleman", writes);
-    check_version_one<Guarded<Ud<float, 3>>>("guarded-ud", writes);
-    check_version_one<Guarded<Windowed<Ud<double, 3>>, rebuilding>>("guarded-windowed-ud", writes);
-    check_version_one<Forgetting<Ud<double, 3>, RotatingRidge<double>>>("ridge-ud", writes);
-    check_version_one<Guarded<Forgetting<Ud<float, 3>, Fortescue<float>>>>("guarded-fortescue-ud", writes);
-    check_version_one<Handing<Symmetric<float, 3>>>("guarded-relay-symmetric-ud", writes);
-    check_version_one<Assessed<Weighted<Ud<double, 3>>>>("assessed-weighted-ud", writes);
+TEST(State, OfVersionOneLoadsIntoWhatIsAround) {
+    check_version_one<Windowed<Gentleman<double>>>("windowed-gentleman");
+    check_version_one<Guarded<Ud<float, 3>>>("guarded-ud");
+    check_version_one<Guarded<Windowed<Ud<double, 3>>, rebuilding>>("guarded-windowed-ud");
+    check_version_one<Guarded<Forgetting<Ud<double, 3>, RotatingRidge<double>>>>("guarded-ridge-ud");
+    check_version_one<Guarded<Forgetting<Ud<float, 3>, Fortescue<float>>>>("guarded-fortescue-ud");
+    check_version_one<Handing<Symmetric<float, 3>>>("guarded-relay-symmetric-ud");
+    check_version_one<Assessed<Weighted<Ud<double, 3>>>>("assessed-weighted-ud");
 }
-TEST(State, OfVersionOneLoadsIntoWhatIsAround) { check_versions_one(); }
+
+/// Another rule, policy or option is refused, and the filter is then as it was.
+template <class From, class To>
+StateFault crossed(From const& from, To to) {
+    Bytes const before = bytes_of(to);
+    StateFault const fault = load(to, bytes_of(from));
+    EXPECT_EQ(bytes_of(to), before);
+    return fault;
+}
+TEST(State, NamesRulesPoliciesAndOptions) {
+    using F = Ud<double>;
+    Problem<double> const p{.size = 3, .forgetting = 0.96875};
+    Forgetting<F, RotatingRidge<double>> const ridge(p);
+    EXPECT_EQ(crossed(ridge, Forgetting<F, RotatingRidge<double>>(p)), StateFault::none);
+    EXPECT_EQ(crossed(ridge, Forgetting<F, RotatingRidge<double>>(p, {.ridge = 0.002})), StateFault::options);
+    EXPECT_EQ(crossed(ridge, Forgetting<F, RotatingRidge<double>>(p, {.toward_zero = true})), StateFault::options);
+    EXPECT_EQ(crossed(ridge, Forgetting<F, Fortescue<double>>(p)), StateFault::layout);
+    EXPECT_EQ(crossed(ridge, Forgetting<F, Kulhavy<double>>(p)), StateFault::layout);
+    EXPECT_EQ(crossed(Forgetting<F, Kulhavy<double>>(p), Forgetting<F, CaoSchwartz<double>>(p)), StateFault::layout);
+    EXPECT_EQ(crossed(Guarded<F, resetting>(p), Guarded<F, reporting>(p)), StateFault::options);
+    EXPECT_EQ(crossed(Guarded<F>(p), Guarded<F>(p, {.innovation = 4})), StateFault::options);
+    EXPECT_EQ(crossed(Windowed<F>(p, {.rows = 7}), Windowed<F>(p, {.rows = 8})), StateFault::options);
+    EXPECT_EQ(crossed(Windowed<F>(p, {.rows = 7}), Guarded<F>(p)), StateFault::layout);
+    EXPECT_EQ(crossed(Weighted<F>(p), Assessed<F>(p)), StateFault::layout);
+    EXPECT_EQ(crossed(Assessed<F>(p), Assessed<F>(p, {.noise_memory = 7})), StateFault::options);
+    EXPECT_EQ(crossed(MultiOutput<F>(p, 2), MultiOutput<F>(p, 2, MissingOutput::stands)), StateFault::options);
+    EXPECT_EQ(crossed(Relay<Symmetric<double>, F>(p), Relay<Symmetric<double>, F>(p, {.bits = 9})), StateFault::options);
+}
+/// A variant whose bits have changed.
+struct NextUd : Ud<double, 3> {
+    using Ud::Ud;
+    static constexpr int edition = 2;
+};
+TEST(State, OfAnotherEditionLoadsOnlyWhereThatIsSaid) {
+    Ud<double, 3> f({.forgetting = 0.5});
+    f.update({1, 2, 3}, 4);
+    NextUd next(Problem<double>{});
+    Bytes const before = bytes_of(next);
+    EXPECT_EQ(load(next, bytes_of(f)), StateFault::edition);
+    EXPECT_EQ(bytes_of(next), before);
+    ASSERT_EQ(load(next, bytes_of(f), Edition::any), StateFault::none);
+    EXPECT_EQ(next.theta(), f.theta());
+    EXPECT_EQ(load(f, bytes_of(next)), StateFault::edition);
+    Guarded<Ud<double, 3>> guarded({});
+    Guarded<NextUd> guarded_next({});
+    EXPECT_EQ(load(guarded_next, bytes_of(guarded)), StateFault::edition);
+    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/guarded-ridge-ud.state", std::ios::binary);
+    std::string const text{std::istreambuf_iterator<char>(file), {}};  // version 1 is the first edition
+    Guarded<Forgetting<NextUd, RotatingRidge<double>>> of_version_1({});
+    EXPECT_EQ(load(of_version_1, std::as_bytes(std::span(text))), StateFault::edition);
+    EXPECT_EQ(load(of_version_1, std::as_bytes(std::span(text)), Edition::any), StateFault::none);
+}
+TEST(State, OfAFleetContinuesBitForBit) {
+    using F = Fleet<Information<Pack<double, 4>>>;
+    Problem<double> const p{.size = 3, .forgetting = 0.96875, .prior = std::nullopt};
+    F f(10, p), g(10, {.size = 3}), other(11, p);
+    Seed seed{17};
+    auto const feed = [&seed](F& fleet, int rows) {
+        for (int k = 0; k < rows; ++k) {
+            Matrix<double> psi = Matrix<double>::NullaryExpr(10, 3, [&seed] { return seed.bell(); });
+            if (k % 3 == 1) psi(k % 10, 1) = NAN;
+            fleet.update(psi, Vector<double>::NullaryExpr(10, [&seed] { return seed.bell(); }));
+            if (k % 5 == 4) fleet.reset(k % 10);
+        }
+    };
+    feed(f, 6);
+    ASSERT_EQ(load(g, bytes_of(f)), StateFault::none);
+    EXPECT_EQ(load(other, bytes_of(f)), StateFault::options);
+    Seed const here = seed;
+    feed(f, 20);
+    seed = here;
+    feed(g, 20);
+    EXPECT_EQ(bytes_of(f), bytes_of(g));
+    for (Index i = 0; i < 10; ++i) EXPECT_EQ(f.health(i), g.health(i));
+}
+TEST(State, OfVersionOneCountedTheRowsOfAllLanes) {
+    using P = Pack<double, 4>;
+    Information<P> f(Problem<P>{.size = 2, .forgetting = P(0.5)}), g(Problem<P>{.size = 2});
+    Vector<P> psi(2);
+    for (int lane = 0; lane < 4; ++lane) psi[0].set(lane, lane), psi[1].set(lane, 1);
+    f.update(psi, psi[0]);
+    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/information-pack.state", std::ios::binary);
+    std::string const text{std::istreambuf_iterator<char>(file), {}};
+    ASSERT_EQ(load(g, std::as_bytes(std::span(text))), StateFault::none);
+    EXPECT_EQ(bytes_of(f), bytes_of(g));
+}
 
 /// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one coordinate
 /// corrects, or what counts, is not among them.

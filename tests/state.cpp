@@ -93,8 +93,8 @@ std::unique_ptr<AnyFilter> in_the_file(Entry const& entry) {
     for (Index k = 0; k < 20; ++k) f->update(records.sample(k), records.y[k]);
     return f;
 }
-std::filesystem::path file_of(Entry const& entry) {
-    return std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1" /
+std::filesystem::path file_of(Entry const& entry, int version = 1) {
+    return std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state" / std::to_string(version) /
            (std::string(entry.variant) + "-" + std::string(entry.arithmetic->name) + ".state");
 }
 bool has_a_file(Entry const& entry) { return entry.arithmetic->name == "double" || entry.variant == "ud"; }
@@ -108,13 +108,14 @@ TEST_P(EveryState, OfVersionOneLoads) {
     Bytes const bytes = detail::bytes_of(file_of(GetParam()));
     ASSERT_NO_THROW(g->load(bytes));
     if (GetParam().variant == "qr_sparse") {  // whose bits are those of the machine's BLAS: the file's are another's
-        EXPECT_EQ(g->saved(), bytes);
+        Bytes const now = g->saved();         // the same numbers
+        EXPECT_TRUE(
+            std::equal(bytes.begin() + StateHeader::size, bytes.end() - StateHeader::checksum,
+                       now.end() - StateHeader::checksum - std::ptrdiff_t(bytes.size() - StateHeader::size - StateHeader::checksum)));
         return;
     }
     EXPECT_TRUE(same_reports(*f, *g));
-    if (state_version == 1) {
-        EXPECT_EQ(f->saved(), bytes);
-    }
+    EXPECT_EQ(g->saved(), f->saved());
 }
 TEST(State, FilesOfVersionOneAreThere) {
     std::ptrdiff_t const files = std::distance(std::filesystem::directory_iterator(RLSLAB_SOURCE_DIR "/tests/data/state/1"), {});
@@ -148,21 +149,22 @@ TEST(State, ItsChecksumIsTheStandardOne) {  // the check value of the CRC catalo
 }
 TEST(State, IsTheseBytes) {
     Ud<float, 1> const f({.size = 1, .forgetting = 0.5f});
-    std::array<std::byte, 124> const bytes = state_of(f);
+    std::array<std::byte, 160> const bytes = state_of(f);
     std::string text;
     for (std::byte const b : bytes) text += "0123456789abcdef"[unsigned(b) >> 4], text += "0123456789abcdef"[unsigned(b) & 15];
     std::string const name = "7564" + std::string(60, '0'), arithmetic = "666c6f6174" + std::string(38, '0');
     EXPECT_EQ(text.substr(0, 16), "89524c530d0a1a0a");
     EXPECT_EQ(text.substr(16, 40),
-              "0100"
+              "0200"
               "0100"
               "18000000"
               "82ffffff"
               "7f000000"
               "01000000");
-    EXPECT_EQ(text.substr(64, 16), "7c00000000000000");
+    EXPECT_EQ(text.substr(64, 16), "a000000000000000");
     EXPECT_EQ(text.substr(80, 112), name + arithmetic);
-    EXPECT_EQ(text.substr(192, 48),
+    EXPECT_EQ(text.substr(192, 72), "01000000" + ("66" + name.substr(0, 46)) + "000000000000f03f");  // a filter, ud, edition 1
+    EXPECT_EQ(text.substr(264, 48),
               "0000003f"
               "0000803f"
               "00000000"

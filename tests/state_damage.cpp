@@ -1,6 +1,8 @@
 // What is damaged or of another kind is refused in one line; a file is old or new whenever its writer is killed.
 #include "tests/files.hpp"
 
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/state_file.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -71,15 +73,56 @@ TEST(State, WithAForgedChecksumIsNotBelievedInEverything) {
     EXPECT_EQ(load(g, bytes), StateFault::value);
     EXPECT_EQ(state_of(g), before) << "as it was";
     bytes = state_of(f);
-    bytes[8] = std::byte(2);
+    bytes[8] = std::byte(1);  // its entries are no numbers of version 1
+    seal();
+    EXPECT_EQ(load(g, bytes), StateFault::value);
+    EXPECT_EQ(state_of(g), before);
+    bytes[8] = std::byte(3);
     seal();
     EXPECT_EQ(load(g, bytes), StateFault::later_version);
     EXPECT_EQ(files::message_of([&] { loaded<Information<double>>(std::span<std::byte const>(bytes)); }),
-              "expected a state of information in double, found one of format 2, this program reads formats up to 1");
+              "expected a state of information in double, found one of format 3, this program reads formats up to 2");
+    bytes = state_of(f);
+    for (std::uint64_t const entries : {std::uint64_t(0), std::uint64_t(2), std::uint64_t(0xffffffff)}) {
+        detail::write_low(entries, 4, bytes.data() + StateHeader::size);
+        seal();
+        EXPECT_EQ(load(g, bytes), StateFault::layout) << entries;
+        EXPECT_EQ(state_of(g), before);
+        EXPECT_NO_THROW((void)described_state(bytes));
+    }
     bytes = state_of(f);
     detail::write_low(0x7fffffff, 4, bytes.data() + 24);  // nobody makes a filter of so many parameters
     seal();
     EXPECT_THROW(loaded<Information<double>>(std::span<std::byte const>(bytes)), InputError);
+}
+TEST(State, SaysWhatIsInIt) {
+    Guarded<Forgetting<Ud<float>, RotatingRidge<float>>> f({.size = 2, .forgetting = 0.5f});
+    f.update(Vector<float>::Ones(2).eval(), 1);
+    EXPECT_EQ(described_state(state_of(f)),
+              "a state of ud in float with 2 parameters: format 2, 937 bytes\n"
+              "guard, edition 1\n"
+              "  on_outlier       skip\n"
+              "  on_change        reset\n"
+              "  on_windup        cap\n"
+              "  on_breakdown     reset\n"
+              "  innovation       6\n"
+              "  least_noise      0\n"
+              "  noise_memory     200\n"
+              "  asymmetry        0.0009765625\n"
+              "  rows             1  (counted)\n"
+              "ridge, edition 1\n"
+              "  ridge            0.001\n"
+              "  toward_zero      0\n"
+              "  rows             1  (counted)\n"
+              "ud, edition 1\n");
+    Bytes bytes = state_of(f);
+    bytes[200] ^= std::byte(1);
+    EXPECT_EQ(files::message_of([&] { (void)described_state(bytes); }),
+              "expected a state, found 937 bytes that are a state damaged: its checksum is another");
+    std::filesystem::path const old = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/ud-float.state";
+    EXPECT_EQ(described_state(detail::bytes_of(old)),
+              "a state of ud in float with 4 parameters: format 1, 220 bytes\n"
+              "format 1 does not say by name what is around the variant, nor its options\n");
 }
 TEST(State, IsRefusedInOneLine) {
     files::Folder const folder;
@@ -90,6 +133,16 @@ TEST(State, IsRefusedInOneLine) {
     EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of qr in double with 3 parameters");
     save(Ud<float>({.size = 1}), path);
     EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of ud in float with 1 parameter");
+    auto const around = [&](auto const& expected) {
+        auto filter = expected;
+        return folder.without(files::message_of([&] { load(filter, path); }));
+    };
+    using F = Ud<float>;
+    std::string const same = "x.state: expected a state of ud in float with 3 parameters, found one of ud in float with 3 parameters";
+    save(Guarded<F>({.size = 3}, {.innovation = 4}), path);
+    EXPECT_EQ(around(Guarded<F>({.size = 3})), same + ", its guard has innovation 4, expected 6");
+    EXPECT_EQ(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})), same + ", its guard has on_outlier skip, expected report");
+    EXPECT_EQ(around(Forgetting<F, Kulhavy<float>>({.size = 3})), same + ", guard around ud, expected kulhavy around ud");
     folder.file("a,b\n1,2\n", "x.state");
     EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
     std::filesystem::remove(path);

@@ -107,6 +107,8 @@ public:
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }
     F const& filter() const { return filter_; }
+    static constexpr std::string_view layer = "assessed";
+    static std::array<StateOption, 1> options(auto const& f) { return {{{"noise_memory", double(f.options_.noise_memory)}}}; }
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.power_, f.s2_, f.learnt_, f.in_power_); }
 
     T noise_variance() const { return s2_; }                                                             ///< s2; 0 before the first row

@@ -119,6 +119,10 @@ public:
         health_[size_t(i / lanes)].value[size_t(i % lanes)] = first_;
     }
 
+    static constexpr std::string_view layer = "fleet";
+    static std::array<StateOption, 1> options(auto const& f) { return {{{"filters", double(f.filters_)}}}; }
+    static auto state(auto& f) { return std::tie(f.fresh_, f.packs_, f.first_, f.health_); }
+
 private:
     static Index checked_count(Index filters) {
         expects(filters >= 1, "at least one filter");

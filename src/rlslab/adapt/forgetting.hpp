@@ -22,6 +22,7 @@ struct RuleMemory {
 /// A rule is an aggregate of options with
 ///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
+/// and for states a `name` and its `options` (StateOption), without which two rules look alike there.
 /// F follows its problem: from a row that a guard skips, a rule would forget all the same.
 template <class Rule, class F>
 concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
@@ -31,6 +32,19 @@ concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
                              rule.start(problem, memory);
                              { rule.update(f, memory, psi, typename F::scalar(0)) } -> std::same_as<Step<typename F::scalar>>;
                          };
+
+namespace detail {
+template <class Rule>
+constexpr std::string_view rule_name() {
+    if constexpr (requires { Rule::name; }) return Rule::name;
+    else return "rule";
+}
+template <class Rule>
+inline constexpr std::size_t rule_options = 0;
+template <class Rule>
+    requires requires(Rule const& rule) { Rule::options(rule); }
+inline constexpr std::size_t rule_options<Rule> = std::tuple_size_v<decltype(Rule::options(std::declval<Rule const&>()))>;
+}  // namespace detail
 
 /// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as without a rule; most
 /// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
@@ -70,6 +84,13 @@ public:
         return filter_.form();
     }
     F const& filter() const { return filter_; }
+    static constexpr std::string_view layer = detail::rule_name<Rule>();
+    static auto options(auto const& f) {
+        std::array<StateOption, detail::rule_options<Rule> + 1> out;
+        if constexpr (detail::rule_options<Rule> > 0) std::ranges::copy(Rule::options(f.rule_), out.begin());
+        out.back() = {"rows", double(f.memory_.rows.n), true};
+        return out;
+    }
     static auto state(auto& f) { return std::tie(f.filter_, f.memory_.lambda, f.memory_.strength, f.memory_.rows); }
     Rule const& rule() const { return rule_; }
 };
@@ -79,6 +100,7 @@ public:
 /// The filter's own constant forgetting: the same bits as without a rule.
 template <Field T>
 struct ConstantForgetting {
+    static constexpr std::string_view name = "constant";
     void start(Problem<T> const&, auto&) const {}
     Step<T> update(auto& f, auto&, Regressor<T> psi, T y) const { return f.update(psi, y); }
 };
@@ -98,6 +120,13 @@ struct Fortescue {
     T memory = T(100);        ///< N0 >= 1, in rows
     T least = T(0.5);         ///< of lambda, in (0, 1]
     T largest_trace = T(0);   ///< of P; 0: none
+    static constexpr std::string_view name = "fortescue";
+    static std::array<StateOption, 4> options(auto const& r) {
+        return {{{"noise_variance", static_cast<double>(r.noise_variance)},
+                 {"memory", static_cast<double>(r.memory)},
+                 {"least", static_cast<double>(r.least)},
+                 {"largest_trace", static_cast<double>(r.largest_trace)}}};
+    }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>& m) const {
@@ -130,6 +159,10 @@ template <Field T>
 struct Kulhavy {
     T forgetting = T(0.98);     ///< phi, in (0, 1]
     T least_excitation = T(0);  ///< of psi'psi, >= 0
+    static constexpr std::string_view name = "kulhavy";
+    static std::array<StateOption, 2> options(auto const& r) {
+        return {{{"forgetting", static_cast<double>(r.forgetting)}, {"least_excitation", static_cast<double>(r.least_excitation)}}};
+    }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
@@ -159,6 +192,10 @@ template <Field T>
 struct CaoSchwartz {
     T forgetting = T(0.98);     ///< phi, in (0, 1]
     T least_excitation = T(0);  ///< of psi'psi, >= 0
+    static constexpr std::string_view name = "cao_schwartz";
+    static std::array<StateOption, 2> options(auto const& r) {
+        return {{{"forgetting", static_cast<double>(r.forgetting)}, {"least_excitation", static_cast<double>(r.least_excitation)}}};
+    }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
@@ -189,6 +226,10 @@ template <Real T>
 struct RotatingRidge {
     T ridge = T(0.001);  ///< rho > 0, in units of P^-1
     bool toward_zero = false;
+    static constexpr std::string_view name = "ridge";
+    static std::array<StateOption, 2> options(auto const& r) {
+        return {{{"ridge", static_cast<double>(r.ridge)}, {"toward_zero", double(r.toward_zero)}}};
+    }
 
     template <int N>
     void start(Problem<T> const& problem, RuleMemory<T, N>& m) const {
@@ -215,6 +256,10 @@ template <Field T>
 struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows
     T variance = T(16384);  ///< k > 0
+    static constexpr std::string_view name = "reset";
+    static std::array<StateOption, 2> options(auto const& r) {
+        return {{{"period", double(r.period)}, {"variance", static_cast<double>(r.variance)}}};
+    }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>&) const {
@@ -238,6 +283,8 @@ struct CovarianceReset {
 template <Field T>
 struct RandomWalk {
     T variance = T(0);  ///< q >= 0, a row, in units of the noise's
+    static constexpr std::string_view name = "walk";
+    static std::array<StateOption, 1> options(auto const& r) { return {{{"variance", static_cast<double>(r.variance)}}}; }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>& m) const {

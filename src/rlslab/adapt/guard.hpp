@@ -165,6 +165,18 @@ public:
         return filter_.form();
     }
     F const& filter() const { return filter_; }
+    static constexpr std::string_view layer = "guard";
+    static std::array<StateOption, 9> options(auto const& g) {
+        return {{{"on_outlier", double(policy.outlier)},
+                 {"on_change", double(policy.change)},
+                 {"on_windup", double(policy.windup)},
+                 {"on_breakdown", double(policy.breakdown)},
+                 {"innovation", static_cast<double>(g.options_.innovation)},
+                 {"least_noise", static_cast<double>(g.options_.least_noise)},
+                 {"noise_memory", double(g.options_.noise_memory)},
+                 {"asymmetry", static_cast<double>(g.options_.asymmetry)},
+                 {"rows", double(g.counts_.rows), true}}};
+    }
     static auto state(auto& g) {
         return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance, g.reach_,
                         g.theta_size_, g.noise_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);

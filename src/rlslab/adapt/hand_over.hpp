@@ -141,6 +141,10 @@ public:
     Vector<T, N> theta() const { return handed_ ? narrowed(second_.theta()) : Vector<T, N>(first_.theta()); }
     Vector<T, N> gain() const { return handed_ ? narrowed(second_.gain()) : Vector<T, N>(first_.gain()); }
     Stored<T> stored() const { return handed_ ? second_.stored().template mapped<T>(&number_as<T, U>) : first_.stored(); }
+    static constexpr std::string_view layer = "relay";
+    static std::array<StateOption, 3> options(auto const& r) {
+        return {{{"bits", double(r.options_.bits)}, {"every", double(r.options_.every)}, {"handed_over", double(r.handed_), true}}};
+    }
     static auto state(auto& r) { return std::tie(r.first_, r.second_, r.lambda_, r.handed_, r.since_); }
 
     bool handed_over() const { return handed_; }

@@ -107,6 +107,10 @@ public:
     Stored<T> stored() const { return filter_.stored(); }
     Matrix<T, N> covariance() const { return filter_.covariance(); }
     F const& filter() const { return filter_; }  ///< with the first output's theta
+    static constexpr std::string_view layer = "outputs";
+    static std::array<StateOption, 2> options(auto const& f) {
+        return {{{"outputs", double(f.outputs())}, {"missing", double(f.missing_)}}};
+    }
     static auto state(auto& f) { return std::tie(f.filter_, f.theta_); }
 
 private:

@@ -8,7 +8,23 @@
 namespace rlslab {
 
 /// "expected a state of ud in float with 5 parameters, found one of qr in double with 3": one printable line. parameters 0: any.
-std::string refusal(StateFault fault, StateHeader const& expected, std::span<std::byte const> found);
+/// `entries`: what the filter says by name.
+std::string refusal(StateFault fault, StateHeader const& expected, std::vector<StateEntry> const& entries,
+                    std::span<std::byte const> found);
+
+/// What f's state says by name.
+template <NamesItsState F>
+std::vector<StateEntry> state_entries(F const& f) {
+    std::vector<StateEntry> out;
+    auto const keep = [&out](StateEntry const& entry) { out.push_back(entry); };
+    detail::describe(keep, f);
+    return out;
+}
+/// What a whole state says by name; nothing in version 1.
+std::vector<StateEntry> state_entries(StateHeader const& header, std::span<std::byte const> whole);
+/// What a state says of itself, a line each: the variant, its arithmetic and size, what is around it, editions, options, counts. Throws
+/// InputError for bytes that are no whole state.
+std::string described_state(std::span<std::byte const> bytes);
 
 namespace detail {
 /// The bytes of a file. Throws InputError.
@@ -22,7 +38,8 @@ template <NamesItsState F>
 F loaded(std::span<std::byte const> from) {
     using T = typename F::scalar;
     constexpr detail::Known types = detail::known<F>();
-    StateHeader found, expected = state_header(F(Problem<T>{.size = std::max(types.size, 1)}));
+    F const plain(Problem<T>{.size = std::max(types.size, 1)});
+    StateHeader found, expected = state_header(plain);
     expected.parameters = std::uint64_t(types.size);
     StateFault fault = StateHeader::read(from, found);
     if (fault == StateFault::none && found.variant != expected.variant) fault = StateFault::variant;
@@ -35,7 +52,7 @@ F loaded(std::span<std::byte const> from) {
         fault = load(f, from);
         if (fault == StateFault::none) return f;
     }
-    throw InputError(refusal(fault, expected, from));
+    throw InputError(refusal(fault, expected, state_entries(plain), from));
 }
 
 /// Writes f's state; see replace_file for on_disk. Throws InputError where it cannot be written.
@@ -49,10 +66,10 @@ void save(F const& f, std::filesystem::path const& path, bool on_disk = true) {
 /// f becomes the filter that was saved there. Throws InputError, naming the file, what was expected and what was found; f is then as it
 /// was.
 template <NamesItsState F>
-void load(F& f, std::filesystem::path const& path) {
+void load(F& f, std::filesystem::path const& path, Edition accepted = Edition::same) {
     std::vector<std::byte> const bytes = detail::bytes_of(path);
-    if (StateFault const fault = load(f, std::span(bytes)); fault != StateFault::none)
-        detail::refuse_state(path, refusal(fault, state_header(f), bytes));
+    if (StateFault const fault = load(f, std::span(bytes), accepted); fault != StateFault::none)
+        detail::refuse_state(path, refusal(fault, state_header(f), state_entries(f), bytes));
 }
 template <NamesItsState F>
 F loaded(std::filesystem::path const& path) {

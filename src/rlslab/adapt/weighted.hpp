@@ -82,6 +82,7 @@ public:
     friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }
 
     F const& filter() const { return filter_; }
+    static constexpr std::string_view layer = "weighted";
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
 };
 

@@ -114,6 +114,13 @@ public:
     auto gain() const { return filter_.gain(); }
     Stored<T> stored() const { return filter_.stored(); }
     F const& filter() const { return filter_; }
+    static constexpr std::string_view layer = "window";
+    static std::array<StateOption, 4> options(auto const& w) {
+        return {{{"rows", double(w.options_.rows)},
+                 {"worse", static_cast<double>(w.options_.worse)},
+                 {"refactor_every", double(w.options_.refactor_every)},
+                 {"rows_held", double(w.rows()), true}}};
+    }
     static auto state(auto& w) {
         return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.loss_, w.fresh_, w.size_of_y_, w.loss_of_z_, w.spoilt_,
                         w.since_, w.refactored_);

@@ -3,6 +3,7 @@
 
 #include <rlslab/core/stored.hpp>
 
+#include <array>
 #include <span>
 
 namespace rlslab {
@@ -107,6 +108,16 @@ template <class F>
 concept NamesItsState = requires(F& f, F const& c) {
     F::state(f);
     F::state(c);
+};
+
+/// One option of a type around a filter, or a count of what it took, as its state says it by name:
+///   static std::array<StateOption, 2> options(auto const& f) { return {{{"every", double(f.every_)}, {"rows", double(f.n_), true}}}; }
+/// beside a `layer`, the type's own name: `name` is that of the filter inside. A state is refused where an option is another, a count is
+/// not looked at. An algorithm whose bits change counts its `edition` up; without one it is 1.
+struct StateOption {
+    std::string_view name;
+    double value;
+    bool count = false;
 };
 
 /// f.merge(newer) appends the rows of `newer` to those of f. `newer` is a filter of the same problem that started without prior. Except

@@ -1,0 +1,28 @@
+// rlslab state: what a saved filter's file says of itself.
+#include "program/commands.hpp"
+
+#include <rlslab/adapt/state_file.hpp>
+
+namespace rlslab {
+
+Command state_command(CLI::App& app) {
+    auto const file = std::make_shared<std::string>();
+    CLI::App* const c = app.add_subcommand("state", "What is in the file of a saved filter.");
+    c->footer(
+        "Example:  rlslab state controller.state\n\n"
+        "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of forgetting), with\n"
+        "editions, options and counts of rows where these are kept. A damaged file is one line and exit code 2. C++ reads and writes such\n"
+        "files with <rlslab/adapt/state_file.hpp>.\n");
+    c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
+    return {c, [file] {
+                std::vector<std::byte> const bytes = detail::bytes_of(*file);
+                try {
+                    print(described_state(bytes));
+                } catch (InputError const& error) {
+                    detail::refuse_state(*file, error.what());
+                }
+                return 0;
+            }};
+}
+
+}  // namespace rlslab
