@@ -42,7 +42,7 @@ Command advise_command(CLI::App& app) {
     advising->add_option("--digits", a->options.digits, "wanted of every parameter, from 0.5 to 30; default 3")
         ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
         ->type_name("D");
-    take_arithmetics(*advising, a->arithmetics, "to try, in this order (rlslab list); default float,double");
+    take_arithmetics(*advising, a->arithmetics, "to try, in this order (rlslab list; also half, single, fp32, fp64); default float,double");
     take_seed(*advising, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
     take_count(*advising, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     advising->add_flag("--json", a->json, "JSON instead of text");

@@ -72,7 +72,7 @@ Command compare_command(CLI::App& app) {
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");
     take_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
-    take_arithmetics(*comparing, a->options.arithmetics, "only these (rlslab list); default float,double");
+    take_arithmetics(*comparing, a->options.arithmetics, "only these (rlslab list; also half, single, fp32, fp64); default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
     take_composition(*comparing, a->composition);
     take_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
