@@ -337,7 +337,7 @@ void advise(Identified& m, int most) {
              fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better",
                          m.order),
              "a richer input"});
-    if (chosen && m.choice.bic == 0)
+    if (!m.choice.fits.empty() && m.choice.bic == 0 && o.forgetting == 1)
         m.remarks.push_back(
             {Rank::nothing,
              fmt::format("BIC says 0: {}",
