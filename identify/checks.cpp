@@ -169,7 +169,7 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
 
 double normal_quantile(double p) { return correctly::student_quantile(1e9, p); }
 
-std::optional<Largest> too_large(Signal const& residuals) {
+std::optional<Largest> too_large(Signal const& residuals, Index lags) {
     double J = 0, count = 0;
     Index at = 0;
     for (size_t k = 0; k < residuals.size(); ++k) {
@@ -181,7 +181,11 @@ std::optional<Largest> too_large(Signal const& residuals) {
     if (!(J > 0)) return {};
     double const e = residuals[size_t(at)], F = e * e / ((J - e * e) / (count - 1));  // against the others
     if (count < 2 || !(J - e * e > 0 ? correctly::fisher_tail(1, count - 1, F) * count < 0.001 : count > 2)) return {};
-    return Largest{at, std::abs(e) / std::sqrt(J / count), e * e / J};
+    // As a past output it makes the residuals after it large, too.
+    for (Index before = at; before >= std::max<Index>(0, at - lags); --before)
+        if (std::abs(residuals[size_t(before)]) >= std::abs(e) / 2) at = before;
+    double const square = residuals[size_t(at)] * residuals[size_t(at)];
+    return Largest{at, std::sqrt(square / (J / count)), square / J};
 }
 
 namespace {
@@ -333,7 +337,7 @@ void advise(Identified& m, int most) {
              fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better",
                          m.order),
              "a richer input"});
-    if (chosen && m.choice.bic == 0)
+    if (!m.choice.fits.empty() && m.choice.bic == 0 && o.forgetting == 1)
         m.remarks.push_back(
             {Rank::nothing,
              fmt::format("BIC says 0: {}",
@@ -341,7 +345,7 @@ void advise(Identified& m, int most) {
                              ? "the past of y and of the inputs predicts nothing that the present input does not: no dynamics"
                              : "nothing here is predicted by the inputs or the past of y"),
              m.choice.static_p < improvement_level ? "--na 0 --nb 0" : "another input, or another output"});
-    if (m.failure && m.measured.empty()) return;
+    if (m.failure) return;
     advise_of_outliers(m);
     advise_of_residuals(m);
     advise_of_held_out(m);

@@ -163,18 +163,19 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
     std::string const remedy = "a lower order, fewer samples a second, or a richer input",
                       hardly = fmt::format("{} ({})", remedy,
                                            std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
-    std::string const better = rounded || out.failure ? better_variant(problem, records, best, allowed, variant) : "",
+    std::string const better = rounded || (out.failure && !dependent) ? better_variant(problem, records, best, allowed, variant) : "",
                       next = better.empty() ? remedy : "--variant " + better;
     std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
                                                : fmt::format("--variant {} keeps enough of them on this record", better);
     if (out.failure)
-        out.remarks.push_back(
-            {Rank::breakdown,
-             fmt::format(
-                 "{} broke down after row {}: {}. Do not use its numbers: {}", variant, out.failure->row,
-                 out.failure->kind == "indefinite" ? "the P it stores is not positive definite" : "its numbers are no longer finite",
-                 better.empty() ? instead : fmt::format("--variant {} does not break down on this record", better)),
-             next});
+        out.remarks.push_back({Rank::breakdown,
+                               fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, out.failure->row,
+                                           out.failure->kind == "indefinite" ? "the P it stores is not positive definite"
+                                                                             : "its numbers are no longer finite",
+                                           dependent        ? ""
+                                           : better.empty() ? ": " + instead
+                                                            : fmt::format(": --variant {} does not break down on this record", better)),
+                               next});
     else if (rounded && biased && better.empty())
         out.remarks.push_back({Rank::arithmetic,
                                fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them "

@@ -140,7 +140,7 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
         constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
         if (e.constant_at_start > long_enough && e.order > 0)
             out.remarks.push_back(
-                {Remark::Rank::excitation,
+                {Remark::Rank::whiteness,
                  fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off",
                              name, e.constant_at_start, fitted),
                  fmt::format("cut off the first {} samples", e.constant_at_start)});
@@ -212,7 +212,7 @@ void predict(Identified& out, Data const& data, Rows const& rows, Vector<double>
         out.held_out_simulated = fit_of(y, simulate_from(out.model, later, y, first), first, Index(y.size()));
     }
     for (auto const& [from, to] : {std::pair(first, begin), {begin, out.samples}})
-        if (auto const e = too_large(Signal(residuals.begin() + from, residuals.begin() + to)))
+        if (auto const e = too_large(Signal(residuals.begin() + from, residuals.begin() + to), out.order))
             out.outliers.push_back({from + e->at + 1, data.lines[size_t(from + e->at)], from == begin, e->deviations, e->share});
     // A missing residual counts as 0: the variance of a white one's correlations stays 1/N.
     Signal const eps = present(residuals, first, begin);

@@ -68,7 +68,7 @@ struct Cancellation {
 /// What was found wrong with the record or the model, or what may make the model better.
 struct Remark {
     /// The first makes all that follow doubtful, and so on down.
-    enum class Rank { breakdown, dependence, outlier, excitation, arithmetic, delay, nothing, order, whiteness, held_out, structure };
+    enum class Rank { dependence, breakdown, outlier, excitation, arithmetic, delay, nothing, order, whiteness, held_out, structure };
     Rank rank;
     std::string sentence;
     std::string next;   ///< what to do first, options if there are any; empty: nothing

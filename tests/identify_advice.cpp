@@ -153,6 +153,10 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     EXPECT_EQ(of(-40)->at, 3);
     EXPECT_NEAR(of(-40)->share, 1600.0 / 1618, 1e-15);
     EXPECT_NEAR(of(-40)->deviations, 40 / std::sqrt(1618.0 / 19), 1e-14);
+    Signal two(100, 1);
+    two[40] = 20, two[41] = -30;
+    EXPECT_EQ(too_large(two)->at, 41);
+    EXPECT_EQ(too_large(two, 1)->at, 40) << "whose past output is in the next row";
     EXPECT_FALSE(too_large({}));
     EXPECT_FALSE(too_large({0, 0}));
     EXPECT_TRUE(too_large({0, 0, 1})) << "nothing but this row";

@@ -75,6 +75,22 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     EXPECT_EQ(identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11) << "order 10, its lags and the output";
     EXPECT_THAT(as_page(m), testing::Not(testing::ContainsRegex("[^a-z_]nan[^a-z_]")));
 }
+/// What error does not matter is told in units of each regressor: units of u move no digit and no word. Little noise, slow poles.
+TEST_F(IdentifyRecords, UnitsChangeNothing) {
+    Signal noise = white_noise(300, Seed{3}), small = u;
+    for (double& x : noise) x *= 1e-9;
+    for (double& x : small) x *= 0x1p-40;
+    Signal const slow = simulate({.a = {-2.91, 2.8226, -0.912576}, .b = {{0, 1e-3, 2e-3, 1e-3}}, .delay = 0, .c = 0}, {u}, noise);
+    auto const of = [&](Signal const& input) {
+        return identify(folder.file(csv(input, slow), "slow.csv"), {.inputs = {"u"}, .output = "y", .order = 3});
+    };
+    Identified const one = of(u), other = of(small);
+    EXPECT_EQ(one.c, other.c);
+    EXPECT_EQ(one.prior_move, other.prior_move);
+    EXPECT_EQ(one.warnings(), other.warnings());
+    for (size_t i : {0u, 1u, 2u}) EXPECT_EQ(one.parameters[i].value, other.parameters[i].value);
+    for (size_t i : {3u, 4u, 5u, 6u}) EXPECT_EQ(one.parameters[i].value, 0x1p-40 * other.parameters[i].value);
+}
 
 }  // namespace
 }  // namespace rlslab
