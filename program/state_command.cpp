@@ -10,9 +10,9 @@ Command state_command(CLI::App& app) {
     CLI::App* const c = app.add_subcommand("state", "What is in the file of a saved filter.");
     c->footer(
         "Example:  rlslab state controller.state\n\n"
-        "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of forgetting), with\n"
-        "editions, options and counts of rows where these are kept. A damaged file is one line and exit code 2. C++ reads and writes such\n"
-        "files with <rlslab/adapt/state_file.hpp>.\n");
+        "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of forgetting), and their "
+        "editions, options and counts of rows. C++ reads and writes such files with <rlslab/adapt/state_file.hpp>.\n\n"
+        "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
     c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
     return {c, [file] {
                 std::vector<std::byte> const bytes = detail::bytes_of(*file);

@@ -205,7 +205,8 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
 
 // ---- help -------------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const commands{"compare", "advise", "study", "merge", "identify", "simulate", "excitation", "state", "list", "help"};
+std::vector<std::string> const commands{"compare",  "advise",     "study", "merge", "identify",
+                                        "simulate", "excitation", "state", "list",  "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;
@@ -235,6 +236,18 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
 TEST_F(Program, AMissingValueIsNamedByItsLine) {
     write("gap.csv", "u,y\n1,2\n,3\n4,5\n");
     refused("excitation gap.csv --input u", "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
+}
+TEST_F(Program, SaysWhatIsInAState) {
+    fs::path const states = fs::path(RLSLAB_SOURCE_DIR) / "tests/data/state";
+    Outcome const run = shell("rlslab state " + (states / "2/ud-double.state").string());
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.out, "a state of ud in double with 4 parameters: format 2, 376 bytes\nud, edition 1\n");
+    std::string const whole = read(states / "2/ud-double.state");
+    write("short.state", whole.substr(0, 200));
+    refused("state short.state", "short.state: expected a state, found 200 bytes that are a state cut short");
+    write("data.csv", "u,y\n1,2\n");
+    refused("state data.csv", "data.csv: expected a state, found 8 bytes that are not a state");
+    refused("state none.state", "none.state: cannot read: No such file or directory");
 }
 TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
     write("constant.csv", "u\n1\n1\n1\n1\n1\n1\n1\n1\n");
