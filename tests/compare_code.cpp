@@ -149,7 +149,7 @@ TEST(Code, OfExtendedPrecision) {
         GTEST_SKIP() << "left out: no extended arithmetic here";
     Records const records = arx("data/sales.csv", "lead", "sales", 2);
     Comparison const c = compare(records, {.arithmetics = {"extended"}, .timings = false});
-    EXPECT_THAT(code(c), testing::HasSubstr("rlslab::Ud<long double, 5> filter"));
+    EXPECT_THAT(code(c), testing::HasSubstr("<long double, 5> filter({.size = 5"));
     EXPECT_THAT(learnt_by(code(c), records), testing::Not(testing::HasSubstr("does not")));
 }
 
