@@ -204,8 +204,8 @@ TEST(Windowed, StartsFromNothingAndForgetsInside) {
     for (unsigned seed : {81, 82, 83})
         EXPECT_LE((worst<Qr<double, d>>({.size = d, .forgetting = 0.96875, .prior = std::nullopt}, 4, {.rows = W}, Seed{seed}).window), 10);
 }
-/// theta falls from 1000 to 1 on rows without noise. What is left of 1000 when the last such row has left, without an alarm: a row must leave
-/// with the weight that it has. The root of this lambda is rounded by 0.44 u, 1000 steps wear a row by that 2000 times.
+/// theta falls from 1000 to 1 on rows without noise. What is left of 1000 when the last such row has left, without an alarm: a row must
+/// leave with the weight that it has. The root of this lambda is rounded by 0.44 u, 1000 steps wear a row by that 2000 times.
 double left_after_a_jump(Seed seed) {
     constexpr int rows = 1000;
     Windowed<Qr<float, 2>> w({.forgetting = 0.999009907f}, {.rows = rows, .worse = std::numeric_limits<float>::max()});

@@ -251,7 +251,8 @@ struct RotatingRidge {
     }
 };
 
-/// P = variance I every `period` rows; theta is kept. Left out while the rows do not determine theta. Source: Goodwin, Elliott & Teoh 1983 (cited, not read).
+/// P = variance I every `period` rows; theta is kept. Left out while the rows do not determine theta.
+/// Source: Goodwin, Elliott & Teoh 1983 (cited, not read).
 template <Field T>
 struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows

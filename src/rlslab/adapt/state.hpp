@@ -472,8 +472,8 @@ auto state_of(F const& f) {
     }
 }
 
-/// Which edition of the algorithm a state may be of: `any` takes the numbers of another one. What follows then has other bits than the saved
-/// filter would have had, as far apart as rounding.
+/// Which edition of the algorithm a state may be of: `any` takes the numbers of another one. What follows then differs by rounding from
+/// what the saved filter would have given.
 enum class Edition { same, any };
 
 namespace detail {
