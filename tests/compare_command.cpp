@@ -255,9 +255,9 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
         EXPECT_THAT(page, HasSubstr("<figure id=\"" + std::string(figure) + "\">"));
     std::string const best = recommended(json::parse(read(folder / "made/here/compare.json")), 0);
     for (std::string const& said : {std::string("as stored: lambda 1, rank 5 of 5"), std::string("<th>asymmetry</th>"),
-                                   "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
-                                   std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
-                                   "digits of theta, float (24 bits): ★ " + best + ", in the code"})
+                                    "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
+                                    std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
+                                    "digits of theta, float (24 bits): ★ " + best + ", in the code"})
         EXPECT_THAT(page, HasSubstr(said));
     for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));
     EXPECT_THAT(page, HasSubstr("<pre>#include &lt;rlslab/variants/" + best + ".hpp&gt;\n\n// sales[k] = psi&#39;theta"));

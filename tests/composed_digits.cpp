@@ -169,12 +169,12 @@ TEST(ComposedDigits, TellWhyAVariantCannot) {
 /// The printed code defines the composed type.
 TEST(ComposedCode, NamesTheTypes) {
     Records const records = rows_of(120, 1, 1000, Seed{71});
-    std::string const window = code(compared(records, {.window = 50, .guard = "reset"}));
+    std::string const window = code(compared(records, {.window = 50, .guard = "reset"}, 1, {"ud"}));
     EXPECT_THAT(window, testing::HasSubstr("rlslab::Windowed<rlslab::Ud<float, 4>> const unguarded(problem, {.rows = 50});\n"
                                            "rlslab::Guarded<rlslab::Windowed<rlslab::Ud<float, 4>>, rlslab::resetting> "
                                            "filter(unguarded, problem);"));
     EXPECT_THAT(
-        code(compared(records, {.control = "random_walk", .parameters = {0.25}})),
+        code(compared(records, {.control = "random_walk", .parameters = {0.25}}, 1, {"ud"})),
         testing::HasSubstr("rlslab::Forgetting<rlslab::Ud<float, 4>, rlslab::RandomWalk<float>> filter(problem, {.variance = 0.25});"));
     EXPECT_THAT(code(compared(records, {.guard = "hand_over"}, 1, {"ud"})),
                 testing::HasSubstr("rlslab::Relay<rlslab::Ud<float, 4>, rlslab::Ud<double, 4>> const unguarded(problem);"));
