@@ -65,8 +65,8 @@ Index ljung_box_lags(Index rows, int order);
 double rounding_alone(Index rows, double y);
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many parameters of past outputs
-/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least. Where residuals are missing (NaN), N - tau
-/// is the number of pairs that are there, and lags without a pair do not count.
+/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least. Where residuals are missing (NaN),
+/// N - tau is the number of pairs that are there, and lags without a pair do not count.
 struct LjungBox {
     double Q, p;
     Index lags, freedom;
