@@ -3,6 +3,7 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
+#include <rlslab/model/lags.hpp>
 #include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
@@ -266,10 +267,10 @@ void advise_of_residuals(Identified& m) {
     }
     for (Followed const& f : m.followed) {
         std::string const name = printable(o.inputs[size_t(f.input)]);
-        Index first = f.lag, last = 0;
+        Index first = largest_lag, last = 0;
         for (Term const& t : m.terms)
             if (t.input == f.input) first = std::min<Index>(first, t.lag), last = std::max<Index>(last, t.lag);
-        bool const late = o.regressors.empty() && f.begins >= 0 && (f.begins < first || f.begins > last || first == f.lag);
+        bool const late = o.regressors.empty() && (f.begins < first || f.begins > last);
         std::string const remedy = late ? delay_option(o, f.input, f.begins) : more_terms(o);
         m.remarks.push_back(
             {late ? Rank::delay : Rank::order,

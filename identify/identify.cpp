@@ -115,7 +115,6 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
     Index supported = most;
     for (size_t j = 0; j < as_read.size(); ++j) {
         Signal const u = longest_run(as_read[j], fitted);
-        if (u.empty()) return 0;
         Excitation const e = excitation(u, coefficients[j], {.constant = options.intercept, .progress = [&](double part) {
                                                                  if (progress) progress((double(j) + part) / double(as_read.size()));
                                                              }});
@@ -132,13 +131,12 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
         } else if (e.persistent < coefficients[j])
             out.remarks.push_back(
                 {Remark::Rank::excitation,
-                 fmt::format(
-                     "input {} changes {} times: its coefficients after the first {} rest on a few rows, and the noise there decides "
-                     "them. An input that changes more often says more",
-                     name, e.changes, e.persistent),
+                 fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise there decides them. An "
+                             "input that changes more often says more",
+                             name, e.changes == 1 ? "once" : fmt::format("{} times", e.changes), e.persistent),
                  "a richer input"});
         constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
-        if (e.constant_at_start > long_enough && e.order > 0)
+        if (e.constant_at_start > long_enough && e.changes > 1 && e.order > 0)
             out.remarks.push_back(
                 {Remark::Rank::whiteness,
                  fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off",
@@ -152,7 +150,7 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
 /// The residuals that follow past values of an input, by the 99 % bound of all lags of all inputs together. A coloured residual and a
 /// coloured input are correlated by chance, too: N times the variance of r is the sum of their correlations' products (Söderström & Stoica
 /// 1989, 11.2), which is 1 for white residuals.
-void look_for_past_inputs(Identified& out, Data const& data, Index held_out_from, Signal const& residuals) {
+void look_for_past_inputs(Identified& out, Data const& data, Index held_out_from) {
     Index const first = presample(out.terms), inputs = Index(data.inputs.size()), lags = Index(out.auto_correlation.size()) - 1;
     for (Index j = 0; j < inputs; ++j) {
         Signal const& r = out.cross_correlation[size_t(j)];
@@ -160,25 +158,28 @@ void look_for_past_inputs(Identified& out, Data const& data, Index held_out_from
         double spread = 1;
         for (Index lag = 1; lag <= lags; ++lag) spread += 2 * out.auto_correlation[size_t(lag)] * of_u[size_t(lag)];
         double const z = normal_quantile(1 - 0.005 / double(inputs * Index(r.size()))),
-                     bound = z * std::sqrt(std::max(1.0, spread) / double(residuals.size()));
+                     bound = z * std::sqrt(std::max(1.0, spread) / double(out.fitted));
         Index at = 0;
         for (Index lag = 0; lag < Index(r.size()); ++lag)
             if (std::abs(r[size_t(lag)]) > std::abs(r[size_t(at)])) at = lag;
         if (!(std::abs(r[size_t(at)]) > bound)) continue;
-        Followed f{int(j), at, r[size_t(at)], bound, -1};
+        Followed f{int(j), at, r[size_t(at)], bound, at};
         // With all lags of this input to that one in the equation: which counts first?
         std::vector<Term> wide;
         Index nearest = at, furthest = at;
         for (Term const& t : out.terms)
             if (t.input == j) nearest = std::min<Index>(nearest, t.lag), furthest = std::max<Index>(furthest, t.lag);
             else wide.push_back(t);
-        Index const from = Index(wide.size());
-        for (Index lag = nearest; lag <= furthest; ++lag) wide.push_back({"", "", int(j), int(lag)});
-        Records const rows = rows_of(wide, data.inputs, data.y).before(held_out_from).records;
-        if (rows.rows() > 2 * rows.parameters()) {
-            Fit const of_all = fit(rows);
-            for (Index i = rows.parameters() - 1; i >= from; --i)
-                if (std::abs(of_all.theta[i]) > z * of_all.sd[i]) f.begins = nearest + i - from;
+        Index const from = Index(wide.size()), d = from + furthest - nearest + 1;
+        constexpr double most_work = 2e9;
+        if (double(d) * double(d) * double(out.fitted) < most_work && 2 * d < out.fitted) {
+            for (Index lag = nearest; lag <= furthest; ++lag) wide.push_back({"", "", int(j), int(lag)});
+            Records const rows = rows_of(wide, data.inputs, data.y).before(held_out_from).records;
+            if (rows.rows() > d) {
+                Fit const of_all = fit(rows);
+                for (Index i = d - 1; i >= from; --i)
+                    if (std::abs(of_all.theta[i]) > z * of_all.sd[i]) f.begins = nearest + i - from;
+            }
         }
         out.followed.push_back(f);
     }
@@ -214,7 +215,7 @@ void predict(Identified& out, Data const& data, Rows const& rows, Vector<double>
     for (auto const& [from, to] : {std::pair(first, begin), {begin, out.samples}})
         if (auto const e = too_large(Signal(residuals.begin() + from, residuals.begin() + to), out.order))
             out.outliers.push_back({from + e->at + 1, data.lines[size_t(from + e->at)], from == begin, e->deviations, e->share});
-    // A missing residual counts as 0: the variance of a white one's correlations stays 1/N.
+    // A missing residual adds nothing to a correlation: the variance of a white one's is 1/N at most, N those that are there.
     Signal const eps = present(residuals, first, begin);
     Index const N = Index(eps.size()), lags = ljung_box_lags(N, out.order), outputs = past_outputs(out.terms);
     double J = 0;
@@ -222,15 +223,16 @@ void predict(Identified& out, Data const& data, Rows const& rows, Vector<double>
     double const y = all.y.head(out.fitted).cwiseAbs().maxCoeff();
     // Of a record without noise the prior and the variant leave up to 1e-9 of y where nothing warns of them.
     bool const nothing_left = J <= (out.noise_free ? double(out.fitted) * 1e-18 * y * y : rounding_alone(out.fitted, y));
-    Vector<double> const e = Eigen::Map<Vector<double> const>(eps.data(), N);
+    Vector<double> const e = Eigen::Map<Vector<double> const>(residuals.data() + first, N);
     out.ljung_box = ljung_box(nothing_left ? Vector<double>(Vector<double>::Zero(N)) : e, lags, outputs);
     out.auto_correlation = scaled_correlation(eps, eps, lags);
-    Index longest = lags;  // the delay, and as much again
+    constexpr Index furthest = 1000;
+    Index longest = lags;
     for (Term const& t : out.terms)
-        if (t.input >= 0) longest = std::max<Index>(longest, std::min<Index>(N - 1, t.lag + 10));
+        if (t.input >= 0) longest = std::max(longest, std::min({N - 1, furthest, Index(t.lag) + 10}));
     for (Signal const& u : data.inputs) out.cross_correlation.push_back(scaled_correlation(eps, present(u, first, begin), longest));
     if (nothing_left) out.outliers.clear();
-    else look_for_past_inputs(out, data, begin, eps);
+    else look_for_past_inputs(out, data, begin);
     for (size_t k = size_t(first); k < size_t(out.samples); ++k) {
         out.measured.push_back(data.y[k] + out.means.back());
         out.one_step.push_back(predicted[k] + out.means.back());
@@ -291,6 +293,9 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     std::vector<Signal> const as_read = data.inputs;
     for (Index j = 0; j <= inputs; ++j) {
         Signal& x = j < inputs ? data.inputs[size_t(j)] : data.y;
+        if (longest_run(x, fitted_samples).empty())
+            throw InputError(fmt::format("{}: column \"{}\": expected a number in the part that is fitted, found missing values alone",
+                                         file, printable(options.inputs[size_t(j)])));
         out.means.push_back(options.detrend ? take_mean(x, fitted_samples) : 0.0);
         // Squares of what is left must not underflow.
         if (double const size = largest(x, fitted_samples); size > 0 && size < 0x1p-400)
@@ -316,8 +321,9 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
 
     Rows const of_widest = rows_of(widest, data.inputs, data.y).before(fitted_samples);
     if (of_widest.records.rows() <= of_widest.records.parameters())
-        throw InputError(fmt::format("{}: {} has {} parameters, and {} of the fitted rows miss no value: expected more, or a lower order",
-                                     file, structure_text(options, most), widest.size(), of_widest.records.rows()));
+        throw InputError(
+            fmt::format("{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, or a lower order",
+                        file, structure_text(options, most), widest.size(), of_widest.records.rows()));
     if (options.regressors.empty() && !options.na) {
         int const up_to = given ? options.order : int(std::min<Index>(most, supported));
         OrderColumns const columns = order_columns(data.inputs, data.y, up_to, options.delay, options.intercept);

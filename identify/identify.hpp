@@ -81,7 +81,7 @@ struct Followed {
     Index lag;           ///< of the largest correlation
     double correlation;  ///< there
     double bound;        ///< 99 % bound of all lags of all inputs together
-    Index begins;        ///< the first lag that counts with all lags to this one in the equation; -1: none
+    Index begins;        ///< the first lag that counts with all lags to this one in the equation; this one where none does
 };
 
 /// A residual that is too large for its row to be like the others.

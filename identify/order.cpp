@@ -36,20 +36,28 @@ OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, i
 LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
     Index const N = residuals.size();
     expects(1 <= lags && lags < N, "at least one lag, and fewer than residuals");
+    struct Sum {
+        double products = 0, pairs = 0;
+    };
     auto const sum = [&](Index lag) {
-        double out = 0;
-        for (Index k = lag; k < N; ++k) out += residuals[k] * residuals[k - lag];
+        Sum out;
+        for (Index k = lag; k < N; ++k)
+            if (double const p = residuals[k] * residuals[k - lag]; !std::isnan(p)) out.products += p, ++out.pairs;
         return out;
     };
-    LjungBox out{0, 1, lags, std::max<Index>(1, lags - fitted)};
-    double const variance = sum(0);
-    if (!std::isfinite(variance)) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
-    if (!(variance > 0)) return out;  // nothing is left: nothing is correlated
+    LjungBox out{0, 1, lags, 0};
+    auto const [power, there] = sum(0);
+    Index seen = 0;
+    if (!std::isfinite(power) || there == 0) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
     for (Index lag = 1; lag <= lags; ++lag) {
-        double const r = sum(lag) / variance;
-        out.Q += double(N) * double(N + 2) * r * r / double(N - lag);
+        Sum const s = sum(lag);
+        seen += s.pairs > 0;
+        if (!(power > 0) || s.pairs == 0) continue;  // nothing is left: nothing is correlated
+        double const r = s.products / power;
+        out.Q += there * (there + 2) * r * r / s.pairs;
     }
-    out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
+    out.freedom = std::max<Index>(1, seen - fitted);
+    if (power > 0 && std::isfinite(power)) out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
     return out;
 }
 

@@ -64,14 +64,15 @@ Index ljung_box_lags(Index rows, int order);
 /// J of residuals that are rounding alone, of so many rows with outputs up to y.
 double rounding_alone(Index rows, double y);
 
-/// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of residuals after so many parameters of past outputs
-/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least.
+/// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many parameters of past outputs
+/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least. Where residuals are missing (NaN),
+/// N - tau is the number of pairs that are there, and lags without a pair do not count.
 struct LjungBox {
     double Q, p;
     Index lags, freedom;
     bool white() const { return p >= white_level; }
 };
-/// No residuals at all: Q = 0, p = 1. Residuals that are not finite: NaN. Throws std::invalid_argument unless 1 <= lags < N.
+/// Nothing but zeros: Q = 0, p = 1. Infinite residuals, or none: NaN. Throws std::invalid_argument unless 1 <= lags < N.
 LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted);
 
 }  // namespace rlslab

@@ -75,6 +75,21 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     EXPECT_EQ(identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11) << "order 10, its lags and the output";
     EXPECT_THAT(as_page(m), testing::Not(testing::ContainsRegex("[^a-z_]nan[^a-z_]")));
 }
+TEST_F(IdentifyRecords, WithoutARowAreRefused) {
+    Signal every_third = y;
+    for (size_t k = 0; k < y.size(); k += 3) every_third[k] = NAN;
+    auto const said = [&](std::string const& text, IdentifyOptions options) {
+        options.inputs = {"u"}, options.output = "y";
+        return folder.without(files::message_of([&] { identify(folder.file(text, "gaps.csv"), options); }));
+    };
+    EXPECT_EQ(said(csv(u, every_third), {.order = 2}),
+              "gaps.csv: order 2 has 6 parameters, and 0 of its rows in the fitted part miss no value: expected more, or a lower order");
+    EXPECT_EQ(said(csv(u, every_third), {.order = 1}), "no error");
+    std::string no_input = "u,y\n";
+    for (double const v : y) no_input += fmt::format(",{}\n", v);
+    EXPECT_EQ(said(no_input, {.order = 1}),
+              "gaps.csv: column \"u\": expected a number in the part that is fitted, found missing values alone");
+}
 /// What error does not matter is told in units of each regressor: units of u move no digit and no word. Little noise, slow poles.
 TEST_F(IdentifyRecords, UnitsChangeNothing) {
     Signal noise = white_noise(300, Seed{3}), small = u;

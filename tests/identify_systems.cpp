@@ -207,6 +207,15 @@ std::vector<System> systems() {
          {}},
         {"one_sine_order_2", first_order(sine(N, 0.3), 0.1), arx({.order = 2}), {"REFUSED", "it supports order 1"}, {}},
         {"one_sine_order_1", first_order(sine(N, 0.3), 0.1), arx({.order = 1}), {nothing_wrong}, {}},
+        {"one_step",
+         [] {
+             Signal u(static_cast<size_t>(N), 0.0);
+             std::fill(u.begin() + 200, u.end(), 1.0);
+             return first_order(u, 0.1);
+         }(),
+         arx({.order = 2}),
+         {"input u changes once: its coefficients beyond 1 rest on a few rows", "next: a richer input"},
+         {}},
         // Constants and offsets.
         {"offset",
          with(first_order(random_input(), 0.1), 1,

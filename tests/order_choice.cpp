@@ -128,8 +128,12 @@ TEST(LjungBox, IsLjungAndBox) {
     EXPECT_EQ(ljung_box(eps, 2, 7).freedom, 1);
     EXPECT_EQ(ljung_box(Vector<double>::Zero(5), 2, 1).p, 1);
     EXPECT_EQ(ljung_box(Vector<double>::Zero(5), 2, 1).Q, 0);
-    EXPECT_TRUE(std::isnan(ljung_box(Vector<double>{{1, NAN, 1}}, 1, 0).p));
-    EXPECT_FALSE(ljung_box(Vector<double>{{1, NAN, 1}}, 1, 0).white());
+    EXPECT_TRUE(std::isnan(ljung_box(Vector<double>{{1, INFINITY, 1}}, 1, 0).p));
+    EXPECT_FALSE(ljung_box(Vector<double>{{1, INFINITY, 1}}, 1, 0).white());
+    EXPECT_TRUE(std::isnan(ljung_box(Vector<double>::Constant(3, NAN), 1, 0).p));
+    // One that is missing takes its pairs with it: r_1 = (1 2 + 2 1)/10 and r_2 = (1 1 + 1 2)/10, of two pairs each.
+    LjungBox const gap = ljung_box(Vector<double>{{1, 2, 1, NAN, 2}}, 2, 1);
+    EXPECT_NEAR(gap.Q, 4 * 6 * (0.4 * 0.4 / 2 + 0.3 * 0.3 / 2), 1e-14);
     EXPECT_THROW(ljung_box(eps, 5, 0), std::invalid_argument);
     EXPECT_THROW(ljung_box(eps, 0, 0), std::invalid_argument);
 }
