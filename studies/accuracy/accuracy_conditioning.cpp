@@ -72,7 +72,7 @@ Study const accuracy_conditioning{
             return std::vector<Factor>{{"arithmetic", {"float", "double", "quad"}},
                                        {"variant", row_forms()},
                                        {"kappa", powers(10, 0, 12, full ? 0.25 : 0.5)},
-                                       {"replicate", counted(full ? 40 : 6)}};
+                                       {"replicate", counted(full ? 40 : 11)}};
         },
     .measures = {"theta_error", "covariance_error"},
     .measure = measure,

@@ -122,9 +122,9 @@ Study const choose{
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{
-                {"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                {"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
-    .admits = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("replicate") == 1; },
+    .admits = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("kappa") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},
     .measure = measure,
     .plots = {{.title = "Bits needed for three right digits",
@@ -186,13 +186,13 @@ Study const choose{
                                linear_slope("log2_kappa", "half"), 3.6, 4.4);
              },
              finding("twice the band of docs/literature.md 3.6")},
-            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in every run",
+            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most runs",
              [](Table const& t) {
                  Number const more(
                      [](Table const& g) {
                          return median("needed")(g.where("variant", "conventional")) - median("needed")(g.where("variant", "symmetric"));
                      },
-                     Estimate::every);
+                     Estimate::most);
                  return within(t.where("lambda", 0.99).where("kappa", 1.0), {}, more, 10, INFINITY);
              },
              finding("first edition, set after its run")},

@@ -119,7 +119,7 @@ Study const inverse_qr_drift{
         [](Budget budget) {
             std::vector<Cell> forms{"inverse_qr", "carlson", "potter", "ud", "symmetric", "joseph", "qr"};
             for (std::string const& step : steps_of_array) forms.emplace_back(step);
-            return std::vector<Factor>{{"form", forms}, {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+            return std::vector<Factor>{{"form", forms}, {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
     .measures = {"rows", "error", "per_row", "first", "last"},
     .measure = measure,

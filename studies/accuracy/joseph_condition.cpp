@@ -151,7 +151,7 @@ Study const joseph_condition{
     .factors =
         [](Budget budget) {
             bool const full = budget == Budget::full;
-            return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 100 : 8)}};
+            return std::vector<Factor>{{"kappa", powers(10, 1, 7, 0.25)}, {"replicate", counted(full ? 100 : 11)}};
         },
     .measures = {"form", "error", "norm", "local", "products", "plain"},
     .measure = measure,

@@ -96,7 +96,7 @@ Finding rounding_follows(Table const& t, std::vector<std::string> const& variant
            labelled("noise", within(over_noise(rows), by, slope("noise", "rounding"), 0.9, 1.1));
 }
 Finding constant(Table const& t, std::vector<std::string> const& variants, double from, double to, double C) {
-    Number const median_of = median("of_law").as(Estimate::geometric);
+    Number const median_of = median("of_law");
     return within(between(some(t, variants), from, to), {"variant", "spectrum", "kappa", "noise"}, median_of, C / 3, C * 3);
 }
 
@@ -128,7 +128,7 @@ Study const prior_law{
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
                                        {"kappa", powers(10, 2, 5)},
                                        {"noise", powers(10, -6, -3)},
-                                       {"replicate", counted(budget == Budget::full ? 200 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 200 : 11)}};
         },
     .admits = admits,
     .measures = {"variant", "c2", "bias", "rounding", "total", "bias_of_law", "of_law"},

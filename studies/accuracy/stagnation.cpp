@@ -107,7 +107,7 @@ Study const stagnation{
                  return a && b;
              },
              finding("docs/theory.md 42, in place of a band set after its run")},
-            {"stochastic rounding from P0 = 100: the mean of k P at k = 20000 in 0.8 ... 1.25 for every variant, and in bfloat16 of "
+            {"stochastic rounding from P0 = 100: the median of k P at k = 20000 in 0.8 ... 1.25 for every variant, and in bfloat16 of "
              "symmetric in 0.9 ... 1.1",
              [](Table const& t) {
                  Finding const a = within(last(t, "bfloat16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);

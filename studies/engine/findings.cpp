@@ -24,19 +24,49 @@ Number of_column(std::string column, double (*of)(std::vector<double>), Estimate
     return {[=](Table const& table) { return of(table.numbers(column)); }, estimate};
 }
 
-/// Fitted to the rows for which both scales give a finite number.
-Number fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(double)) {
-    return [=](Table const& table) {
-        std::vector<double> const all_x = table.numbers(x), all_y = table.numbers(y);
-        std::vector<double> kept_x, kept_y;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Interval anywhere{-infinity, infinity};
+
+/// The rows' numbers on their scales, where x is finite. NaN is worse than any number.
+struct Line {
+    std::vector<double> x, y;
+
+    Line(Table const& table, std::string const& of_x, double (*scale_x)(double), std::string const& of_y, double (*scale_y)(double)) {
+        std::vector<double> const all_x = table.numbers(of_x), all_y = table.numbers(of_y);
         for (size_t i = 0; i < all_x.size(); ++i) {
-            double const at = of_x(all_x[i]), value = of_y(all_y[i]);
-            if (!std::isfinite(at) || !std::isfinite(value)) continue;
-            kept_x.push_back(at);
-            kept_y.push_back(value);
+            if (!std::isfinite(scale_x(all_x[i]))) continue;
+            x.push_back(scale_x(all_x[i]));
+            double const value = scale_y(all_y[i]);
+            y.push_back(value != value ? infinity : value);
         }
+    }
+    double slope() const {
+        std::vector<double> kept_x, kept_y;
+        for (size_t i = 0; i < x.size(); ++i)
+            if (std::isfinite(y[i])) kept_x.push_back(x[i]), kept_y.push_back(y[i]);
         return fitted(kept_x, kept_y);
-    };
+    }
+    /// A row at infinity lies at `greatest` or above, one at minus infinity at `least` or below. The slope is linear in each.
+    Interval bounds() const {
+        double least = infinity, greatest = -infinity, mean = 0;
+        for (double const v : y)
+            if (std::isfinite(v)) least = std::min(least, v), greatest = std::max(greatest, v);
+        if (least > greatest) return anywhere;
+        std::vector<double> closest = y;
+        for (double& v : closest) v = std::clamp(v, least, greatest);
+        for (double const v : x) mean += v / double(x.size());
+        Interval out{fitted(x, closest), fitted(x, closest)};
+        if (out.low != out.low) return anywhere;
+        for (size_t i = 0; i < x.size(); ++i) {
+            if (std::isfinite(y[i]) || x[i] == mean) continue;
+            ((x[i] > mean) == (y[i] > 0) ? out.high = infinity : out.low = -infinity);
+        }
+        return out;
+    }
+};
+Number fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(double)) {
+    return {[=](Table const& table) { return Line(table, x, of_x, y, of_y).slope(); },
+            [=](Table const& table) { return Line(table, x, of_x, y, of_y).bounds(); }};
 }
 bool has_nan(std::vector<double> const& v) {
     return std::ranges::any_of(v, [](double x) { return x != x; });
@@ -67,18 +97,18 @@ Number mean(std::string column) {
             for (double const x : v) sum += x / double(v.size());
             return v.empty() ? std::nan("") : sum;
         },
-        Estimate::mean);
+        Estimate::middle);
 }
 Number median(std::string column) { return of_column(std::move(column), &median, Estimate::middle); }
 Number least(std::string column) {
     return of_column(
         std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
-        Estimate::every);
+        Estimate::most);
 }
 Number greatest(std::string column) {
     return of_column(
         std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
-        Estimate::every);
+        Estimate::most);
 }
 Number ratio_of_errors(std::string variant, std::string other) {
     auto const mean_log = [](Table const& table, std::string const& of) {
@@ -87,7 +117,7 @@ Number ratio_of_errors(std::string variant, std::string other) {
         for (double const e : errors) sum += correctly::log10(e) / double(errors.size());
         return errors.empty() ? std::nan("") : sum;
     };
-    return {[=](Table const& table) { return correctly::pow(10, mean_log(table, variant) - mean_log(table, other)); }, Estimate::geometric};
+    return [=](Table const& table) { return correctly::pow(10, mean_log(table, variant) - mean_log(table, other)); };
 }
 Number root_mean_square(std::string column) {
     return of_column(
@@ -100,6 +130,11 @@ Number root_mean_square(std::string column) {
         Estimate::quadratic);
 }
 
+Interval Number::bounds(Table const& table) const {
+    if (bounds_) return bounds_(table);
+    double const itself = of_(table);
+    return itself != itself ? anywhere : Interval{itself, itself};
+}
 Number Number::as(Estimate estimate) const {
     Number out = *this;
     out.estimate_ = estimate;
@@ -113,41 +148,45 @@ Number Number::over(std::string replicate) const {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-Interval hull(Interval const& a, Interval const& b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
-
-/// On the scale on which the mean is taken, and back.
-Interval through(std::vector<double> x, double risk, double (*to)(double), double (*back)(double)) {
-    for (double& v : x) v = to(v);
-    Interval const of_mean =
-        x.size() < many_seeds ? student_interval(x, risk) : hull(student_interval(x, risk), bootstrap_interval(x, risk));
-    return {back(of_mean.low), back(of_mean.high)};
-}
-
 double power_of_10(double x) { return std::isfinite(x) ? correctly::pow(10, x) : x < 0 ? 0 : x; }
 double squared(double x) { return x * x; }
 double root(double x) { return x > 0 ? std::sqrt(x) : 0; }
 
-Interval estimated(std::vector<double> const& x, Estimate estimate, double risk) {
-    if (x.size() < fewest_seeds) return {-infinity, infinity};
-    bool const positive = std::ranges::all_of(x, [](double v) { return v > 0; });
+std::vector<double> on(std::vector<double> x, double (*scale)(double)) {
+    for (double& v : x) v = scale(v);
+    return x;
+}
+Interval back(Interval const& of, double (*scale)(double)) { return {scale(of.low), scale(of.high)}; }
+
+/// Seeds of which no number is known, or only bounds, are in the median's interval alone.
+Interval estimated(std::vector<Interval> const& seeds, Estimate estimate, double risk) {
+    if (seeds.size() < fewest_seeds) return anywhere;
+    std::vector<double> low, high;
+    for (Interval const& seed : seeds) low.push_back(seed.low), high.push_back(seed.high);
+    if (estimate == Estimate::middle) return {median_interval(low, risk).low, median_interval(high, risk).high};
+    if (low != high) return anywhere;
     switch (estimate) {
-        case Estimate::middle:
-            if (x.size() >= many_seeds) return median_interval(x, risk);
-            if (positive) return through(x, risk, &log_10, &power_of_10);
-            return through(x, risk, &as_it_is, &as_it_is);
-        case Estimate::geometric: return positive ? through(x, risk, &log_10, &power_of_10) : Interval{-infinity, infinity};
-        case Estimate::quadratic: return through(x, risk, &squared, &root);
-        default: return through(x, risk, &as_it_is, &as_it_is);
+        case Estimate::geometric: return back(student_interval(on(low, &log_10), risk), &power_of_10);
+        case Estimate::quadratic: return back(square_interval(on(low, &squared), risk), &root);
+        case Estimate::share: {
+            double hits = 0;
+            for (double const v : low) {
+                if (v < 0 || v > 1) throw std::logic_error(fmt::format("a share of {}", v));
+                hits += v;
+            }
+            return proportion_interval(hits, double(low.size()), risk);
+        }
+        default: return student_interval(low, risk);
     }
 }
+
+bool of_each_seed(Estimate estimate) { return estimate == Estimate::most || estimate == Estimate::every || estimate == Estimate::proven; }
 
 /// The seeds' numbers in one, on the scale on which their interval is; NaN only where each of them is.
 double in_one(std::vector<double> x, Estimate estimate) {
     std::erase_if(x, [](double v) { return v != v; });
     if (x.empty()) return std::nan("");
-    if (estimate == Estimate::middle || estimate == Estimate::every) return median(x);
+    if (estimate == Estimate::middle || of_each_seed(estimate)) return median(x);
     bool const logarithmic = estimate == Estimate::geometric, square = estimate == Estimate::quadratic;
     double sum = 0;
     for (double const v : x) sum += (logarithmic ? log_10(v) : square ? v * v : v) / double(x.size());
@@ -159,8 +198,29 @@ struct Part {
     double point;
     Interval shown;
     Verdict verdict;
-    size_t seeds;  ///< 0: none matters
+    size_t seeds;        ///< 0: none matters
+    size_t outside = 0;  ///< how many of them lie outside, for claims about each
+    size_t broken = 0;   ///< how many have rows that broke down
 };
+
+/// P(Bin(n, 1/2) <= k): where half of all seeds lie outside, that at most k of n do.
+double at_most_of_half(size_t k, size_t n) {
+    double term = std::ldexp(1.0, -int(std::min<size_t>(n, 1000))), sum = 0;
+    for (size_t i = 0; i <= k; ++i) {
+        sum += term;
+        term = term * double(n - i) / double(i + 1);
+    }
+    return sum;
+}
+
+/// The verdict on a claim about each seed, of which so many fail it.
+Verdict of_seeds(size_t outside, size_t seeds, Estimate estimate, size_t groups) {
+    if (estimate == Estimate::proven) return outside == 0 ? Verdict::holds : Verdict::fails;
+    if (estimate == Estimate::every) return outside == 0 ? Verdict::undecided : Verdict::fails;
+    return at_most_of_half(outside, seeds) <= claim_risk                            ? Verdict::holds
+           : at_most_of_half(seeds - outside, seeds) <= claim_risk / double(groups) ? Verdict::fails
+                                                                                    : Verdict::undecided;
+}
 
 /// `number` is asked of each seed's rows; of all rows only where no seed matters.
 Part part(Table const& rows, Number const& number, Interval const& band, size_t groups) {
@@ -170,27 +230,40 @@ Part part(Table const& rows, Number const& number, Interval const& band, size_t 
         return {point, itself, itself.inside(band) ? Verdict::holds : Verdict::fails, 0};
     }
     std::vector<double> x;
-    for (auto const& [seed, own] : rows.groups({number.replicate()})) x.push_back(number(own));
-    double const point = in_one(x, number.estimate());
-    if (point != point) return {point, {point, point}, Verdict::fails, x.size()};
-    if (number.estimate() == Estimate::every) {
-        bool const all = std::ranges::all_of(x, [&](double v) { return Interval{v, v}.inside(band); });
-        auto const [least, greatest] = std::ranges::minmax(x);
-        return {point, {least, greatest}, !all ? Verdict::fails : x.size() < fewest_seeds ? Verdict::undecided : Verdict::holds, x.size()};
+    std::vector<Interval> seeds;
+    Part out{};
+    for (auto const& [seed, own] : rows.groups({number.replicate()})) {
+        x.push_back(number(own));
+        seeds.push_back(number.bounds(own));
+        out.outside += x.back() != x.back() || !Interval{x.back(), x.back()}.inside(band);
+        out.broken += seeds.back().low < seeds.back().high;
     }
-    Interval const shown = estimated(x, number.estimate(), claim_risk);
-    if (shown.inside(band)) return {point, shown, Verdict::holds, x.size()};
-    bool const outside = estimated(x, number.estimate(), claim_risk / double(groups)).outside(band);
-    return {point, shown, outside ? Verdict::fails : Verdict::undecided, x.size()};
+    out.seeds = x.size();
+    out.point = in_one(x, number.estimate());
+    if (out.point != out.point) return {out.point, {out.point, out.point}, Verdict::fails, x.size()};
+    if (of_each_seed(number.estimate())) {
+        auto const [least, greatest] = std::ranges::minmax(x);
+        out.shown = {least, greatest};
+        out.verdict = of_seeds(out.outside, x.size(), number.estimate(), groups);
+        return out;
+    }
+    out.shown = estimated(seeds, number.estimate(), claim_risk);
+    bool const outside = estimated(seeds, number.estimate(), claim_risk / double(groups)).outside(band);
+    out.verdict = out.shown.inside(band) ? Verdict::holds : outside ? Verdict::fails : Verdict::undecided;
+    return out;
 }
 
 std::string text_of(Part const& part, std::string const& name, Estimate estimate) {
     std::string said = fmt::format("{:.4g}", part.point);
-    if (estimate == Estimate::every && part.shown.low < part.shown.high)
-        said = fmt::format("{:.4g} to {:.4g}", part.shown.low, part.shown.high);
-    else if (estimate != Estimate::every && part.seeds >= fewest_seeds)
+    if (of_each_seed(estimate) && part.shown.low < part.shown.high) said = fmt::format("{:.4g} to {:.4g}", part.shown.low, part.shown.high);
+    else if (!of_each_seed(estimate) && part.seeds >= fewest_seeds)
         said += fmt::format(" [{:.4g}, {:.4g}]", part.shown.low, part.shown.high);
     return name.empty() ? said : said + " (" + name + ")";
+}
+/// "2 of 20 seeds outside: fewer than 41 % of all", of the group that has most.
+std::string outside_text(size_t outside, size_t seeds) {
+    return fmt::format(", {} of {} seeds outside: fewer than {:.2g} % of all", outside, seeds,
+                       100 * proportion_interval(double(outside), double(seeds), 2 * claim_risk).high);
 }
 std::string seeds_text(size_t fewest, size_t most) {
     if (most == 0) return "";
@@ -207,34 +280,49 @@ Finding within(Table const& table, std::vector<std::string> const& by, Number co
     for (auto const& [name, rows] : groups) parts.emplace_back(part(rows, number, {from, to}, groups.size()), name);
     for (auto const& [part, name] : parts)
         if (part.point != part.point) return {Verdict::fails, fmt::format("not a number{}", name.empty() ? "" : " (" + name + ")")};
+    Estimate const estimate = number.estimate();
     auto const point = [](auto const& p) { return p.first.point; };
     auto const [smallest, largest] = std::ranges::minmax_element(parts, {}, point);
     auto const [fewest, most] = std::ranges::minmax(parts, {}, [](auto const& p) { return p.first.seeds; });
     auto const worst = std::ranges::min_element(parts, {}, [](auto const& p) { return p.first.verdict; });
-    auto const text = [&](auto const& p) { return text_of(p.first, p.second, number.estimate()); };
+    auto const text = [&](auto const& p) { return text_of(p.first, p.second, estimate); };
     std::string said = text(*smallest);
     if (groups.size() > 1) said += " ... " + text(*largest);
     Verdict const verdict = worst->first.verdict;
     // What decided, where it is neither end.
     if (verdict != Verdict::holds && worst != smallest && worst != largest)
         said += fmt::format("; {}: {}", verdict == Verdict::fails ? "fails" : "undecided", text(*worst));
-    bool const random = number.estimate() != Estimate::every && most.first.seeds >= fewest_seeds;
-    return {verdict, said + seeds_text(fewest.first.seeds, most.first.seeds), random ? claim_risk : 0};
+    size_t const seeds = most.first.seeds;
+    if ((estimate == Estimate::most || estimate == Estimate::every) && seeds > 0) {
+        auto const farthest = std::ranges::max_element(
+            parts, {}, [](auto const& p) { return p.first.seeds == 0 ? 1.0 : (double(p.first.outside) + 1) / double(p.first.seeds); });
+        said += outside_text(farthest->first.outside, farthest->first.seeds);
+    } else said += seeds_text(fewest.first.seeds, seeds);
+    bool const random = seeds >= fewest_seeds && estimate != Estimate::proven && estimate != Estimate::every;
+    if (random && groups.size() > 1) said += ", each by itself";
+    size_t const broken = std::ranges::max(parts, {}, [](auto const& p) { return p.first.broken; }).first.broken;
+    if (broken > 0 && !of_each_seed(estimate)) said += fmt::format("; with rows that broke down up to {}", broken);
+    Finding out{verdict, said, random ? claim_risk : 0};
+    out.proven = estimate == Estimate::proven;
+    return out;
 }
 
-Finding everywhere(Table const& table, std::string const& column, Cell const& value, std::string const& replicate) {
+Finding everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds) {
     size_t const at = table.index(column), rows = table.rows().size();
-    size_t const good = size_t(std::ranges::count_if(table.rows(), [&](auto const& row) { return row[at] == value; }));
-    size_t const seeds = table.has(replicate) ? table.distinct(replicate).size() : 0;
-    bool const enough = !table.has(replicate) || seeds >= fewest_seeds;
-    return {rows == 0 || good < rows ? Verdict::fails
-            : enough                 ? Verdict::holds
-                                     : Verdict::undecided,
-            fmt::format("{} of {} are \"{}\"{}", good, rows, as_text(value), seeds_text(seeds, seeds))};
+    auto const good = [&](Table const& of) {
+        return size_t(std::ranges::count_if(of.rows(), [&](auto const& row) { return row[at] == value; }));
+    };
+    if (rows == 0) return {Verdict::fails, "nothing was measured"};
+    Number const all([&](Table const& of) { return good(of) == of.rows().size() ? 1.0 : 0.0; }, seeds);
+    Finding out = within(table, {}, all, 1, 1);
+    size_t const comma = out.measured.find(',');
+    out.measured = fmt::format("{} of {} are \"{}\"{}", good(table), rows, as_text(value),
+                               comma == std::string::npos ? "" : out.measured.substr(comma));
+    return out;
 }
 
 Finding proportion(size_t hits, size_t runs, double from, double to) {
-    Interval const shown = proportion_interval(hits, runs, claim_risk), band{from, to};
+    Interval const shown = proportion_interval(double(hits), double(runs), claim_risk), band{from, to};
     return {runs == 0 || shown.outside(band) ? Verdict::fails
             : shown.inside(band)             ? Verdict::holds
                                              : Verdict::undecided,
@@ -242,7 +330,9 @@ Finding proportion(size_t hits, size_t runs, double from, double to) {
 }
 
 Finding operator&&(Finding const& a, Finding const& b) {
-    return {std::min(a.verdict, b.verdict), a.measured + "; " + b.measured, a.risk + b.risk};
+    Finding out{std::min(a.verdict, b.verdict), a.measured + "; " + b.measured, a.risk + b.risk};
+    out.proven = a.proven || b.proven;
+    return out;
 }
 Finding together(std::vector<Finding> const& parts) {
     if (parts.empty()) return {Verdict::fails, "nothing was measured"};

@@ -1,13 +1,13 @@
-// Intervals: Student's t, percentiles of resampled means, order statistics, and of proportions.
+// Intervals: order statistics, Student's t, chi-squared, and of proportions.
 #include "studies/engine/interval.hpp"
 
-#include <rlslab/core/random.hpp>
 #include <rlslab/reference/distributions.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tuple>
 
 namespace rlslab {
 namespace {
@@ -25,45 +25,44 @@ double mean_of(std::vector<double> const& x) {
 }
 
 /// Student's quantiles cost a ball computation each; a claim asks the same few again and again.
-double quantile(size_t n, double risk) {
-    thread_local std::map<std::pair<size_t, double>, double> known;
-    auto const [at, fresh] = known.try_emplace({n, risk}, 0);
-    if (fresh) at->second = correctly::student_quantile(double(n - 1), 1 - risk / 2);
+double quantile(double freedom, double risk) {
+    thread_local std::map<std::pair<double, double>, double> known;
+    auto const [at, fresh] = known.try_emplace({freedom, risk}, 0);
+    if (fresh) at->second = correctly::student_quantile(freedom, 1 - risk / 2);
     return at->second;
 }
 
-/// P(X >= k), X of Bin(n, p), k >= 1: as a tail of Fisher's F.
-double at_least(size_t k, size_t n, double p) {
-    double const a = double(k), b = double(n - k + 1);
-    return correctly::fisher_tail(2 * b, 2 * a, a * (1 - p) / (b * p));
+/// P(X >= k), X of Bin(n, p), k > 0: as a tail of Fisher's F.
+double at_least(double k, double n, double p) {
+    double const b = n - k + 1;
+    return correctly::fisher_tail(2 * b, 2 * k, k * (1 - p) / (b * p));
+}
+
+/// Of the mean of x; 0 where nothing is known: fewer than two values, equal ones, or one that is not finite.
+double variance_of_mean(std::vector<double> const& x) {
+    if (x.size() < 2 || !finite(x)) return 0;
+    double const n = double(x.size()), mean = mean_of(x);
+    double squares = 0;
+    for (double const v : x) squares += (v - mean) * (v - mean);
+    return squares / (n - 1) / n;
 }
 
 }  // namespace
 
 Interval student_interval(std::vector<double> const& x, double risk) {
-    if (x.size() < 2 || !finite(x)) return unbounded;
-    double const n = double(x.size()), mean = mean_of(x);
-    double squares = 0;
-    for (double const v : x) squares += (v - mean) * (v - mean);
-    if (squares == 0) return {mean, mean};
-    double const half = quantile(x.size(), risk) * std::sqrt(squares / (n - 1) / n);
+    double const variance = variance_of_mean(x);
+    if (!(variance > 0)) return unbounded;
+    double const mean = mean_of(x), half = quantile(double(x.size() - 1), risk) * std::sqrt(variance);
     return {mean - half, mean + half};
 }
 
-Interval bootstrap_interval(std::vector<double> x, double risk) {
-    if (x.size() < 2 || !finite(x)) return unbounded;
-    std::ranges::sort(x);
-    Seed seed{x.size()};
-    std::vector<double> means(resamples);
-    for (double& mean : means) {
-        double sum = 0;
-        for (size_t i = 0; i < x.size(); ++i) sum += x[size_t(seed.uniform() * double(x.size()))];
-        mean = sum / double(x.size());
-    }
-    std::ranges::sort(means);
-    size_t const beyond = std::min(size_t(risk / 2 * (resamples + 1)), means.size() / 2);
-    size_t const first = beyond > 0 ? beyond - 1 : 0;
-    return {means[first], means[means.size() - 1 - first]};
+Interval square_interval(std::vector<double> const& x, double risk) {
+    double const variance = variance_of_mean(x);
+    if (!(variance > 0)) return {0, infinity};
+    double const n = double(x.size()), mean = mean_of(x), f = 2 * mean * mean / variance;
+    double const t = quantile(std::max(1.0, std::floor((n - 1) * f / (f + n))), risk);
+    double const middle = 1 - 2 / (9 * f), half = t * std::sqrt(2 / (9 * f)), least = middle - half, most = middle + half;
+    return {mean / (most * most * most), least > 0 ? mean / (least * least * least) : infinity};
 }
 
 Interval median_interval(std::vector<double> x, double risk) {
@@ -81,10 +80,13 @@ Interval median_interval(std::vector<double> x, double risk) {
     return {x[k - 1], x[n - k]};
 }
 
-Interval proportion_interval(size_t hits, size_t of, double risk) {
+Interval proportion_interval(double hits, double of, double risk) {
     if (of == 0) return {0, 1};
+    thread_local std::map<std::tuple<double, double, double>, Interval> known;  // 100 balls each, and groups ask the same
+    auto const [at, fresh] = known.try_emplace({hits, of, risk});
+    if (!fresh) return at->second;
     // The p at which the tail that starts at `from` is `wanted`: it rises with p.
-    auto const where = [&](size_t from, double wanted) {
+    auto const where = [&](double from, double wanted) {
         double low = 0, high = 1;
         for (int i = 0; i < 50; ++i) {
             double const p = (low + high) / 2;
@@ -92,7 +94,7 @@ Interval proportion_interval(size_t hits, size_t of, double risk) {
         }
         return (low + high) / 2;
     };
-    return {hits == 0 ? 0 : where(hits, risk / 2), hits == of ? 1 : where(hits + 1, 1 - risk / 2)};
+    return at->second = {hits <= 0 ? 0 : where(hits, risk / 2), hits >= of ? 1 : where(hits + 1, 1 - risk / 2)};
 }
 
 }  // namespace rlslab

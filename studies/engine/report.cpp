@@ -31,7 +31,8 @@ std::string claim_html(Study const& study, size_t i, Finding const& finding, boo
     std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(finding.verdict));
     if (named) out += fmt::format("<a href=\"#{0}\">{0}</a>: ", study.name);
     out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(finding.measured));
-    out += fmt::format("<span class=\"soft\">{}; band: {}{}</span></li>\n", name_of(claim.basis.kind), escaped(claim.basis.band),
+    out += fmt::format("<span class=\"soft\">{}; band: {}{}{}</span></li>\n", name_of(claim.basis.kind), escaped(claim.basis.band),
+                       claim.basis.proof.empty() ? "" : "; proof: " + escaped(claim.basis.proof),
                        data.empty() ? "" : "; data: " + escaped(data));
     return out;
 }
@@ -69,12 +70,13 @@ std::string summary(std::vector<Outcome> const& outcomes) {
         "set before the run, {} that a result had been seen by then, and {} name a formula and no time. A claim that is estimated from "
         "seeds holds when its interval lies inside the band, fails when it lies outside, and is undecided otherwise. Each interval misses "
         "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are expected to be "
-        "wrong, as far as their bands were set beforehand. A claim about every run carries no such risk: it fails by one counterexample. "
-        "Intervals: Student's t over the seeds, on logarithms where the number is a size; from {} seeds on order statistics of a median, "
-        "else the wider of Student's t and the percentiles of {} resamples (SplitMix64, its seed the number of seeds). Fewer than {} "
-        "seeds have none.</p></section>\n",
+        "wrong, as far as their bands were set beforehand. Where a line shows several groups, each interval is its own. A claim about "
+        "most runs holds when, but for that risk, fewer than half of all seeds are outside; one about every run holds by a proof "
+        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a mean of normal numbers or "
+        "averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root mean square; Clopper and Pearson's "
+        "of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} seeds have none.</p></section>\n",
         list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after, unsaid, claim_risk,
-        expected_errors(outcomes), many_seeds, resamples, fewest_seeds);
+        expected_errors(outcomes), fewest_seeds);
 }
 
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {

@@ -129,7 +129,11 @@ Outcome finish(Running const& run, RunOptions const& options) {
             out.table.add_line(line);
         }
     replace_file(options.out / (study.name + ".csv"), csv);
-    for (Claim const& claim : study.claims) out.findings.push_back(claim.judge(out.table));
+    for (Claim const& claim : study.claims) {
+        out.findings.push_back(claim.judge(out.table));
+        if (out.findings.back().proven != !claim.basis.proof.empty())
+            throw std::logic_error(fmt::format("study {}: a proof is used or named, not both: {}", study.name, claim.text));
+    }
     return out;
 }
 

@@ -91,8 +91,15 @@ struct Basis {
     std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run";
                        ///< a finding's says "after" where a result had been seen, "before" where it had not
     std::string data;  ///< the data it was tried on; the study's if empty
+    std::string proof = {};  ///< for a claim about every run: the theorem, "docs/theory.md 34", or "exact arithmetic"
 
     Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
+    /// The same with a proof.
+    Basis by(std::string proof_) const {
+        Basis out = *this;
+        out.proof = std::move(proof_);
+        return out;
+    }
 };
 inline Basis verification(std::string band, std::string data = {}) { return {Kind::verification, std::move(band), std::move(data)}; }
 inline Basis reproduction(std::string band, std::string data = {}) { return {Kind::reproduction, std::move(band), std::move(data)}; }
@@ -104,7 +111,8 @@ enum class Verdict { fails, undecided, holds };
 struct Finding {
     Verdict verdict;
     std::string measured;
-    double risk = 0;  ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
+    double risk = 0;      ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
+    bool proven = false;  ///< it stands on a proof, which the claim names
 
     Finding(Verdict verdict_, std::string measured_, double risk_ = 0) : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
     /// Of what has no interval: it holds or it does not.

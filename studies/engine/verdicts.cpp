@@ -74,7 +74,8 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
         std::string const verdict = finding.verdict == Verdict::fails ? painted("FAILS    ", 31)
                                     : finding.holds()                 ? painted("holds    ", 32)
                                                                       : painted("undecided", 33);
-        out += fmt::format("  {}  {:<12}  {}: {}\n", verdict, name_of(claim.basis.kind), claim.text, finding.measured);
+        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text, finding.measured,
+                           claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
     }
     return out;
 }
@@ -94,6 +95,7 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
                               {"kind", name_of(claim.basis.kind)},
                               {"band", claim.basis.band},
                               {"data", claim.basis.data.empty() ? outcome.study->data : claim.basis.data},
+                              {"proof", claim.basis.proof},
                               {"verdict", name_of(outcome.findings[i].verdict)},
                               {"measured", outcome.findings[i].measured}});
         }

@@ -87,7 +87,7 @@ Study const sqrt_lambda_bias{
                 {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
                 {"variant",
                  {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman", "symmetric", "joseph", "information"}},
-                {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
     .measures = {"memory", "predicted", "bias", "excess"},
     .measure = measure,
@@ -128,12 +128,13 @@ Study const sqrt_lambda_bias{
                  return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
              },
              finding("docs/theory.md 39, and 10 % of it")},
-            {"extended_qr strays from the law: single runs by more than 40 u in double, where the four others stay within 40",
+            {"extended_qr strays from the law: in most runs by more than 40 u in double, where the four others stay within 40",
              [](Table const& t) {
                  Number const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
-                 double const own = stray(in_double(t).where("variant", "extended_qr")),
-                              others = stray(in_double(t).where("variant", roots));
-                 return Finding{own > 40 && others < 40, fmt::format("{:.0f} u, the others {:.0f} u", own, others)};
+                 auto const in_most = [&](std::vector<std::string> const& variants, double from, double to) {
+                     return within(in_double(t).where("variant", variants), {}, stray.as(Estimate::most), from, to);
+                 };
+                 return in_most({"extended_qr"}, 40, INFINITY) && labelled("the others", in_most(roots, 0, 40));
              },
              finding("first edition, set after its run")},
         },

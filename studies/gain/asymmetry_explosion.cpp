@@ -67,7 +67,7 @@ Study const asymmetry_explosion{
             return std::vector<Factor>{{"arithmetic", {"float", "double"}},
                                        {"variant", joined(covariance_forms(), {"potter", "ud", "inverse_qr"})},
                                        {"lambda", {0.9, 0.95, 0.98, 0.99, 0.995}},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
     .measures = {"record", "steps", "ratio", "asymmetry", "outcome"},
     .measure = measure,
@@ -91,7 +91,7 @@ Study const asymmetry_explosion{
                .where = {{"record", {"course"}}, {"lambda", {"0.99"}}, {"variant", {"conventional", "conventional_two_sided", "joseph"}}}}},
     .claims =
         {
-            {"conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in every run",
+            {"conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in most runs",
              [](Table const& t) {
                  Table const rows = ends(t).where("variant", "conventional").where("steps", [](double k) { return k < horizon; });
                  if (rows.rows().size() != ends(t).where("variant", "conventional").rows().size())
@@ -101,14 +101,14 @@ Study const asymmetry_explosion{
                  return labelled("least", low) && labelled("greatest", high);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.2")},
-            {"all other forms survive 60 000 steps, and P is positive definite then (decided exactly)",
+            {"all other forms survive 60 000 steps in most runs, and P is positive definite then (decided exactly)",
              [](Table const& t) {
                  std::vector<std::string> const others{
                      "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud", "inverse_qr"};
                  return everywhere(ends(t).where("variant", others), "outcome", "sound");
              },
              reproduction("earlier experiment, docs/literature.md 3.2")},
-            {"conventional_two_sided and joseph keep their asymmetry below 16 u at every step looked at",
+            {"conventional_two_sided and joseph keep their asymmetry below 16 u at every step looked at, in most runs",
              [](Table const& t) {
                  Table const rows = t.where("variant", {"conventional_two_sided", "joseph"});
                  Number const most = greatest("asymmetry");
@@ -119,9 +119,9 @@ Study const asymmetry_explosion{
              finding("first edition, set after its run")},
             {"symmetric and joseph_rank_two have none at all",
              [](Table const& t) {
-                 return everywhere(t.where("variant", {"symmetric", "joseph_rank_two"}), "asymmetry", 0.0);
+                 return everywhere(t.where("variant", {"symmetric", "joseph_rank_two"}), "asymmetry", 0.0, Estimate::proven);
              },
-             verification("the formulas: one triangle is mirrored")},
+             verification("the formulas: one triangle is mirrored").by("one triangle is mirrored")},
             {"conventional: the logarithm of its asymmetry grows by -ln lambda a step, to 10 % (lambda >= 0.95, from 0.2 to 0.6 of k*)",
              [](Table const& t) {
                  Table const course = t.where("record", "course").where("variant", "conventional");

@@ -49,7 +49,7 @@ Study const estimate_error_memory{
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {
-            std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 5);
+            std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 11);
             return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"variant", row_forms()}, {"replicate", replicates}};
         },
     .measures = {"steps", "size", "from_law"},
@@ -65,18 +65,18 @@ Study const estimate_error_memory{
         {
             {"the law holds to 1e-3 as asked, indeed to 1e-60, for every variant that takes one row at a time",
              [](Table const& t) {
-                 return within(t, {"variant", "lambda"}, greatest("from_law"), 0, 1e-60);
+                 return within(t, {"variant", "lambda"}, greatest("from_law").as(Estimate::proven), 0, 1e-60);
              },
-             verification("docs/theory.md 28, law iv")},
-            {"after 400 steps with lambda = 0.98 it is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in every run",
+             verification("docs/theory.md 28, law iv").by("docs/theory.md 28")},
+            {"after 400 steps with lambda = 0.98 it is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most runs",
              [](Table const& t) {
-                 return within(t.where("lambda", 0.98).where("steps", 400.0), {}, median("size").as(Estimate::every), 3.1e-4 / 3,
+                 return within(t.where("lambda", 0.98).where("steps", 400.0), {}, median("size").as(Estimate::most), 3.1e-4 / 3,
                                3.1e-4 * 3);
              },
              finding("docs/theory.md 28, law iv, with P as it was; in place of a band set after its run")},
-            {"with lambda = 1 it is 200/600 of what it was, to 25 %, in every run",
+            {"with lambda = 1 it is 200/600 of what it was, to 25 %, in most runs",
              [](Table const& t) {
-                 return within(t.where("lambda", 1.0).where("steps", 400.0), {}, median("size").as(Estimate::every), 0.25, 0.42);
+                 return within(t.where("lambda", 1.0).where("steps", 400.0), {}, median("size").as(Estimate::most), 0.25, 0.42);
              },
              finding("docs/theory.md 28, law iv, with P as 1/k")},
         },

@@ -84,7 +84,7 @@ Study const extended_qr_memory{
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {
-            std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 5);
+            std::vector<Cell> const replicates = counted(budget == Budget::full ? 20 : 11);
             return std::vector<Factor>{{"lambda", {1.0, 0.98}}, {"error_in", {"R", "W"}}, {"replicate", replicates}};
         },
     .measures = {"steps", "size", "from_law", "from_filter"},
@@ -101,21 +101,21 @@ Study const extended_qr_memory{
         {
             {"errors in W follow R_k^-T R_0' dW_0, and errors in R'R lambda^k, to 1e-3 as asked, indeed to 1e-12",
              [](Table const& t) {
-                 return within(t, {"error_in", "lambda"}, greatest("from_law"), 0, 1e-12);
+                 return within(t, {"error_in", "lambda"}, greatest("from_law").as(Estimate::proven), 0, 1e-12);
              },
-             verification("docs/theory.md 28, laws iii and v")},
-            {"lambda = 0.98: after 400 steps an error in W is what it was to a factor of 1.25, in every run",
-             [](Table const& t) { return within(after(t, "W", 0.98), {}, median("size").as(Estimate::every), 0.8, 1.25); },
+             verification("docs/theory.md 28, laws iii and v").by("docs/theory.md 28")},
+            {"lambda = 0.98: after 400 steps an error in W is what it was to a factor of 1.25, in most runs",
+             [](Table const& t) { return within(after(t, "W", 0.98), {}, median("size").as(Estimate::most), 0.8, 1.25); },
              finding("docs/theory.md 28, law v, with R as it was; in place of a band set after its run")},
-            {"and an error in R is lambda^400 = 3.1e-4 of it, to a factor of 3",
-             [](Table const& t) { return within(after(t, "R", 0.98), {}, median("size").as(Estimate::every), 3.1e-4 / 3, 3.1e-4 * 3); },
+            {"and an error in R is lambda^400 = 3.1e-4 of it, to a factor of 3, in most runs",
+             [](Table const& t) { return within(after(t, "R", 0.98), {}, median("size").as(Estimate::most), 3.1e-4 / 3, 3.1e-4 * 3); },
              finding("docs/theory.md 28, law iii, with R as it was; in place of a band set after its run")},
-            {"lambda = 1: after 400 steps both are 0.58 = sqrt(200/600) of what they were, to 25 % in every run",
+            {"lambda = 1: after 400 steps both are 0.58 = sqrt(200/600) of what they were, to 25 % in most runs",
              [](Table const& t) {
-                 return within(t.where("lambda", 1.0).where("steps", 400.0), {"error_in"}, median("size").as(Estimate::every), 0.43, 0.73);
+                 return within(t.where("lambda", 1.0).where("steps", 400.0), {"error_in"}, median("size").as(Estimate::most), 0.43, 0.73);
              },
              finding("docs/theory.md 28, law iii, with R as sqrt(k)")},
-            {"the pair measured is the filter's: W agrees with extended_qr to 1e-70",
+            {"the pair measured is the filter's: in most runs W agrees with extended_qr to 1e-70",
              [](Table const& t) { return within(t, {"lambda"}, greatest("from_filter"), 0, 1e-70); }, verification("the filter itself")},
         },
 };

@@ -65,7 +65,7 @@ Study const gain_error{
             return std::vector<Factor>{{"arithmetic", {"float", "double", "reference"}},
                                        {"lambda", {1.0, 0.98}},
                                        {"variant", gain_forms()},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 5)}};
+                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
     .measures = {"epsilon", "error"},
     .measure = measure,
@@ -97,7 +97,7 @@ Study const gain_error{
              finding("first edition, set after its run (docs/theory.md 28, law ii)")},
             {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
              finding("derived beforehand: docs/theory.md 17")},
-            {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on",
+            {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most runs",
              [](Table const& t) {
                  Table const small = t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
                  return within(small.where("variant", josephs), {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14);

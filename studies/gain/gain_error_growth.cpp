@@ -84,7 +84,7 @@ Study const gain_error_growth{
             return std::vector<Factor>{{"size", {3.0, 5.0}},
                                        {"lambda", {1.0, 0.99}},
                                        {"variant", {"conventional", "kalman", "symmetric", "joseph", "potter", "ud", "extended_qr"}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 10)}};
+                                       {"replicate", counted(budget == Budget::full ? 100 : 11)}};
         },
     .admits =
         [](Trial const& trial) {

@@ -60,30 +60,33 @@ double bias_of(Table const& t) {
     double const error = mean("mean_error")(t);
     return error / std::sqrt(mean("mean_square")(t) - error * error);
 }
-Number const bias = Number(&bias_of).over("batch");
+Number const bias = Number(&bias_of, Estimate::mean).over("batch");
 Number const size_of_bias = Number([](Table const& t) { return std::abs(bias_of(t)); }).over("batch");
 /// Kurtosis: 3 for a normal.
 Number const kurtosis = Number([](Table const& t) {
                             double const square = mean("mean_square")(t);
                             return mean("mean_fourth")(t) / (square * square);
                         }).over("batch");
-Number const inside = mean("inside").over("batch");
+Number const inside = mean("inside").as(Estimate::mean).over("batch");
 
 /// The mean square error over sigma^2 (R^-1)_ii / N, the Cramer-Rao bound without regard to the regressors that were drawn.
 Number efficiency(std::string const& name) {
     System const system = system_named(name);
     using S = Stored<Reference>;
     Matrix<Reference> const inverse = covariance_of({S::Quantity::information, S::Form::plain, second_moments(system)});
-    return Number([=](Table const& t) {
-               std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
-               Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
-               double const bound = sigma * sigma * static_cast<double>(inverse(i, i)) / t.numbers("rows").front();
-               return mean("mean_square")(t) / bound;
-           })
+    return Number(
+               [=](Table const& t) {
+                   std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
+                   Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
+                   double const bound = sigma * sigma * static_cast<double>(inverse(i, i)) / t.numbers("rows").front();
+                   return mean("mean_square")(t) / bound;
+               },
+               Estimate::mean)
         .over("batch");
 }
 /// The mean square error over the mean of the filter's own sigma^2 P.
-Number const of_own_covariance = Number([](Table const& t) { return mean("mean_square")(t) / mean("bound")(t); }).over("batch");
+Number const of_own_covariance =
+    Number([](Table const& t) { return mean("mean_square")(t) / mean("bound")(t); }, Estimate::mean).over("batch");
 
 Table longest(Table const& t, std::string const& system) { return t.where("system", system).where("rows", greatest("rows")(t)); }
 
@@ -115,7 +118,7 @@ Study const estimate_statistics{
             return std::vector<Factor>{
                 {"system", {"impulse_response", "recursive", "coloured"}},
                 {"rows", full ? std::vector<Cell>{125.0, 250.0, 500.0, 1000.0} : std::vector<Cell>{62.0, 125.0, 250.0}},
-                {"batch", counted(full ? 98 : 8)}};  // 98 of 1024 records: 100 352 of each kind
+                {"batch", counted(full ? 98 : 11)}};  // 98 of 1024 records: 100 352 of each kind
         },
     .measures = {"parameter", "mean_error", "mean_square", "mean_fourth", "bound", "inside"},
     .measure = measure,

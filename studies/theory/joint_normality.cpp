@@ -86,7 +86,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const white_noises{"two points", "uniform", "exponential"};
 Table at(Table const& t, bool longest) { return t.where("rows", longest ? greatest("rows")(t) : least("rows")(t)); }
 Table decided(Table const& t) { return at(t, true).where("noise", white_noises); }
-Number share(char const* column) { return mean(column).over("batch"); }
+Number share(char const* column) { return mean(column).as(Estimate::mean).over("batch"); }
 
 }  // namespace
 
@@ -112,7 +112,7 @@ Study const joint_normality{
             bool const full = budget == Budget::full;
             return std::vector<Factor>{{"noise", {"two points", "uniform", "exponential", "coloured"}},
                                        {"rows", full ? std::vector<Cell>{62.0, 250.0, 1000.0} : std::vector<Cell>{62.0, 250.0}},
-                                       {"batch", counted(full ? 40 : 5)}};
+                                       {"batch", counted(full ? 40 : 11)}};
         },
     // Coloured noise is there to fail: at the largest N alone.
     .admits =

@@ -107,7 +107,7 @@ Finding order_of_covariances(bool least_squares_itself) {
 
 Table longest(Table const& t) { return t.where("rows", greatest("rows")(t)); }
 Finding ratio_is(Table const& t, char const* estimator, double ratio) {
-    Number const of = Number(mean("ratio")).over("batch");
+    Number const of = mean("ratio").as(Estimate::mean).over("batch");
     return labelled(estimator, within(longest(t).where("estimator", estimator), {"noise"}, of, 0.94 * ratio, 1.06 * ratio));
 }
 
@@ -155,13 +155,14 @@ Study const rival_estimators{
              [](Table const&) { return order_of_covariances(true); }, verification("docs/theory.md 7 and Gauss-Markov")},
             {"at the largest N least squares is within 6 % of the unconditional bound sigma^2 R^-1 / N, whatever the noise",
              [](Table const& t) {
-                 return within(longest(t).where("estimator", "least squares"), {"noise"}, mean("of_bound").over("batch"), 0.94, 1.06);
+                 return within(longest(t).where("estimator", "least squares"), {"noise"}, mean("of_bound").as(Estimate::mean).over("batch"),
+                               0.94, 1.06);
              },
              finding("docs/theory.md 7, 6 % as in study estimate_statistics; set before the run")},
             {"at N = 20 its mean square error is N / (N - d - 1) = 1.25 of that bound, to 6 %: the mean of an inverse Wishart matrix",
              [](Table const& t) {
-                 return within(t.where("rows", 20.0).where("estimator", "least squares"), {"noise"}, mean("of_bound").over("batch"),
-                               0.94 * 1.25, 1.06 * 1.25);
+                 return within(t.where("rows", 20.0).where("estimator", "least squares"), {"noise"},
+                               mean("of_bound").as(Estimate::mean).over("batch"), 0.94 * 1.25, 1.06 * 1.25);
              },
              finding("derived: E (Phi'Phi)^-1 = I / (N - d - 1) for normal rows; set before the run")},
             {"rivals at the largest N, mean square error over that of least squares: 1.36, 2, 1.56 and 1.61, each to 6 %",
@@ -170,7 +171,7 @@ Study const rival_estimators{
                         ratio_is(t, "instruments sign(psi)", 1.56) && ratio_is(t, "instruments psi cubed", 1.61);
              },
              finding("derived: E z^2 E psi^2 / (E z psi)^2 for these rows, of kurtosis 2.9; set before the run")},
-            {"each rival is worse in every batch of 400 records at the largest N",
+            {"each rival is worse in most batches of 400 records at the largest N",
              [](Table const& t) {
                  return within(longest(t).where("estimator", words(rivals)), {"estimator", "noise"}, least("ratio").over("batch"), 1, 10);
              },
