@@ -198,6 +198,7 @@ Command identify_command(CLI::App& app) {
         "The order is chosen:      rlslab identify data.csv --input u --output y --max-order 8 --out model\n"
         "A structure of your own:  rlslab identify data.csv --input u,v --output y --na 2 --nb 2,3 --delay 1,0\n"
         "Any set of regressors:    rlslab identify data.csv --output y --regressors 'y[k-1],y[k-2],u[k-3..k-5]'\n"
+        "A series alone:           rlslab identify data.csv --output y --regressors 'y[k-1..k-3]'\n"
         "Parameters that drift:    rlslab identify data.csv --input u --output y --order 2 --control random_walk:1e-4 --out model\n\n"
         "With --control, --window or --guard the variant also tracks theta so over all rows: at each the noise variance, theta and the "
         "prediction made before the row, with standard deviations (tracked.csv). The model above it stays that of --forgetting alone.\n\n" +

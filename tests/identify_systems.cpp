@@ -1,4 +1,4 @@
-// Thirty records of known systems, and the sentence that a user should read of each. RLSLAB_SYSTEMS_SEED moves all seeds.
+// Records of known systems, and the sentence that a user should read of each. RLSLAB_SYSTEMS_SEED moves all seeds.
 #include "identify/checks.hpp"
 #include "tests/files.hpp"
 
@@ -173,6 +173,11 @@ std::vector<System> systems() {
          {"row 301 (line 302) is 20 standard deviations off", "Do not believe the estimate",
           "next: look at row 301 (line 302); --guard reset"},
          {}},
+        {"outlier_guarded",
+         with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] += 100; }),
+         arx({.composition = {.guard = "reset"}}),
+         {"row 301 (line 302) is 20 standard deviations off", "% without the outliers", "next: look at row 301 (line 302)\n"},
+         {nothing_wrong}},
         {"outlier_held_out",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[500] += 100; }),
          arx(),
