@@ -198,7 +198,7 @@ TEST(State, OfAFleetContinuesBitForBit) {
     Problem<double> const p{.size = 3, .forgetting = 0.96875, .prior = std::nullopt};
     F f(10, p), g(10, {.size = 3}), other(11, p);
     Seed seed{17};
-    auto const feed = [&seed](F& fleet, int rows) {
+    auto const take = [&seed](F& fleet, int rows) {
         for (int k = 0; k < rows; ++k) {
             Matrix<double> psi = Matrix<double>::NullaryExpr(10, 3, [&seed] { return seed.bell(); });
             if (k % 3 == 1) psi(k % 10, 1) = NAN;
@@ -206,13 +206,13 @@ TEST(State, OfAFleetContinuesBitForBit) {
             if (k % 5 == 4) fleet.reset(k % 10);
         }
     };
-    feed(f, 6);
+    take(f, 6);
     ASSERT_EQ(load(g, bytes_of(f)), StateFault::none);
     EXPECT_EQ(load(other, bytes_of(f)), StateFault::options);
     Seed const here = seed;
-    feed(f, 20);
+    take(f, 20);
     seed = here;
-    feed(g, 20);
+    take(g, 20);
     EXPECT_EQ(bytes_of(f), bytes_of(g));
     for (Index i = 0; i < 10; ++i) EXPECT_EQ(f.health(i), g.health(i));
 }
