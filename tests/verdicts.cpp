@@ -164,8 +164,9 @@ TEST(Verdicts, ClaimsRestatedSinceTheFullRecordAreNamed) {
     while (file >> word) text += word + ' ';
     for (Study const* study : studies())
         for (Claim const& claim : study->claims)
-            if (!recorded(Budget::full).at(study->name).contains(claim.text))
+            if (!recorded(Budget::full).at(study->name).contains(claim.text)) {
                 EXPECT_THAT(text, HasSubstr("- `" + study->name + "`: " + claim.text)) << "restated";
+            }
 }
 TEST(Verdicts, ARecordReadsBackAndKeepsWhatWasNotRun) {
     Study const* const study = studies().front();

@@ -174,7 +174,8 @@ Study const definiteness{
              finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
             {"potter's full root does so too", [](Table const& t) { return most(ends(t).where("variant", "potter"), "definite"); },
              finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
-            {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, within "
+            {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, "
+             "within "
              "10 % "
              "(fails in bfloat16: the law is for an error of u that grows to 1, and P is lost a little later)",
              [](Table const& t) {
@@ -202,8 +203,8 @@ Study const definiteness{
              "and double than in bfloat16 and binary16",
              [](Table const& t) { return earlier_in_longer_words(t.where("hardness", 4.0)); },
              finding("set before the run: a smaller part")},
-            {"in double at kappa_P = 1/(64u) joseph is indefinite in each of these runs, symmetric and joseph_rank_two in none of them, in all 6000 "
-             "steps",
+            {"in double at kappa_P = 1/(64u) joseph is indefinite in each of these runs, symmetric and joseph_rank_two in none of them, in "
+             "all 6000 steps",
              [](Table const& t) {
                  Table const here = ends(t).where("hardness", 0x1p-6).where("arithmetic", "double");
                  Finding const joseph = within(here.where("variant", "joseph"), {}, greatest("latest"), 1, horizon);

@@ -176,7 +176,8 @@ Study const precision_boundary{
                  return within(t.where("variant", "conventional"), {"pole", "lambda"}, least("bits"), INFINITY, INFINITY);
              },
              reproduction("earlier experiment, docs/literature.md 3.9")},
-            {"survival is monotone but for the luck of single bits: in most runs at most one of the two lengths beyond the first that survives fails",
+            {"survival is monotone but for the luck of single bits: in most runs at most one of the two lengths beyond the first that "
+             "survives fails",
              [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); },
              finding("first edition, set after its run")},
         },

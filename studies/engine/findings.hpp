@@ -63,7 +63,8 @@ Number median(std::string column);
 Number least(std::string column);
 Number greatest(std::string column);
 Number root_mean_square(std::string column);
-/// The errors of one variant over those of another on the same data, as the geometric mean over a seed's rows: of tables with the columns "variant" and "error".
+/// The errors of one variant over those of another on the same data, as the geometric mean over a seed's rows: of tables with
+/// the columns "variant" and "error".
 Number ratio_of_errors(std::string variant, std::string other);
 
 double median(std::vector<double> values);

@@ -65,7 +65,7 @@ Study const gain_error{
             return std::vector<Factor>{{"arithmetic", {"float", "double", "reference"}},
                                        {"lambda", {1.0, 0.98}},
                                        {"variant", gain_forms()},
-                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
+                                       {"replicate", counted(budget == Budget::full ? 20 : 15)}};
         },
     .measures = {"epsilon", "error"},
     .measure = measure,

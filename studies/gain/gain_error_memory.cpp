@@ -119,7 +119,7 @@ Study const gain_error_memory{
                  return within(antisymmetric(t, "conventional").where("lambda", 0.98).where("steps", 400.0), {}, median("size"), 3232,
                                3234);
              },
-             verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
+             verification("docs/theory.md 28, law ii")},
             {"while that of conventional_two_sided is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most runs",
              [](Table const& t) {
                  Table const rows = antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
@@ -132,7 +132,8 @@ Study const gain_error_memory{
                  return within(rows, {}, greatest("from_growth").as(Estimate::proven), 0, 1e-12);
              },
              verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
-            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 times, in most runs",
+            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 times, "
+             "in most runs",
              [](Table const& t) {
                  return within(t.where("part", "symmetric")
                                    .where("variant", "conventional")
