@@ -72,9 +72,10 @@ std::string summary(std::vector<Outcome> const& outcomes) {
         "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are expected to be "
         "wrong, as far as their bands were set beforehand. Where a line shows several groups, each interval is its own. A claim about "
         "most runs holds when, but for that risk, fewer than half of all seeds are outside; one about every run holds by a proof "
-        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a mean of normal numbers "
-        "or averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root mean square; Clopper and Pearson's "
-        "of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} seeds have none.</p></section>\n",
+        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a mean of normal "
+        "numbers or averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root mean square; "
+        "Clopper and Pearson's of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} seeds have "
+        "none.</p></section>\n",
         list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after, unsaid, claim_risk,
         expected_errors(outcomes), fewest_seeds);
 }

@@ -132,8 +132,8 @@ Study const gain_error_memory{
                  return within(rows, {}, greatest("from_growth").as(Estimate::proven), 0, 1e-12);
              },
              verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
-            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 times, "
-             "in most runs",
+            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 "
+             "times, in most runs",
              [](Table const& t) {
                  return within(t.where("part", "symmetric")
                                    .where("variant", "conventional")
