@@ -30,7 +30,7 @@ protected:
     std::string const file = folder.file(csv(u, y));
 };
 
-/// A series without an input, beside a batch fit of the same rows.
+/// A series without an input, beside a batch fit of the same rows. The equation has the past outputs on its left.
 TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
     Identified const m = identify(file, {.output = "y", .regressors = {"y[k-1..k-3]"}, .detrend = false});
     EXPECT_EQ(equation_text(m.terms, "y"), "y[k] + a1 y[k-1] + a2 y[k-2] + a3 y[k-3] = e[k]");
@@ -41,7 +41,7 @@ TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
     Columns const columns = read_columns(file, {"y"});
     Records const rows = lagged_records(columns, lagged_of("", {"y[k-1..k-3]"}, "y"), "y");
     Vector<double> const theta = fit({.psi = rows.psi.leftCols(197), .y = rows.y.head(197), .names = {}}).theta;
-    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
 }
 /// Rows that miss a value are left out of the fit, of the orders and of what is tracked, and keep their places.
@@ -63,7 +63,7 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
             rows.y[at++] = y[k];
         }
     Vector<double> const theta = fit(rows).theta;
-    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     ASSERT_EQ(m.measured.size(), 299u);
     EXPECT_TRUE(std::isnan(m.one_step[49]) && std::isnan(m.one_step[50]) && !std::isnan(m.one_step[51]));
     EXPECT_FALSE(std::isnan(m.held_out_one_step)) << "of what was measured";
