@@ -63,7 +63,7 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
             rows.y[at++] = y[k];
         }
     Vector<double> const theta = fit(rows).theta;
-    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     ASSERT_EQ(m.measured.size(), 299u);
     EXPECT_TRUE(std::isnan(m.one_step[49]) && std::isnan(m.one_step[50]) && !std::isnan(m.one_step[51]));
     EXPECT_FALSE(std::isnan(m.held_out_one_step)) << "of what was measured";
