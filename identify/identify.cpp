@@ -257,15 +257,6 @@ std::string Identified::next() const {
     return first == remarks.end() ? "" : first->next;
 }
 
-Signal const& without_missing(Columns const& columns, std::string const& name) {
-    Signal const& values = columns[name];
-    auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
-    if (missing != values.end())
-        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
-                                     columns.lines[size_t(missing - values.begin())], printable(name)));
-    return values;
-}
-
 Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress const& progress) {
     Identified out{};
     IdentifyOptions const& options = out.options = completed(asked);

@@ -134,9 +134,6 @@ struct Identified {
     std::string next() const;                                  ///< of the first finding that has one; "" if none has
 };
 
-/// A column. Throws InputError with file, line and column where a value is missing.
-Signal const& without_missing(Columns const& columns, std::string const& name);
-
 /// Rows of the equation that miss a value are skipped. Throws InputError for options or a record that do not make sense, and where
 /// the regressors are linearly dependent: the message names the order that the input can support.
 Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});

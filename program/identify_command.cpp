@@ -6,6 +6,7 @@
 
 #include <rlslab/core/files.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
@@ -140,6 +141,16 @@ struct ExcitationArguments {
     int most = 20;
     bool json = false;
 };
+
+/// A column. Throws InputError with file, line and column where a value is missing.
+Signal const& without_missing(Columns const& columns, std::string const& name) {
+    Signal const& values = columns[name];
+    auto const missing = std::ranges::find_if(values, [](double x) { return x != x; });
+    if (missing != values.end())
+        throw InputError(fmt::format("{}:{}: column \"{}\": expected a number in every row, found a missing value", columns.file,
+                                     columns.lines[size_t(missing - values.begin())], printable(name)));
+    return values;
+}
 
 int run_excitation(ExcitationArguments const& a) {
     Columns const columns = read_data({a.file, a.format}, {a.input});

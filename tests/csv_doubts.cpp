@@ -1,25 +1,10 @@
 // Files that can be read in two ways, or are no tables: refused in a line that names the remedy, unless another cell says which it is.
-#include "tests/files.hpp"
-
-#include <rlslab/model/csv.hpp>
+#include "tests/csv_texts.hpp"
 
 #include <gtest/gtest.h>
 
 namespace rlslab {
 namespace {
-
-using files::Folder, files::message_of;
-using Names = std::vector<std::string>;
-using Numbers = std::vector<double>;
-
-Columns read(std::string const& text, Names const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return read_columns(folder.file(text), asked, format);
-}
-std::string refusal(std::string const& text, Names const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
-}
 
 // --- a point that may stand between thousands -------------------------------------------------------------------------------
 

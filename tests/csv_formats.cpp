@@ -1,7 +1,5 @@
 // Separators and decimal marks are found out, or given. A file that can be read in two ways is refused in a line that names the remedy.
-#include "tests/files.hpp"
-
-#include <rlslab/model/csv.hpp>
+#include "tests/csv_texts.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,19 +10,6 @@
 
 namespace rlslab {
 namespace {
-
-using files::Folder, files::message_of;
-using Names = std::vector<std::string>;
-using Numbers = std::vector<double>;
-
-Columns read(std::string const& text, Names const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return read_columns(folder.file(text), asked, format);
-}
-std::string refusal(std::string const& text, Names const& asked, CsvFormat format = {}) {
-    Folder const folder;
-    return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
-}
 
 // --- decimal commas -------------------------------------------------------------------------------------------------------
 
