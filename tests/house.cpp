@@ -243,7 +243,7 @@ TEST(House, EveryFileSaysWhatItIs) {
     for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;
 }
 
-/// Private words that the field has a word for: their old -> new is in CHANGELOG.md.
+/// Private words that the field has a word for: their old -> new is in docs/history.md.
 std::vector<std::string> private_words(std::string const& code) {
     static std::regex const words(
         "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
