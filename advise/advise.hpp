@@ -65,7 +65,7 @@ struct Advice {
 Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress = {});
 
 /// The advice as text, and as JSON.
-std::string as_text(Advice const& advice, bool colour);
+std::string as_text(Advice const& advice, bool colour, size_t columns = 0);
 std::string as_json(Advice const& advice);
 
 }  // namespace rlslab

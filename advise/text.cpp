@@ -80,18 +80,19 @@ std::string paste(Advice const& a) {
                                .output_exponent = t.output_exponent});
 }
 
-std::string paragraph(std::string const& text) { return wrapped(text, 0, 4, text_width) + "\n"; }
-std::string line(std::string const& head, std::string const& text) {
-    return "  " + head + std::string(12 - head.size(), ' ') + wrapped(text, 14, 14, text_width) + "\n";
-}
-
 }  // namespace
 
-std::string as_text(Advice const& a, bool colour) {
+std::string as_text(Advice const& a, bool colour, size_t columns) {
+    size_t const width = columns > 0 ? std::clamp<size_t>(columns, 40, text_width) : text_width;
+    auto const paragraph = [width](std::string const& text) { return wrapped(text, 0, 4, width) + "\n"; };
+    auto const line = [width](std::string const& head, std::string const& text) {
+        return "  " + head + std::string(12 - head.size(), ' ') + wrapped(text, 14, 14, width) + "\n";
+    };
     Comparison const& last = a.tried.back().comparison;
-    std::string out = fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter\n", last.model.file,
-                                  last.rows, last.skipped > 0 ? fmt::format(" ({} with missing values left out)", last.skipped) : "",
-                                  last.size, last.size == 1 ? "" : "s", a.options.forgetting, a.options.digits);
+    std::string out =
+        paragraph(fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter", last.model.file,
+                              last.rows, last.skipped > 0 ? fmt::format(" ({} with missing values left out)", last.skipped) : "", last.size,
+                              last.size == 1 ? "" : "s", a.options.forgetting, a.options.digits));
     out += paragraph(
         "digits: those in which a filter agrees with the least-squares solution for these data; how well the data determine that is "
         "another question");
@@ -112,7 +113,7 @@ std::string as_text(Advice const& a, bool colour) {
     out += line("along",
                 fmt::format("{} digits at nine tenths of the checkpoints, against the solution there with this prior; never broke down",
                             digits_text(k.along)));
-    if (k.result->runs > 1) out += line("runs", "orders of the rows, or draws of the rounding");
+    if (k.result->runs > 1) out += line("runs", "each with the rows in another order, or with other draws of the rounding");
     out += line("costs", fmt::format("{} operations a row", *k.result->operations));
     out += line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal(*t), ", ")));
     out += line("scaling", scaling_text(*t));
@@ -123,7 +124,9 @@ std::string as_text(Advice const& a, bool colour) {
             others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()), *other.result->operations));
     out += line("also", others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
     std::string const text = paste(a);
-    return out + (text.empty() ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic) : "\n" + text);
+    return out + (text.empty()  ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
+                  : columns > 0 ? "\n" + folded(text, width)
+                                : "\n" + text);
 }
 
 std::string as_json(Advice const& a) {

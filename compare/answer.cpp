@@ -92,6 +92,24 @@ std::string verdict(Comparison const& c, size_t width) {
     return out;
 }
 
+std::string folded(std::string const& code, size_t width) {
+    std::string out;
+    for (size_t begin = 0, end; begin < code.size(); begin = end + 1) {
+        end = std::min(code.find('\n', begin), code.size());
+        std::string line = code.substr(begin, end - begin);
+        bool const comment = line.starts_with("//");
+        while (comment && code.compare(end, 6, "\n//   ") == 0) {
+            size_t const from = code.find_first_not_of(' ', end + 3);
+            begin = from, end = std::min(code.find('\n', from), code.size());
+            line += ' ' + code.substr(begin, end - begin);
+        }
+        line = wrapped(line, 0, comment ? 0 : 4, width - (comment ? 5 : 0));
+        for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1)) line.insert(at + 1, "//   ");
+        out += line + '\n';
+    }
+    return out;
+}
+
 Recommendation const* coded(Comparison const& c) {
     for (auto const& [name, type] : hardware)
         for (Recommendation const& r : c.recommendations)

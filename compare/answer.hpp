@@ -27,5 +27,7 @@ struct CodedFilter {
 std::string code(Comparison const& comparison, CodedFilter const& filter);
 /// Of the recommended one; "" when coded() is null.
 std::string code(Comparison const& comparison);
+/// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as one.
+std::string folded(std::string const& code, size_t width);
 
 }  // namespace rlslab

@@ -92,20 +92,6 @@ std::string theta_text(Comparison const& c, size_t width) {
     return out + (wide ? "" : "digits cut off, not rounded: --json has 30\n");
 }
 
-/// Code in narrower lines: broken at blanks, a comment goes on as one.
-std::string folded(std::string const& code, size_t width) {
-    std::string out;
-    for (size_t begin = 0, end; begin < code.size(); begin = end + 1) {
-        end = code.find('\n', begin);
-        std::string line = code.substr(begin, end - begin);
-        bool const comment = line.starts_with("//");
-        line = wrapped(line, 0, comment ? 0 : 4, width - (comment ? 5 : 0));
-        for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1)) line.insert(at + 1, "//   ");
-        out += line + '\n';
-    }
-    return out;
-}
-
 std::string indented(std::string const& text) {
     std::string out;
     for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {

@@ -290,7 +290,7 @@ void advise_of_residuals(Identified& m) {
                      past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
                                   : "the standard deviations of the estimate do not hold",
                      m.followed.empty() ? "; they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes "
-                                          "it up), or an input is missing"
+                                          "it up), or an input is missing (a further column of the file?)"
                                         : ""),
          more_terms(o)});
 }

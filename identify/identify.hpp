@@ -138,7 +138,7 @@ struct Identified {
 /// the regressors are linearly dependent: the message names the order that the input can support.
 Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});
 
-std::string as_table(Identified const& model);
+std::string as_table(Identified const& model, size_t columns = 0);
 std::string as_json(Identified const& model);
 std::string as_page(Identified const& model);
 

@@ -61,13 +61,10 @@ std::string arithmetic_line(Identified const& m) {
     if (m.failure)
         return fmt::format("arithmetic: {} broke down after row {} ({}); {}", m.options.variant, m.failure->row,
                            m.failure->kind == "indefinite" ? "P not positive definite" : "not finite", kappa);
-    return fmt::format("arithmetic: {} kept {} of the certified minimiser's 15.9 digits ({} of its worst component's); {}",
+    return fmt::format("arithmetic: {} agrees with the certified minimiser in {} of 15.9 digits ({} in its worst component); {}",
                        m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
                        number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
 }
-
-/// A line, or several of which all but the first are indented.
-std::string in_lines(std::string const& text) { return wrapped(text, 0, 4, 120) + '\n'; }
 
 }  // namespace
 
@@ -149,27 +146,30 @@ std::vector<std::string> result_lines(Identified const& m) {
     return out;
 }
 
-std::string as_table(Identified const& m) {
-    std::string out = printable(m.file, 200) + ": ";
-    for (std::string const& words : data_lines(m)) out += words + '\n';
-    for (std::string const& words : input_lines(m)) out += words + '\n';
+std::string as_table(Identified const& m, size_t columns) {
+    size_t const width = columns > 0 ? std::clamp<size_t>(columns, 40, 120) : 120;
+    auto const in_lines = [width](std::string const& text) { return wrapped(text, 0, 4, width) + '\n'; };
+    auto const on_a_terminal = [&](std::string const& text) { return columns > 0 ? in_lines(text) : text + '\n'; };
+    std::string out, file = printable(m.file, 200) + ": ";
+    for (std::string const& words : data_lines(m)) out += on_a_terminal(file + words), file.clear();
+    for (std::string const& words : input_lines(m)) out += on_a_terminal(words);
     for (std::string const& warning : m.warnings()) out += in_lines("warning: " + warning);
-    for (std::string const& words : order_lines(m)) out += '\n' + words;
+    for (std::string const& words : order_lines(m)) out += '\n' + on_a_terminal(words), out.pop_back();
     size_t name = 9, of = 4;
     for (Parameter const& p : m.parameters) name = std::max(name, printable(p.name).size()), of = std::max(of, p.of.size());
     if (!structure_given(m.options) && !m.choice.fits.empty()) {
-        out += "\n\n  order  parameters        AIC        BIC        FPE  residuals white: p  held out, one step\n";
+        out += "\n\n  order  parameters        AIC        BIC        FPE  white: p  held out\n";
         for (OrderFit const& fit : m.choice.fits)
-            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ', fit.order,
+            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n", fit.order == m.order ? '*' : ' ', fit.order,
                                fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3),
                                number_text(fit.ljung_box, 2), percent(fit.held_out));
         out.pop_back();
     }
-    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>14} {:>12}   {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd",
+    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>12} {:>9}  {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd",
                        100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
-        out += fmt::format("  {:<{}}  {:<{}} {:>14} {:>12}   {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6),
-                           number_text(p.sd, 2), number_text(p.lower, 5), number_text(p.upper, 5));
+        out += fmt::format("  {:<{}}  {:<{}} {:>12} {:>9}  {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6),
+                           number_text(p.sd, 2), number_text(p.lower, 4), number_text(p.upper, 4));
     out += '\n';
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;

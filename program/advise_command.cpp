@@ -21,7 +21,7 @@ int run_advise(AdviseArguments const& a) {
     Question const question = question_of(a.record);
     Advice advice = advise(question.records, options, progress_after_a_second("advising"));
     for (Tried& t : advice.tried) t.comparison.model = question.model;
-    print(a.json ? as_json(advice) : as_text(advice, colour()));
+    print(a.json ? as_json(advice) : as_text(advice, colour(), terminal_columns()));
     return advice.chosen() ? 0 : 1;
 }
 

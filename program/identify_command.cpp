@@ -82,7 +82,7 @@ int run_identify(IdentifyArguments a) {
         }
         written += "\n";
     }
-    print(a.json ? as_json(model) : as_table(model) + written);
+    print(a.json ? as_json(model) : as_table(model, terminal_columns()) + written);
     return model.failure || (model.tracked && model.tracked->broken > 0) ? 1 : 0;
 }
 

@@ -33,6 +33,17 @@ TEST(Citations, AreLookedForInAllRoomsAndFound) {
     EXPECT_GE(tree().pages.at("docs/literature.md").sources.size(), 70u);
 }
 
+/// The fifteen questions stand on two pages, with one status each.
+TEST(Citations, AnswersHaveOneStatus) {
+    std::string const of = flattened(tree().texts.at("docs/questions.md")), table = tree().texts.at("docs/literature.md");
+    for (int k = 1; k <= 15; ++k) {
+        std::smatch answer, row;
+        ASSERT_TRUE(std::regex_search(of, answer, std::regex("\\*\\*" + std::to_string(k) + "\\. [^*]*\\*\\* (In part)?")));
+        ASSERT_TRUE(std::regex_search(table, row, std::regex("\n\\| " + std::to_string(k) + " \\| [^|]* \\| (answered|in part): ")));
+        EXPECT_EQ(row[1] == "in part", answer[1].matched) << k;
+    }
+}
+
 /// What is planted has a ~ where the tree's own check would find it in this file.
 std::string planted(char const* text) { return replaced(text, "~", ""); }
 struct Planted {

@@ -275,7 +275,7 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
               fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
     EXPECT_EQ(
         line_of(flat, "arithmetic: "),
-        fmt::format("arithmetic: ud kept {:.3g} of the certified minimiser's 15.9 digits ({:.3g} of its worst component's); kappa = {:.3g}",
+        fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its worst component); kappa = {:.3g}",
                     std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
     auto const largest = [](Signal const& r, size_t first) {
         size_t at = first;

@@ -1,8 +1,9 @@
-// The costs in the README's table and in the variants' docstrings are those that the Counted scalar measures.
+// The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted scalar measures.
 #include "catalogue/catalogue.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <regex>
@@ -12,32 +13,50 @@
 namespace rlslab {
 namespace {
 
-std::string row(Entry const& entry) {
+std::string operations(Entry const& entry, Index d) {
+    auto const count = cost(entry.variant, d);
+    return count ? std::to_string(count->total()) : "–";
+}
+/// The start of the row in README, with the operations at d = 10.
+std::string short_row(Entry const& entry) {
     std::ostringstream out;
-    out << "| `" << entry.variant << "` | " << entry.propagates << " | ";
-    for (Index d : {4, 10, 32}) {
-        auto const count = cost(entry.variant, d);
-        out << (count ? std::to_string(count->total()) : "–") << " | ";
-    }
-    out << (entry.starts_without_prior ? "yes" : "no") << " |";
+    out << "| `" << entry.variant << "` | " << entry.propagates << " | " << operations(entry, 10) << " | "
+        << (entry.starts_without_prior ? "yes" : "no") << " | ";
     return out.str();
 }
+/// The row in docs/compare.md.
+std::string long_row(Entry const& entry) {
+    std::ostringstream out;
+    out << "| `" << entry.variant << "` | " << entry.propagates << " | ";
+    for (Index d : {4, 10, 32}) out << operations(entry, d) << " | ";
+    out << (entry.starts_without_prior ? "yes" : "no") << " |\n";
+    return out.str();
+}
+std::string text_of(char const* page) {
+    std::ifstream file(RLSLAB_SOURCE_DIR + std::string(page));
+    return {std::istreambuf_iterator<char>(file), {}};
+}
 
-TEST(Readme, TheTableOfVariantsIsMeasured) {
-    std::ifstream file(RLSLAB_SOURCE_DIR "/README.md");
-    std::string const text{std::istreambuf_iterator<char>(file), {}};
+TEST(Readme, TheTablesOfVariantsAreMeasured) {
+    std::string const readme = text_of("/README.md"), compare = text_of("/docs/compare.md");
     std::set<std::string_view> seen;
     for (Entry const& entry : catalogue())
         if (seen.insert(entry.variant).second) {
-            EXPECT_NE(text.find("\n" + row(entry) + "\n"), std::string::npos) << "expected the row\n" << row(entry);
+            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n" << short_row(entry);
+            EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos) << "expected in docs/compare.md the row\n"
+                                                                               << long_row(entry);
         }
+}
+/// What a reader takes in at once.
+TEST(Readme, IsOnePage) {
+    std::string const readme = text_of("/README.md");
+    EXPECT_LE(std::ranges::count(readme, '\n'), 120);
+    EXPECT_LE(readme.size(), 12 * 1024u);
 }
 
 /// "per update d^3/6 + 3.5 d^2 + O(d) multiplications" as {1/6, 3.5}; a row of a block counts as an update.
 std::array<double, 2> claimed(std::string_view variant) {
-    std::ifstream file(RLSLAB_SOURCE_DIR "/variants/" + std::string(variant) + ".hpp");
-    std::string text{std::istreambuf_iterator<char>(file), {}};
-    text = std::regex_replace(text, std::regex("\n *///"), "");
+    std::string const text = std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"), "");
     std::smatch claim;
     std::array<double, 2> out{};
     if (!std::regex_search(text, claim, std::regex("per (?:update|row) ([^:]*?) multiplications"))) return out;
