@@ -91,7 +91,7 @@ Study const asymmetry_explosion{
                .where = {{"record", {"course"}}, {"lambda", {"0.99"}}, {"variant", {"conventional", "conventional_two_sided", "joseph"}}}}},
     .claims =
         {
-            {"conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in most runs",
+            {"from P0 = I conventional breaks down at 0.6 to 1.1 of ln(1/u) / -ln lambda, in most runs",
              [](Table const& t) {
                  Table const rows = ends(t).where("variant", "conventional").where("steps", [](double k) { return k < horizon; });
                  if (rows.rows().size() != ends(t).where("variant", "conventional").rows().size())

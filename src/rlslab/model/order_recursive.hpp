@@ -22,7 +22,8 @@ struct AppendedColumn {
 ///
 /// (4) uses the residual of the order before: x'Y - g'Phi'Y is the same number, with cancellation. After a border that is not sound theta
 /// and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications for a column, N d^2 for a new fit.
-/// Loses digits as the fourth power of the condition number (study order_recursion); OrderRecursiveQr as the first.
+/// Loses digits as a power from 2 to 4 of the condition number of the columns, scaled to length 1 (docs/theory.md 46);
+/// OrderRecursiveQr as the first.
 /// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4; docs/theory.md 10.
 template <Field T>
 class OrderRecursive {
