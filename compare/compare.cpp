@@ -43,7 +43,12 @@ Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, Certi
                 std::numeric_limits<double>::quiet_NaN(),
                 std::numeric_limits<double>::quiet_NaN()};
     CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
-    if (is_forgetting_factor(problem.forgetting) && stored.records.psi.allFinite() && stored.records.y.allFinite()) {
+    out.data_in_range = stored.records.psi.allFinite() && stored.records.y.allFinite();
+    Prior<double> const& prior = *stored.problem.prior;
+    double const least = std::ldexp(1.0, arithmetic.min_exp),
+                 P0 = prior.covariance ? prior.covariance->diagonal().minCoeff() : prior.variance;
+    out.prior_subnormal = stored.in_range && P0 < least;
+    if (is_forgetting_factor(problem.forgetting) && out.data_in_range) {
         CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
         out.rank = without.rank();
         if (exact)

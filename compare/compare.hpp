@@ -82,6 +82,8 @@ struct Storage {
     std::optional<double> theta_digits;  ///< in which the exact solutions for the given data and for the stored (rounded) data agree
     double prior_bias;                   ///< of the stored problem; NaN when the prior alone makes it one
     double component_bias;               ///< likewise
+    bool data_in_range = true;           ///< whether every number of the data is finite there
+    bool prior_subnormal = false;        ///< whether an entry of P0 is below the normal numbers there: it and P would lose digits
 };
 
 /// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never broke down.

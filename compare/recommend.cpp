@@ -9,7 +9,7 @@
 namespace rlslab {
 namespace {
 
-constexpr double least_digits_of_P = 0.5;
+constexpr double least_digits_of_P = 0.5, least_digits_of_data = 0.5;
 
 std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to {:.1f})", s.median, s.low, s.high); }
 
@@ -27,11 +27,14 @@ std::string condition_text(Comparison const& c) { return fmt::format("; the cond
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
     for (Storage const& s : c.storage) {
         if (s.arithmetic != arithmetic.name) continue;
-        if (!s.in_range && s.forgetting > 0)
+        if ((!s.in_range && s.forgetting > 0) || s.prior_subnormal)
             return c.options.p0 ? "P0 leaves its range: another --p0" : "P0 leaves its range: rescale the columns, or --p0";
         if (!s.in_range) return "lambda is zero there";
+        if (!s.data_in_range) return "numbers of the data leave its range: rescale them";
         if (s.rank < c.size) return fmt::format("as stored there the regressors have rank {} of {}", s.rank, c.size);
         if (std::string const why = decided_by_prior(s.prior_bias, s.component_bias); !why.empty()) return "as stored there " + why;
+        if (s.theta_digits && *s.theta_digits < least_digits_of_data)
+            return "rounding the data to it leaves no digit of the exact theta: rescale them";
     }
     return "";
 }
@@ -88,6 +91,11 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     Recommendation out{std::string(arithmetic.name), "", decided_by_prior(c.prior_bias, c.component_bias)};
     if (!out.why.empty()) {
         out.why += c.options.p0 ? ": leave out --p0" : ": rescale the columns";
+        return out;
+    }
+    if (Index const window = c.options.composition.window; window > 0 && window < c.size) {
+        out.why = fmt::format("the prior, not the data, decides theta: {} rows do not determine {} parameters: a longer --window", window,
+                              c.size);
         return out;
     }
     std::vector<Result const*> sound;

@@ -201,10 +201,13 @@ std::string delay_option(IdentifyOptions const& o, int input, Index delay) {
 }
 
 /// "a higher order", in the options of this structure.
-std::string more_terms(IdentifyOptions const& o) {
+std::string more_terms(Identified const& m) {
+    IdentifyOptions const& o = m.options;
+    bool const below = !m.choice.fits.empty() && m.order < m.choice.fits.back().order;  // orders above it were tried
     return !o.regressors.empty() ? "more lags among the --regressors"
            : o.na                ? "a higher --na or --nb"
            : o.order             ? fmt::format("--order {}", std::min(200, 2 * o.order))
+           : below               ? fmt::format("--order {}", m.order + 1)
                                  : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
 }
 
@@ -244,12 +247,14 @@ void advise_of_outliers(Identified& m) {
         bool const rules = o.share > 0.1;  // what the others say hardly counts
         m.remarks.push_back(
             {rules ? Rank::outlier : Rank::structure,
-             fmt::format("{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the sum of squares{}. {}"
-                         "If it is wrong, empty its cell, and it is skipped; --guard reset leaves such rows out as they come",
-                         row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share, o.held_out ? " there" : "",
-                         !rules       ? ""
-                         : o.held_out ? "The held-out fit says little. "
-                                      : "Do not believe the estimate, nor that residuals pass for white. "),
+             fmt::format(
+                 "{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the sum of squares{}. {}"
+                 "If it is wrong, or a row just before it, empty that cell, and it is skipped; --guard reset leaves such rows out as they "
+                 "come",
+                 row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share, o.held_out ? " there" : "",
+                 !rules       ? ""
+                 : o.held_out ? "The held-out fit says little. "
+                              : "Do not believe the estimate, nor that residuals pass for white. "),
              fmt::format("look at {}{}", row, m.tracked ? "" : "; --guard reset leaves it out")});
     }
 }
@@ -271,14 +276,19 @@ void advise_of_residuals(Identified& m) {
         for (Term const& t : m.terms)
             if (t.input == f.input) first = std::min<Index>(first, t.lag), last = std::max<Index>(last, t.lag);
         bool const late = o.regressors.empty() && (f.begins < first || f.begins > last);
-        std::string const remedy = late ? delay_option(o, f.input, f.begins) : more_terms(o);
+        std::string const remedy = late ? delay_option(o, f.input, f.begins) : more_terms(m);
         m.remarks.push_back(
             {late ? Rank::delay : Rank::order,
              fmt::format(
                  "the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones stay within {:.2g}: the "
                  "estimate is biased, and its standard deviations do not hold. {}: {}",
                  name, f.correlation, f.lag, f.bound,
-                 late ? fmt::format("{} acts from lag {} on", name, f.begins) : "More of its past is needed, or the system is not linear",
+                 late ? fmt::format("{} acts from lag {} on{}", name, f.begins,
+                                    f.begins == 0 && first > 0
+                                        ? ", or it is made from the output of the same row (a controller: then no delay "
+                                          "is missing, and least squares is biased)"
+                                        : "")
+                      : "More of its past is needed, or the system is not linear",
                  remedy),
              remedy});
     }
@@ -286,16 +296,20 @@ void advise_of_residuals(Identified& m) {
     bool const past_outputs = std::ranges::any_of(m.terms, [](Term const& t) { return t.input == -1; });
     m.remarks.push_back(
         {Rank::whiteness,
-         fmt::format("the residuals are not white (p = {:.2g}): {}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
-                     past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
-                                  : "the standard deviations of the estimate do not hold",
-                     m.followed.empty() ? "; they do not follow the inputs: the noise has dynamics of its own (a higher order or na takes "
-                                          "it up), or an input is missing (a further column of the file?)"
-                                        : ""),
-         more_terms(o)});
+         fmt::format(
+             "the residuals are not white (p = {:.2g}): {}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
+             past_outputs ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                          : "the standard deviations of the estimate do not hold",
+             m.followed.empty() && !o.inputs.empty()
+                 ? fmt::format("; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher order or na "
+                               "takes it up), an input is missing (a further column of the file?), or one acts later (--delay)",
+                               m.ljung_box.lags)
+                 : ""),
+         more_terms(m)});
 }
 
-/// A warning is given if the residuals of the held-out part are more than this times those of the fit.
+/// A warning is given if the one-step errors of the held-out part are more than this times those of the fitted one, both by root mean
+/// square and as a part of y's spread. (Where y wanders its spread is another in each part.)
 constexpr double falls_by = 1.5;
 
 void advise_of_held_out(Identified& m) {
@@ -315,7 +329,7 @@ void advise_of_held_out(Identified& m) {
                          std::isfinite(m.held_out_simulated) ? fmt::format("{:.3g} %", m.held_out_simulated)
                                                              : "the simulation grows beyond all numbers"),
              "use it for prediction only"});
-    else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step))
+    else if (100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step) && m.held_out_error > falls_by * m.fit_error)
         m.remarks.push_back({Rank::held_out,
                              fmt::format("one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or "
                                          "its level changed, or the order is too high",
@@ -330,8 +344,8 @@ void advise(Identified& m, int most) {
     bool const chosen = !structure_given(o), at_limit = chosen && m.order == most;
     if (at_limit && most == o.max_order)
         m.remarks.push_back({Rank::order,
-                             fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(o)),
-                             more_terms(o)});
+                             fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(m)),
+                             more_terms(m)});
     else if (at_limit)
         m.remarks.push_back(
             {Rank::order,

@@ -91,6 +91,14 @@ double fit_of(Signal const& y, Signal const& predicted, Index begin, Index end) 
     return measured.empty() ? nan : fit_percent(map(measured), map(there));
 }
 
+/// Of those that are there.
+double rms_of(Signal const& x, Index begin, Index end) {
+    double sum = 0, there = 0;
+    for (size_t k = size_t(begin); k < size_t(end); ++k)
+        if (!std::isnan(x[k])) sum += x[k] * x[k], ++there;
+    return there > 0 ? std::sqrt(sum / there) : 0;
+}
+
 /// Correlation of the residuals with x, scaled by both powers.
 Signal scaled_correlation(Signal const& eps, Signal const& x, Index lags) {
     Signal out = correlation(eps, x, lags);
@@ -104,6 +112,28 @@ Signal present(Signal const& x, Index first, Index end) {
     Signal out(x.begin() + first, x.begin() + end);
     std::ranges::replace_if(
         out, [](double v) { return std::isnan(v); }, 0.0);
+    return out;
+}
+
+/// The value of u farthest from the others' mean, in their standard deviations.
+struct Spike {
+    Index row = 0;  ///< of the record, from 1
+    double deviations = 0;
+};
+Spike largest_spike(Signal const& u, Index fitted) {
+    double sum = 0, count = 0;
+    for (Index k = 0; k < fitted; ++k)
+        if (double const x = u[size_t(k)]; !std::isnan(x)) sum += x, ++count;
+    Spike out;
+    double most = 0, squares = 0;
+    for (Index k = 0; k < fitted; ++k)
+        if (double const off = u[size_t(k)] - sum / count; !std::isnan(off)) {
+            squares += off * off;
+            if (std::abs(off) > most) most = std::abs(off), out.row = k + 1;
+        }
+    // Without it the mean moves by most / (count - 1), and the squares lose it.
+    double const others = squares - most * most * count / (count - 1);
+    if (count > 2) out.deviations = others > 0 ? most * count / (count - 1) / std::sqrt(others / (count - 2)) : 0;
     return out;
 }
 
@@ -128,7 +158,14 @@ Index supported_order(Identified& out, std::vector<Signal> const& as_read, Index
                                             name, e.order, e.order - 1)
                               : fmt::format("input {} is exciting of order {} only", name, e.order),
                  "a richer input"});
-        } else if (e.persistent < coefficients[j])
+        } else if (auto const spike = largest_spike(as_read[j], fitted); e.persistent < coefficients[j] && spike.deviations > 10)
+            out.remarks.push_back(
+                {Remark::Rank::outlier,
+                 fmt::format("one value of input {}, in row {}, is {:.2g} standard deviations of the others off their mean, and the "
+                             "estimate rests on the rows that have it. If it is wrong, empty its cell, and it is skipped",
+                             name, spike.row, spike.deviations),
+                 fmt::format("look at row {}", spike.row)});
+        else if (e.persistent < coefficients[j])
             out.remarks.push_back(
                 {Remark::Rank::excitation,
                  fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise there decides them. An "
@@ -204,6 +241,7 @@ void predict(Identified& out, Data const& data, Rows const& rows, Vector<double>
         if (std::isnan(predicted[k])) measured[k] = nan;
     out.fit_one_step = fit_of(measured, predicted, first, begin);
     out.held_out_one_step = fit_of(measured, predicted, begin, out.samples);
+    out.fit_error = rms_of(residuals, first, begin), out.held_out_error = rms_of(residuals, begin, out.samples);
     Signal const free = simulate_from(out.model, data.inputs, data.y, first);
     if (out.held_out > first && inputs > 0) {  // simulated from its own first outputs
         auto const tail = [&](Signal const& x) { return Signal(x.begin() + begin - first, x.end()); };

@@ -116,6 +116,7 @@ struct Identified {
     bool noise_free;                                             ///< the least squares leave rounding alone
     double aic, bic, fpe;                                        ///< of the model as fitted, lambda = 1; else NaN
     double fit_one_step, held_out_one_step, held_out_simulated;  ///< percent; NaN: not known
+    double fit_error = 0, held_out_error = 0;                    ///< one step ahead, root mean square; in the unit of y
     LjungBox ljung_box;                                          ///< of the residuals over the fitted rows
     Signal auto_correlation;                                     ///< r_0 = 1, r_1 ... of the residuals
     std::vector<Signal> cross_correlation;                       ///< of residuals and each input, lags 0 ...

@@ -169,7 +169,7 @@ std::string as_table(Identified const& m, size_t columns) {
                        100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
         out += fmt::format("  {:<{}}  {:<{}} {:>12} {:>9}  {} ... {}\n", printable(p.name), name, p.of, of, number_text(p.value, 6),
-                           number_text(p.sd, 2), number_text(p.lower, 4), number_text(p.upper, 4));
+                           number_text(p.sd, 2), number_text(p.lower, 5), number_text(p.upper, 5));
     out += '\n';
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;

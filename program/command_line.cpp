@@ -102,7 +102,9 @@ struct CommandLine {
         if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
         if (std::error_code no_file; &misled == &app && std::filesystem::is_regular_file(word, no_file))
             throw InputError(
-                fmt::format("\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify", printable(word)));
+                fmt::format("\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
+                            "if it is a filter's state",
+                            printable(word, 1000)));
         if (&misled == &app) expect_one_of(views(names()), word, "", "command");
         throw InputError(fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
     }

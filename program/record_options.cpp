@@ -52,9 +52,10 @@ void take_record(CLI::App& command, RecordArguments& a) {
 }
 
 void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
-    static constexpr std::pair<std::string_view, char const*> others[] = {{"half", "binary16"}, {"single", "float"},   {"fp32", "float"},
-                                                                          {"f32", "float"},     {"binary32", "float"}, {"fp64", "double"},
-                                                                          {"f64", "double"},    {"binary64", "double"}};
+    static constexpr std::pair<std::string_view, char const*> others[] = {
+        {"half", "binary16"},    {"single", "float"},  {"fp32", "float"},   {"f32", "float"},
+        {"binary32", "float"},   {"fp64", "double"},   {"f64", "double"},   {"binary64", "double"},
+        {"float16", "binary16"}, {"fp16", "binary16"}, {"f16", "binary16"}, {"bf16", "bfloat16"}};
     take_names(command, "--arithmetic", into, help)
         ->transform(CLI::Validator(
             [](std::string& name) {

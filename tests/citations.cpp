@@ -101,7 +101,7 @@ TEST(Citations, OfEveryFormThatIsTrueAreTaken) {
           Planted{"studies/a.cpp", "docs/theory.md 28, laws i and ii; docs/literature.md 5, question 8 (Norris)", ""},
           Planted{"src/a.hpp", "Golub 1965; Demmel et al. 2012; Yang & Böhme 1992; Läuchli 1961; made in November 2026", ""},
           Planted{"docs/speed.md", "[docs/theory.md 7](theory.md#7), [3.1](literature.md#3.1), `[](double x)`", ""},
-          Planted{"docs/speed.md", "[x](../README.md#the-variants), [y](#missed-by-how-much-and-what-bounds-it)", ""},
+          Planted{"docs/speed.md", "[x](../README.md#choose-a-variant), [y](#missed-by-how-much-and-what-bounds-it)", ""},
           Planted{"README.md", "[a folder](variants), [page](docs/theory.md#corrections), <https://example.org>, `out/report.md`", ""},
           Planted{"README.md", "`<rlslab/variants/ud.hpp>`. One file, `variants/averaged.hpp`. `citations.hpp`", ""},
           Planted{"docs/speed.md", "Tests: `Citations.OfEveryFileResolve`, `Citations.*`. Studies: `nist` (also `ud`).", ""},

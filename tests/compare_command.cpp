@@ -3,6 +3,7 @@
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <array>
@@ -97,6 +98,9 @@ TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {
     EXPECT_EQ(arithmetics(compared(plain + "half,single,fp64")), (std::set<std::string>{"binary16", "float", "double"}));
     for (std::string const name : {"fp32", "f32", "binary32"})
         EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"float"});
+    for (std::string const name : {"fp16", "f16", "float16"})
+        EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"binary16"});
+    EXPECT_EQ(arithmetics(compared(plain + "bf16")), std::set<std::string>{"bfloat16"});
     for (std::string const name : {"f64", "binary64"}) EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
     EXPECT_THAT(shell("rlslab advise two.csv --regressors u --output y --intercept --arithmetic f32").out, HasSubstr(" in float"));
 }
@@ -176,6 +180,20 @@ TEST_F(CompareCommand, AnswersInAnyUnits) {
 }
 
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
+/// A slope beside a constant 10^9 times as large: the prior must not decide it.
+TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
+    std::string small = "u,y\n", tiny = small;
+    for (int k = 0; k < 100; ++k) {
+        double const u = (k * 37 % 101) / 50.0 - 1, e = (k * 53 % 97) / 970.0;
+        small += fmt::format("{},{}\n", u, 2 * u + e + 1e9), tiny += fmt::format("{},{:.3e}\n", u, (2 * u + e) * 1e-46);
+    }
+    write("small.csv", small), write("tiny.csv", tiny);
+    json const out = compared("small.csv --regressors u --output y --intercept --arithmetic double");
+    EXPECT_LE(out["reference"]["component_bias"].get<double>(), 0.01);
+    EXPECT_GE(out["reference"]["agreement"][1].get<double>(), 2);
+    EXPECT_THAT(text("tiny.csv --regressors u --output y --intercept --arithmetic float"),
+                HasSubstr("too short for this record: rounding the data to it leaves no digit of the exact theta"));
+}
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
         "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";

@@ -259,10 +259,28 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     EXPECT_EQ(why(s), "P0 leaves its range: rescale the columns, or --p0");
     s.forgetting = 0;
     EXPECT_EQ(why(s), "lambda is zero there");
+    s = good, s.prior_subnormal = true;
+    EXPECT_EQ(why(s), "P0 leaves its range: rescale the columns, or --p0");
+    s = good, s.data_in_range = false, s.rank = 0;
+    EXPECT_EQ(why(s), "numbers of the data leave its range: rescale them");
+    s = good, s.theta_digits = 0.4;
+    EXPECT_EQ(why(s), "rounding the data to it leaves no digit of the exact theta: rescale them");
     s = good, s.prior_bias = 0.0101;
     EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
     s.prior_bias = std::nan("");
     EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
+}
+
+TEST(Recommendation, NoneInAWindowThatDoesNotDetermineTheParameters) {
+    Made m;
+    m.add("it", {13, 14, 15});
+    Comparison c = m.comparison();
+    c.options.composition.window = 3;
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
+    c.options.composition.window = 2;
+    EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
+    EXPECT_EQ(recommend(m.arithmetic, c).why,
+              "the prior, not the data, decides theta: 2 rows do not determine 3 parameters: a longer --window");
 }
 
 TEST(Spread, IsTheTenthHalfAndNinetyPercentPoint) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace rlslab {
 namespace {
 
@@ -28,12 +30,25 @@ TEST(PointOrThousands, IsRefusedWhereAnyColumnHasADecimalComma) {
 TEST(PointOrThousands, IsRefusedWhereASemicolonSeparatesAndNothingSaysWhich) {
     std::string const why = "data.csv:3: column 1 (u): \"1.000\"" + or_point + "no number says which" + way_out;
     EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n1.001;3\n", {"u"}), why);
-    EXPECT_EQ(refusal("u;y\n999;1.234.567\n1.000;2\n", {"u"}), why) << "of a number that is not asked for";
+    EXPECT_EQ(refusal("u;y\n999;1.234\n1.000;2\n", {"u"}), why) << "of a number that is not asked for";
     EXPECT_EQ(read("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = '.'})["u"], (Numbers{999, 1}));
     EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = ','}),
               "data.csv:3: column 1 (u): expected a decimal comma, found \"1.000\"");
     EXPECT_EQ(refusal("u;y\n1,234;1\n1.234;2\n", {"u"}),
               "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
+}
+/// Of cells that are no numbers to be read, in columns that are not asked for.
+TEST(PointOrThousands, IsRefusedWhereANumberWithThousandsOrAUnitShowsTheComma) {
+    for (std::string const separator : {"\t", ";"})
+        for (std::string const shown : {"1.353,27", "-1.353,27", "1.234.567,5", "15,7 %", "3,25°C"})
+            EXPECT_EQ(refusal("u" + separator + "t\n1.047" + separator + shown + "\n", {"u"}),
+                      "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"" + shown + "\" in line 2 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal("u\tt\n1.047\t1.234.567\n", {"u"}),
+              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.234.567\" in line 2 has points between thousands" + way_out);
+    EXPECT_EQ(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}),
+              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.353,27\" in line 2 has a decimal comma" + way_out);
+    for (std::string const shows_nothing : {"1.2.3", "12.03.2024", "192.168.0.1", "a,b", "1,2,3", "12:30", "1.234 kg", "3.5 %"})
+        EXPECT_EQ(read("u\tt\n1.047\t" + shows_nothing + "\n", {"u"})["u"], (Numbers{1.047})) << shows_nothing;
 }
 TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
     EXPECT_EQ(read("u;y\n1.000;1\n2.5;2\n", {"u"})["u"], (Numbers{1, 2.5}));
@@ -50,6 +65,17 @@ TEST(CommaOrThousands, AnyColumnShowsWhich) {
     EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u"}),
               "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in line 2 has a decimal "
               "point (--decimal , if it is the former)");
+}
+
+// --- blank lines in a file of one column --------------------------------------------------------------------------------------
+
+TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
+    Columns const data = read("u\n1\n\n2\n   \n\n3\n\n", {"u"});
+    EXPECT_EQ(data.lines, (std::vector<long>{2, 3, 4, 5, 6, 7}));
+    Numbers const u = data["u"];
+    for (size_t k = 0; k < u.size(); ++k) EXPECT_EQ(std::isnan(u[k]), k == 1 || k == 3 || k == 4) << k;
+    EXPECT_EQ(read("u,v\n1,1\n\n2,2\n", {"u"})["u"], (Numbers{1, 2})) << "of two columns a row would have a separator";
+    EXPECT_EQ(read("u\n\n1\n2\n", {"u"})["u"], (Numbers{1, 2})) << "above the first row";
 }
 
 // --- a first row of numbers and text ------------------------------------------------------------------------------------------

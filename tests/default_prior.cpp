@@ -63,7 +63,7 @@ double component_bias(Records const& r, Vector<double> const& s, double c, doubl
     for (Index i = 0; i < 2; ++i) {
         Rational const change = with[i] - without[i];
         out = std::max(out, std::abs(static_cast<double>(change)) /
-                                std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, -20) / s[i]));
+                                std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, without[i] == 0 ? -20 : -40) / s[i]));
     }
     return out;
 }

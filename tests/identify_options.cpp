@@ -275,7 +275,8 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
               fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
     EXPECT_EQ(
         line_of(flat, "arithmetic: "),
-        fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its worst component); kappa = {:.3g}",
+        fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its worst component); kappa = "
+                    "{:.3g}",
                     std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
     auto const largest = [](Signal const& r, size_t first) {
         size_t at = first;
@@ -360,7 +361,7 @@ TEST_F(Options, EveryOrderThatWasTriedHasItsLine) {
     ASSERT_EQ(m.choice.fits.size(), 5u);
     for (OrderFit const& fit : m.choice.fits)
         EXPECT_THAT(text,
-                    HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>18}  {:>18}\n", fit.order == m.order ? '*' : ' ',
+                    HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n", fit.order == m.order ? '*' : ' ',
                                           fit.order, fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5),
                                           number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), fmt::format("{:.2f} %", fit.held_out))));
 }

@@ -70,6 +70,21 @@ Record closed_loop(double gain, double dither) {
     }
     return {{"u", "y"}, {u, y}};
 }
+/// u[k] = dither - 0.5 y[k]: the controller acts on the output of the same row.
+Record direct_feedback() {
+    Signal const e = white(N, 5, 0.1), w = white(N, 6, 0.02);
+    Signal u(static_cast<size_t>(N), 0.0), y = u;
+    for (size_t k = 1; k < y.size(); ++k) {
+        y[k] = 0.9 * y[k - 1] + u[k - 1] + e[k];
+        u[k] = w[k] - 0.5 * y[k];
+    }
+    return {{"u", "y"}, {u, y}};
+}
+/// y = y[k-1] + u[k-1] + e: another spread in each part of the record.
+Record integrator() {
+    Signal const e = white(N, 3, 0.1);
+    return {{"u", "y"}, {random_input(), simulate({.a = {-1}, .b = {{0, 1}}, .delay = 0, .c = 0}, {random_input()}, e)}};
+}
 Record regression(Signal const& a, Signal const& b, Signal const& c, std::string format = "{}") {
     return {{"a", "b", "c", "y"}, {a, b, c, plus(plus(a, b, -1), white(N, 9, 0.1))}, std::move(format)};
 }
@@ -188,6 +203,13 @@ std::vector<System> systems() {
          arx(),
          {"row 301 (line 302) is", "standard deviations off"},
          {"Do not believe the estimate"}},
+        {"outlier_of_the_input",
+         with(first_order(random_input(), 0.1), 0, [](Signal& u) { u[200] = 100; }),
+         arx({.order = 1}),
+         {"one value of input u, in row 201, is", "next: look at row 201"},
+         {"rest on a few rows"}},
+        {"integrator", integrator(), arx({.order = 1}), {}, {"its level changed"}},
+        {"a_controller_in_the_same_row", direct_feedback(), arx({.order = 1, .delay = {1}}), {"made from the output of the same row"}, {}},
         {"outlier_emptied", with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] = NAN; }), arx(), {nothing_wrong}, {}},
         // Regressors that depend on one another.
         {"collinear",

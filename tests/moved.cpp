@@ -1,12 +1,16 @@
 // A filter that was moved from has no size: it refuses every row, and may be assigned to. What is around one refuses with it.
 #include <rlslab/adapt/assessed.hpp>
+#include <rlslab/adapt/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
+
+#include <limits>
 
 namespace rlslab {
 namespace {
@@ -59,6 +63,30 @@ TEST(MovedFrom, WhatIsAroundAFilterRefusesRowsUntilItIsAssignedTo) {
     check_composed<Weighted<F>>("weights");
     check_composed<Assessed<F>>("assessed");
     check_composed<Relay<Symmetric<double>, F>>("relay");
+}
+
+TEST(MovedFrom, AFleetHasNoFilters) {
+    using F = Fleet<Ud<Pack<double, 4>>>;
+    F a(5, {.size = 2});
+    Matrix<double> const psi = Matrix<double>::Constant(5, 2, 1.0);
+    Vector<double> const y = Vector<double>::Constant(5, 2.0);
+    a.update(psi, y);
+    F b = std::move(a);
+    EXPECT_EQ(a.filters(), 0);  // NOLINT: what is tested
+    EXPECT_THROW(a.update(psi, y), std::invalid_argument);
+    EXPECT_THROW(a.reset(0), std::invalid_argument);
+    EXPECT_THROW(a.theta(0), std::invalid_argument);
+    EXPECT_THROW(a.health(0), std::invalid_argument);
+    a = b;
+    EXPECT_EQ(a.theta(4), b.theta(4));
+    for (Index const i : {Index(-1), Index(5)}) EXPECT_THROW(b.theta(i), std::invalid_argument);
+    EXPECT_THROW(F(std::numeric_limits<Index>::max(), {.size = 2}), std::invalid_argument);
+}
+TEST(MovedFrom, OutputsRefuseARowWithoutOutputs) {
+    MultiOutput<Ud<double, 2>> a({}, 3);
+    MultiOutput<Ud<double, 2>> const b = std::move(a);
+    EXPECT_THROW(a.update(Eigen::Vector2d(1, 2), Vector<double>()), std::invalid_argument);  // NOLINT: what is tested
+    EXPECT_EQ(b.outputs(), 3);
 }
 
 }  // namespace

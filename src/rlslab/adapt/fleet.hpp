@@ -59,7 +59,8 @@ template <class F>
 concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && !detail::counts_all_lanes_at_once<F>();
 
 /// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem. Each keeps the bits
-/// of the scalar variant on its own rows.
+/// of the scalar variant on its own rows, while its health is not nonfinite: after that other numbers may be NaN than there. A fleet that
+/// was moved from has no filters.
 ///
 /// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A sample with a number
 /// that is not finite is missing: its filter stays as it was, and no other filter notices. Time does not pass for it; update it with
@@ -82,13 +83,13 @@ public:
           packs_(size_t((filters + lanes - 1) / lanes), fresh_), first_(problem.prior ? Health::sound : Health::undetermined),
           health_(packs_.size(), first_) {}
 
-    Index filters() const { return filters_; }  ///< M
-    Index parameters() const { return size_; }  ///< d
+    Index filters() const { return packs_.empty() ? 0 : filters_; }  ///< M
+    Index parameters() const { return size_; }                       ///< d
 
     /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided; no bit depends
     /// on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
     Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, unsigned threads = 1) {
-        expects(psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
+        expects(!packs_.empty() && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
                 "psi: filters x parameters; y: a number for each filter");
         Index const all = Index(packs_.size()), shares = std::clamp<Index>(Index(threads), 1, all);
         std::vector<Index> missing(size_t(shares), 0);
@@ -101,15 +102,20 @@ public:
         return out;
     }
 
-    /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its steps. i < M is not
-    /// checked.
+    /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its steps. Throws
+    /// std::invalid_argument unless 0 <= i < M.
     Vector<number> theta(Index i) const {
+        check(i);
         return packs_[size_t(i / lanes)].theta().unaryExpr([lane = int(i % lanes)](pack const& x) { return x[lane]; });
     }
-    Health health(Index i) const { return health_[size_t(i / lanes)][int(i % lanes)]; }
+    Health health(Index i) const {
+        check(i);
+        return health_[size_t(i / lanes)][int(i % lanes)];
+    }
 
-    /// Filter i begins anew.
+    /// Filter i begins anew. Throws std::invalid_argument unless 0 <= i < M.
     void reset(Index i) {
+        check(i);
         detail::NumbersOfLanes<pack> fresh;
         detail::walk(fresh, fresh_);
         pack chosen;
@@ -125,9 +131,10 @@ public:
 
 private:
     static Index checked_count(Index filters) {
-        expects(filters >= 1, "at least one filter");
+        expects(1 <= filters && filters <= std::numeric_limits<Index>::max() / (2 * lanes), "a number of filters, at least one");
         return filters;
     }
+    void check(Index i) const { expects(0 <= i && i < filters(), "the number of a filter"); }
     static Problem<pack> in_packs(Problem<number> const& problem) {
         return problem.template mapped<pack>([](number x) { return pack(x); });
     }

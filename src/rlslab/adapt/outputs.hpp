@@ -68,7 +68,7 @@ public:
 
     /// One row: m outputs. The steps are good until the next row. An output that is missing has no innovation and no residual.
     std::span<Step<T> const> update(Regressor<T> given, Regressor<T> y) {
-        expects(y.size() == outputs(), "as many outputs as there are thetas");
+        expects(outputs() >= 1 && y.size() == outputs(), "as many outputs as there are thetas, at least one");
         keep_regressor(given, psi_);
         bool const whole = y_is_whole(y), taken = whole || missing_ == MissingOutput::stands;
         if (!taken)

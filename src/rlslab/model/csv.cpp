@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <utility>
 
 namespace rlslab {
 
@@ -63,6 +65,7 @@ struct CsvFile::State {
     long line = 0;                       // line on which the row begins
     std::string whole = {}, below = {};  // a row of several lines; the row below the first, if it was looked at
     std::optional<long> below_line = {};
+    std::vector<long> blank_lines = {};  // in a file of one column, since the last row: values that are missing if another row follows
     Marks marks = Marks(format.decimal);
 
     [[noreturn]] void fail(long at, std::string const& message) const {
@@ -99,6 +102,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
             continue;
         }
         bool const blank = text->find_first_not_of(format.separator == ' ' ? " \t" : " ") == text->npos;
+        if (blank && !searching && names.size() == 1 && long(blank_lines.size()) < most) blank_lines.push_back(lines.number());
         if (!blank && !(searching && text->starts_with('#'))) break;
     }
     line = lines.number();
@@ -254,7 +258,12 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
             s.fail(s.line, fmt::format("expected {} columns as in line {}, found {}{}", s.names.size(), s.first, s.row.size(),
                                        halves ? " (decimal commas? they need another separator, or quotes)" : ""));
         }
-        if (data.rows() == most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
+        for (long const blank : std::exchange(s.blank_lines, {})) {
+            if (data.lines.empty()) continue;
+            for (auto& column : data.values) column.push_back(std::numeric_limits<double>::quiet_NaN());
+            data.lines.push_back(blank);
+        }
+        if (data.rows() >= most_rows) s.fail(s.line, fmt::format("expected at most {} rows", most_rows));
         for (std::size_t i = 0; i < columns.size(); ++i) data.values[i].push_back(s.number_in(columns[i]));
         s.marks.row(s.row, s.line);
         data.lines.push_back(s.line);

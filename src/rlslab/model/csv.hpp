@@ -38,7 +38,8 @@ struct CsvFormat {
 ///               blanks if the next row has as many cells as the first
 ///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers); not where all
 ///               columns are asked for by number, and it is text and numbers over text and numbers in the same columns
-///   rows        LF, CRLF or CR; blank lines are skipped, and '#' lines above the first row; all have equally many cells
+///   rows        LF, CRLF or CR; '#' lines above the first row and blank lines are skipped, but a blank line between rows of one cell is
+///               a missing value; all have equally many cells
 ///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
 ///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead, and so may "1.234"

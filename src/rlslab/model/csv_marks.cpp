@@ -1,9 +1,38 @@
-// Cells of columns that are not asked for are read only where they contain one mark.
+// Cells of columns that are not asked for are read only where they contain a mark.
 #include <rlslab/model/csv_marks.hpp>
 
+#include <algorithm>
 #include <fmt/format.h>
 
 namespace rlslab::csv {
+
+namespace {
+
+constexpr std::size_t longest_number = 40;
+
+/// The decimal mark of a cell that is a number with marks between thousands, or with a unit or percent sign behind it; 0: it shows none.
+char mark_shown(std::string_view cell) {
+    if (cell.size() > longest_number || cell.find_first_of(".,") == cell.npos) return 0;
+    if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
+    std::size_t const end = std::min(cell.find_first_not_of("0123456789.,"), cell.size());
+    std::string_view const number = cell.substr(0, end), unit = trimmed(cell.substr(end));
+    bool const bare = end == cell.size();
+    if (number.empty() || (!bare && (unit.empty() || unit.find_first_of("0123456789.,:/-") != unit.npos))) return 0;
+    std::size_t const last = number.find_last_of(".,");
+    if (last == number.npos || last + 1 == number.size() || number.front() == '.' || number.front() == ',') return 0;
+    char const mark = number[last], other = mark == '.' ? ',' : '.';
+    auto const count = std::ranges::count(number, mark);
+    auto const in_threes = [&](std::string_view whole) {  // "1.234.567" but for the first group
+        for (std::size_t at = whole.find_first_of(".,"); at != whole.npos; at = whole.find_first_of(".,", at + 1))
+            if (std::min(whole.find_first_of(".,", at + 1), whole.size()) - at != 4) return false;
+        return true;
+    };
+    if (count > 1) return number.find(other) == number.npos && in_threes(number) ? other : 0;    // "1.234.567"
+    if (number.find(other) != number.npos) return in_threes(number.substr(0, last)) ? mark : 0;  // "1.353,27"
+    return !bare && number.size() - last != 4 ? mark : 0;                                        // "15,7 %"
+}
+
+}  // namespace
 
 std::optional<Marks::Fault> Marks::take_mark(char mark, Cell at) {
     if (mark_ == 0) {
@@ -36,14 +65,28 @@ void Marks::row(Row const& row, long line) {
     };
     look(comma_, ',', Kind::comma);
     if (mark_ == 0) look(point_, '.', Kind::point);
+    // "1.353,27" and "1.234.567" show it, too, and so does the number of "15,7 %".
+    auto const look_at = [&](std::size_t i) {
+        char const mark = mark_shown(row[i]);
+        if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first) first = Cell{line, i, std::string(row[i])};
+    };
+    if (mark_ != 0)
+        for (std::size_t i = 0; !comma_ && (i = row.with_one(',', i)) < row.size(); ++i) look_at(i);
+    else
+        for (std::size_t i = 0; i < row.size(); ++i) look_at(i);
 }
 
 std::optional<Marks::Fault> Marks::end(char separator) const {
     auto const doubt = [](Cell const& at, std::optional<Cell> const& other) {
         bool const comma = at.text.find(',') != at.text.npos;
-        std::string const shown =
-            other ? fmt::format("{} in line {} has a decimal {}", in_quotes(other->text), other->line, comma ? "point" : "comma")
-                  : "no number says which";
+        std::string shown = "no number says which";
+        if (other) {
+            bool const decimal = other->text.find(comma ? '.' : ',') != other->text.npos;  // else grouped by the mark in doubt
+            shown = fmt::format("{} in line {} has {}", in_quotes(other->text), other->line,
+                                decimal ? comma ? "a decimal point" : "a decimal comma"
+                                : comma ? "commas between thousands"
+                                        : "points between thousands");
+        }
         return Fault{at, fmt::format("{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former)",
                                      in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
     };

@@ -10,7 +10,7 @@ namespace rlslab {
 ///   (1)  P0_ii = (c / s_i)^2
 ///   (2)  s_i = rms(psi_i) rounded to a power of two; 1 for a column of zeros
 ///   (3)  |theta - theta_LS| <= 10^-3 |theta_LS|  in the norm |x|^2 = sum (s_i x_i)^2
-///   (4)  |theta_i - theta_LS,i| <= 10^-2 max(|theta_LS,i|, 2^-20 |theta_LS| / s_i)  for each i
+///   (4)  |theta_i - theta_LS,i| <= 10^-2 max(|theta_LS,i|, t |theta_LS| / s_i)  for each i, t = 2^-40, 2^-20 where theta_LS,i = 0
 ///   (5)  c = the least power of two >= 32 for which (3) holds, doubled until (4) does
 ///
 /// theta is the minimiser with the prior after all rows, theta_LS without it, both certified. (3) and (4) hold for the given forgetting

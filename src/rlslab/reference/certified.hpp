@@ -106,8 +106,8 @@ double condition(Records const& data, double forgetting);
 double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from);
 /// The same in the norm |x|^2 = sum (s_i x_i)^2, s_i > 0: with s_i the size of regressor i it does not depend on units.
 double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
-/// The largest change of a component, max_i |x_i - from_i| / max(|from_i|, 2^-20 |from| / s_i), |from| in the same norm. The second term of
-/// the maximum bounds the result for components that add less than a millionth to the prediction.
+/// The largest change of a component, max_i |x_i - from_i| / max(|from_i|, t |from| / s_i), |from| in the same norm; t = 2^-40, and 2^-20
+/// where from_i may be 0. The second term of the maximum bounds the result for components that add nearly nothing to the prediction.
 double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s);
 
 }  // namespace rlslab

@@ -142,11 +142,11 @@ double relative_change(CertifiedSolution const& theta, CertifiedSolution const& 
 double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
     if (!x) return std::numeric_limits<double>::quiet_NaN();
-    Ball least = norm(x->size, x->bits);
-    arb_mul_2exp_si(least, least, -20);
+    Ball const all = norm(x->size, x->bits);
     double out = 0;
     for (Index i = 0; i < s.size(); ++i) {
-        Ball size, change;
+        Ball size, change, least;
+        arb_mul_2exp_si(least, all, arb_contains_zero(x->size(i, 0)) ? -20 : -40);
         arb_abs(size, x->size(i, 0));
         arb_set(change, x->change(i, 0));
         if (arf_cmp(arb_midref(static_cast<arb_srcptr>(size)), arb_midref(static_cast<arb_srcptr>(least))) < 0) size = least;
