@@ -170,25 +170,6 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
 
 double normal_quantile(double p) { return correctly::student_quantile(1e9, p); }
 
-std::optional<Largest> too_large(Signal const& residuals, Index lags) {
-    double J = 0, count = 0;
-    Index at = 0;
-    for (size_t k = 0; k < residuals.size(); ++k) {
-        double const e = residuals[k];
-        if (std::isnan(e)) continue;
-        J += e * e, ++count;
-        if (!(std::abs(e) <= std::abs(residuals[size_t(at)]))) at = Index(k);
-    }
-    if (!(J > 0)) return {};
-    double const e = residuals[size_t(at)], F = e * e / ((J - e * e) / (count - 1));  // against the others
-    if (count < 2 || !(J - e * e > 0 ? correctly::fisher_tail(1, count - 1, F) * count < 0.001 : count > 2)) return {};
-    // As a past output it makes the residuals after it large, too.
-    for (Index before = at; before >= std::max<Index>(0, at - lags); --before)
-        if (std::abs(residuals[size_t(before)]) >= std::abs(e) / 2) at = before;
-    double const square = residuals[size_t(at)] * residuals[size_t(at)];
-    return Largest{at, std::sqrt(square / (J / count)), square / J};
-}
-
 namespace {
 
 using Rank = Remark::Rank;

@@ -31,14 +31,6 @@ int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& para
 /// Of the normal distribution: Student's with very many degrees of freedom.
 double normal_quantile(double p);
 
-/// The largest |e| over the root mean square of these residuals, if so large a one is found among as many normal ones with probability
-/// 0.1 % at most; or the first of half its size in the `lags` rows before it. NaN: no residual.
-struct Largest {
-    Index at;
-    double deviations, share;  ///< share: of the sum of squares
-};
-std::optional<Largest> too_large(Signal const& residuals, Index lags = 0);
-
 /// Remarks about a model that is otherwise complete; `most`: the largest order that could be chosen.
 void advise(Identified& m, int most);
 

@@ -2,6 +2,7 @@
 #include "identify/identify.hpp"
 
 #include "identify/checks.hpp"
+#include "identify/outliers.hpp"
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
@@ -112,28 +113,6 @@ Signal present(Signal const& x, Index first, Index end) {
     Signal out(x.begin() + first, x.begin() + end);
     std::ranges::replace_if(
         out, [](double v) { return std::isnan(v); }, 0.0);
-    return out;
-}
-
-/// The value of u farthest from the others' mean, in their standard deviations.
-struct Spike {
-    Index row = 0;  ///< of the record, from 1
-    double deviations = 0;
-};
-Spike largest_spike(Signal const& u, Index fitted) {
-    double sum = 0, count = 0;
-    for (Index k = 0; k < fitted; ++k)
-        if (double const x = u[size_t(k)]; !std::isnan(x)) sum += x, ++count;
-    Spike out;
-    double most = 0, squares = 0;
-    for (Index k = 0; k < fitted; ++k)
-        if (double const off = u[size_t(k)] - sum / count; !std::isnan(off)) {
-            squares += off * off;
-            if (std::abs(off) > most) most = std::abs(off), out.row = k + 1;
-        }
-    // Without it the mean moves by most / (count - 1), and the squares lose it.
-    double const others = squares - most * most * count / (count - 1);
-    if (count > 2) out.deviations = others > 0 ? most * count / (count - 1) / std::sqrt(others / (count - 2)) : 0;
     return out;
 }
 

@@ -1,5 +1,6 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
 #include "identify/checks.hpp"
+#include "identify/outliers.hpp"
 #include "identify/text.hpp"
 #include "tests/files.hpp"
 
