@@ -179,7 +179,6 @@ TEST_F(CompareCommand, AnswersInAnyUnits) {
     }
 }
 
-/// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 /// A slope beside a constant 10^9 times as large: the prior must not decide it.
 TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
     std::string small = "u,y\n", tiny = small;
@@ -194,6 +193,7 @@ TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
     EXPECT_THAT(text("tiny.csv --regressors u --output y --intercept --arithmetic float"),
                 HasSubstr("too short for this record: rounding the data to it leaves no digit of the exact theta"));
 }
+/// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
         "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
