@@ -10,9 +10,11 @@ namespace {
 
 constexpr std::size_t longest_number = 40;
 
-/// The decimal mark of a cell that is a number with marks between thousands, or with a unit or percent sign behind it; 0: it shows none.
+/// The decimal mark that a cell shows as a number of one reading, with marks between thousands ("1.353,27", "1.234.567"), or with a unit or
+/// percent sign behind it ("15,7 %"); 0: none.
 char mark_shown(std::string_view cell) {
     if (cell.size() > longest_number || cell.find_first_of(".,") == cell.npos) return 0;
+    if (Kind const kind = reading_of(cell).kind; kind == Kind::comma || kind == Kind::point) return kind == Kind::comma ? ',' : '.';
     if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
     std::size_t const end = std::min(cell.find_first_not_of("0123456789.,"), cell.size());
     std::string_view const number = cell.substr(0, end), unit = trimmed(cell.substr(end));
@@ -59,18 +61,11 @@ std::optional<Marks::Fault> Marks::number(Kind kind, long line, std::size_t colu
 
 void Marks::row(Row const& row, long line) {
     if (given_) return;
-    auto const look = [&](std::optional<Cell>& first, char mark, Kind certain) {
-        for (std::size_t i = 0; !first && (i = row.with_one(mark, i)) < row.size(); ++i)
-            if (reading_of(row[i]).kind == certain) first = Cell{line, i, std::string(row[i])};
-    };
-    look(comma_, ',', Kind::comma);
-    if (mark_ == 0) look(point_, '.', Kind::point);
-    // "1.353,27" and "1.234.567" show it, too, and so does the number of "15,7 %".
     auto const look_at = [&](std::size_t i) {
         char const mark = mark_shown(row[i]);
         if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first) first = Cell{line, i, std::string(row[i])};
     };
-    if (mark_ != 0)
+    if (mark_ != 0)  // a decimal comma alone can contradict it then
         for (std::size_t i = 0; !comma_ && (i = row.with_one(',', i)) < row.size(); ++i) look_at(i);
     else
         for (std::size_t i = 0; i < row.size(); ++i) look_at(i);
