@@ -1,16 +1,17 @@
 // Tries one arithmetic after another by `compare`, with a prior that leaves the wanted digits.
 #include "advise/advise.hpp"
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "compare/recommend.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 constexpr double margin = 0.3;                             // digits that the prior leaves beyond those wanted
@@ -168,4 +169,4 @@ Advice advise(Records const& records, AdviseOptions const& options, Progress con
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -5,7 +5,7 @@
 #include "compare/compare.hpp"
 #include "report/progress.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 struct AdviseOptions {
     double digits = 3;                                        ///< of every parameter, (1) and (2)
@@ -62,10 +62,10 @@ struct Advice {
 ///       than the arithmetic has, or P0 would leave its range
 ///   (5) of the variants that keep the digits and never broke down the first by preference: factors, covariance forms, few operations
 /// Throws InputError as `compare` does, and for an arithmetic that is not known or named twice.
-Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress = {});
+Advice advise(Records const& records, AdviseOptions const& options, report::Progress const& progress = {});
 
 /// The advice as text, and as JSON.
 std::string as_text(Advice const& advice, bool colour, size_t columns = 0);
 std::string as_json(Advice const& advice);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

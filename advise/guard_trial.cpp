@@ -1,10 +1,10 @@
 // Every variant that can be guarded, in float and double.
 #include "advise/guard_trial.hpp"
 
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::compare {
 namespace {
 
 template <class F>
@@ -41,4 +41,4 @@ std::optional<GuardTrial> guard_trial(std::string_view variant, std::string_view
     return {};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string_view>
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// Guarded<F> with its default options and the policy `resetting`, once through the record.
 struct GuardTrial {
@@ -20,4 +20,4 @@ struct GuardTrial {
 std::optional<GuardTrial> guard_trial(std::string_view variant, std::string_view arithmetic, Problem<double> const& problem,
                                       Records const& records);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

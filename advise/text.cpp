@@ -3,14 +3,15 @@
 #include "compare/answer.hpp"
 #include "compare/words.hpp"
 
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -171,4 +172,4 @@ std::string as_json(Advice const& a) {
     return out.dump(1) + "\n";
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -2,7 +2,7 @@
 #include "bench/rows.hpp"
 
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/conventional.hpp>

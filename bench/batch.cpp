@@ -2,7 +2,7 @@
 // several cores; reference/ROWSxSIZE: the certified solution.
 #include "bench/rows.hpp"
 
-#include <rlslab/adapt/fold_all.hpp>
+#include <rlslab/many/fold_all.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::bench {

@@ -1,7 +1,7 @@
 // fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and bytes of state moved.
 #include "bench/rows.hpp"
 
-#include <rlslab/adapt/fleet.hpp>
+#include <rlslab/many/fleet.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/ud.hpp>
 

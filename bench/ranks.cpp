@@ -1,5 +1,5 @@
 // rlslab_bench_ranks: what one rank folds in a second, and what merging costs: the figures of the model in docs/scale.md.
-#include <rlslab/adapt/mpi_ranks.hpp>
+#include <rlslab/many/mpi_ranks.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <chrono>

@@ -5,7 +5,7 @@
 #include "bench/shapes.hpp"
 
 #include <rlslab/core/concept.hpp>
-#include <rlslab/lab/timing.hpp>
+#include <rlslab/catalogue/timing.hpp>
 
 #include <benchmark/benchmark.h>
 #include <algorithm>

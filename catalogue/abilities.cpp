@@ -1,5 +1,5 @@
 // What each variant lets others do to its state.
-#include "catalogue/compose.hpp"
+#include <rlslab/catalogue/compose.hpp>
 
 #include <rlslab/variants/variants.hpp>
 

@@ -1,7 +1,7 @@
 // A filter of a variant that is named while the program runs, in one arithmetic, with all that windows, guards and rules ask of a filter.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/guard.hpp>

@@ -1,7 +1,7 @@
 // A catalogue: the instances of some arithmetics, in the order of the two lists. RLSLAB_LINKED names them by their places in the
 // list of arithmetics.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/instances.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/instances.hpp>
 
 #include <algorithm>
 #include <utility>

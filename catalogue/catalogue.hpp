@@ -1,7 +1,7 @@
 // Every variant in every arithmetic behind the type-erased interface, and the operations of a variant.
 #pragma once
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 
 namespace rlslab {
 

@@ -1,6 +1,6 @@
 // Compositions in one arithmetic. Compiled once for each RLSLAB_ARITHMETIC in which they exist.
-#include "catalogue/compose.hpp"
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/compose.hpp>
+#include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/arithmetic/arithmetics.hpp>
@@ -133,10 +133,10 @@ public:
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Composed>(*this); }
     std::vector<std::byte> saved() const override {
-        throw std::invalid_argument("expected a variant alone: save a composition by its type (<rlslab/adapt/state.hpp>)");
+        throw std::invalid_argument("expected a variant alone: save a composition by its type (<rlslab/state/state.hpp>)");
     }
     void load(std::span<std::byte const>) override {
-        throw std::invalid_argument("expected a variant alone: load a composition by its type (<rlslab/adapt/state.hpp>)");
+        throw std::invalid_argument("expected a variant alone: load a composition by its type (<rlslab/state/state.hpp>)");
     }
     Happened happened() const override { return filter_.filter().happened(); }
     double noise_variance() const override { return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan(""); }

@@ -1,8 +1,8 @@
 // The part of the compositions that the object library of one arithmetic defines.
 #pragma once
 
-#include "catalogue/adaptive.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/adaptive.hpp>
+#include <rlslab/catalogue/composed.hpp>
 
 namespace rlslab {
 

@@ -1,5 +1,5 @@
 // A composition in the arithmetic of that name.
-#include "catalogue/compose.hpp"
+#include <rlslab/catalogue/compose.hpp>
 
 #include <rlslab/arithmetic/arithmetics.hpp>
 

@@ -1,10 +1,10 @@
 // A composition around a variant, behind the erased interface.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 
 namespace rlslab {
 

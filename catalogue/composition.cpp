@@ -1,6 +1,6 @@
 // Rules of forgetting, windows and guards by name: which there are, and which variant they go around.
-#include "catalogue/composition.hpp"
-#include "catalogue/compose.hpp"
+#include <rlslab/catalogue/composition.hpp>
+#include <rlslab/catalogue/compose.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

@@ -1,5 +1,5 @@
 // The words of a composition.
-#include "catalogue/composition_text.hpp"
+#include <rlslab/catalogue/composition_text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // A composition in words.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 
 namespace rlslab {
 

@@ -1,5 +1,5 @@
 // The operation counts: each variant's own text, run on the Counted scalar.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/variants/variants.hpp>

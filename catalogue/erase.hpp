@@ -1,11 +1,11 @@
 // Puts a filter of any type behind the type-erased interface, and makes its entry for the catalogue.
 #pragma once
 
-#include <rlslab/adapt/state_file.hpp>
+#include <rlslab/state/state_file.hpp>
 #include <rlslab/core/process.hpp>
-#include <rlslab/lab/any_filter.hpp>
-#include <rlslab/lab/round_to.hpp>
-#include <rlslab/lab/timing.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
+#include <rlslab/catalogue/round_to.hpp>
+#include <rlslab/catalogue/timing.hpp>
 
 namespace rlslab {
 

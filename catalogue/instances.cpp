@@ -1,8 +1,8 @@
 // Every variant in one arithmetic, behind the erased boundary. Compiled once for each RLSLAB_ARITHMETIC (an index into
 // the list of arithmetics); the only place where the catalogue's filters are instantiated.
-#include "catalogue/instances.hpp"
+#include <rlslab/catalogue/instances.hpp>
 
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/variants/variants.hpp>

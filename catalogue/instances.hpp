@@ -1,7 +1,7 @@
 // The part of the catalogue that the object library of one arithmetic defines.
 #pragma once
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 
 namespace rlslab {
 

@@ -1,6 +1,6 @@
 // Every variant in significands of any length.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/instances.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/instances.hpp>
 
 #include <rlslab/arithmetic/arithmetics.hpp>
 

@@ -1,5 +1,5 @@
 // A catalogue without compositions, for the program that is compiled in a fraction of the time.
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/composed.hpp>
 
 #include <rlslab/core/input_error.hpp>
 

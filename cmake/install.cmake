@@ -10,7 +10,7 @@ set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # In the tree rlslab/variants is a link: the variants are installed from where they are. The catalogue is not installed.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
-  FILES_MATCHING PATTERN "*.hpp" PATTERN doors EXCLUDE PATTERN variants EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp")
 if(TARGET rlslab_program)

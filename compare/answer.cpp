@@ -4,13 +4,14 @@
 #include "compare/words.hpp"
 
 #include <rlslab/core/input_error.hpp>
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 /// The arithmetics of the hardware and their names in C++, the shortest first.
@@ -169,4 +170,4 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

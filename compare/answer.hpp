@@ -3,7 +3,7 @@
 
 #include "compare/compare.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// "Ud" for "ud", "InverseQr" for "inverse_qr".
 std::string class_of(std::string_view variant);
@@ -30,4 +30,4 @@ std::string code(Comparison const& comparison);
 /// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as one.
 std::string folded(std::string const& code, size_t width);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

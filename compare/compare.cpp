@@ -1,14 +1,14 @@
 // Runs the comparison: each entry of the catalogue processes the records. The definiteness of the stored P is decided exactly after each
 // step. theta and P are compared with the reference for the same bits that the arithmetic was given.
 #include "compare/compare.hpp"
-#include "catalogue/catalogue.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
 #include "compare/composed_score.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
@@ -20,7 +20,8 @@
 #include <tbb/parallel_for_each.h>
 #include <tbb/task_arena.h>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 double as_is(double x) { return x; }
@@ -260,4 +261,4 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -1,10 +1,10 @@
 // Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 #include "report/stages.hpp"
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
 
 #include <array>
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than the prior.
 inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
@@ -132,7 +132,7 @@ struct Comparison {
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent (exact rank).
 /// Its stages are "reference" and "comparing".
-Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress = {});
+Comparison compare(Records const& records, CompareOptions const& options, report::StagedProgress const& progress = {});
 
 /// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is), as JSON and as CSV.
 std::string as_table(Comparison const& comparison, bool colour, size_t columns = 0);
@@ -140,4 +140,4 @@ std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);
 std::string as_page(Comparison const& comparison);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

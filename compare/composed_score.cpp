@@ -1,16 +1,17 @@
 // A composed filter processes the rows; its reference is solved for where the first filter asks for it.
 #include "compare/composed_score.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/composed.hpp>
 #include "compare/score.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/linalg/triangles.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
@@ -189,4 +190,4 @@ Result score_composed(Entry const& entry, StoredProblem const& stored, Compositi
     return result;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -7,7 +7,7 @@
 #include <map>
 #include <mutex>
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// One recursion in 257 bits at each checkpoint, and how far it can be trusted: the digits in which a second variant agrees.
 struct Recursion {
@@ -50,4 +50,4 @@ bool intervened(Composition const& composition, Happened const& happened);
 /// Result::obstacle says why.
 Result score_composed(Entry const& entry, StoredProblem const& stored, CompositionReference& reference);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

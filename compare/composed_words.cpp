@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 /// ".noise_variance = 0.25, .memory = 100.0": the names of the rule's members, in the order of the control's numbers.
@@ -106,4 +107,4 @@ std::string composition_code(Composition const& c, std::string const& type, std:
                        policy_of(c.guard));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -1,10 +1,10 @@
 // A composition in words, and as C++.
 #pragma once
 
-#include "catalogue/composition_text.hpp"
+#include <rlslab/catalogue/composition_text.hpp>
 #include "compare/compare.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// "against the certified least-squares solution of the rows in the window".
 std::string against_text(Comparison const& comparison);
@@ -21,4 +21,4 @@ std::string composition_includes(Composition const& composition, std::string con
 std::string composition_code(Composition const& composition, std::string const& type, std::string const& variant, std::string const& scalar,
                              Index size);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -5,13 +5,14 @@
 #include "compare/recommend.hpp"
 #include "compare/words.hpp"
 
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -324,4 +325,4 @@ std::string as_csv(Comparison const& c) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -9,7 +9,8 @@
 #include <fmt/format.h>
 #include <limits>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -262,4 +263,4 @@ std::string as_page(Comparison const& c) {
     return page("rlslab compare: " + what, body);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 #include <tuple>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 constexpr double least_digits_of_P = 0.5, least_digits_of_data = 0.5;
@@ -136,4 +137,4 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -3,7 +3,7 @@
 
 #include "compare/compare.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// Meant for single rows: neither a variant that takes blocks of them, nor one whose operations are in another library.
 bool takes_single_rows(Result const& result);
@@ -34,4 +34,4 @@ std::vector<Result const*> ranked(std::vector<Result const*> sound);
 /// library, are not recommended: they are not meant for single rows.
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& comparison);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -1,12 +1,13 @@
 // A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the exact ones at the checkpoints.
 #include "compare/score.hpp"
 
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 namespace {
 
 constexpr int least_draws = 4;
@@ -133,4 +134,4 @@ Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed
     return result;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -4,7 +4,7 @@
 #include "compare/compare.hpp"
 #include "compare/stored_problem.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// The 10 %, 50 % and 90 % points of these numbers (nearest rank), rounded to a tenth as printed, the outer ones outwards. Absent numbers
 /// count as the least. Expects at least one number.
@@ -20,4 +20,4 @@ std::optional<double> asymmetry_of(Stored<Reference> const& stored);
 /// run with its own draws. Digits are counted at each checkpoint, and breakdown is tested after each row.
 Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

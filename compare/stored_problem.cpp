@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace rlslab {
+namespace rlslab::compare {
 
 std::vector<Index> checkpoints_of(Index rows) {
     constexpr Index most = 40;
@@ -56,4 +56,4 @@ StoredProblem stored_problem(Records const& records, Problem<double> const& prob
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

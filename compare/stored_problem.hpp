@@ -1,12 +1,12 @@
 // The problem as one arithmetic stores it, with its exact solutions along every order of rows that is tried.
 #pragma once
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <functional>
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// The rows in one order, and the exact solution at each checkpoint.
 struct RowOrder {
@@ -36,4 +36,4 @@ StoredProblem stored_problem(Records const& records, Problem<double> const& prob
 /// These rows of the record, in this order; all of them where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

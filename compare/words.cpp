@@ -6,7 +6,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::compare {
+using namespace report;
 
 std::string listed(std::vector<std::string> const& items, std::string const& indent, size_t at) {
     std::string out;
@@ -88,4 +89,4 @@ std::vector<std::string> warnings(Comparison const& c) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

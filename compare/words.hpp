@@ -3,7 +3,7 @@
 
 #include "compare/compare.hpp"
 
-namespace rlslab {
+namespace rlslab::compare {
 
 /// The width of the widest table, and of the text around it.
 inline constexpr size_t text_width = 114;
@@ -39,4 +39,4 @@ std::string prior_text(Comparison const& comparison);
 /// Warnings: why the answer may not be the one that was wanted, and the remedy; a sentence each.
 std::vector<std::string> warnings(Comparison const& comparison);
 
-}  // namespace rlslab
+}  // namespace rlslab::compare

@@ -9,7 +9,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 using Point = std::complex<double>;
@@ -362,4 +363,4 @@ void advise(Identified& m, int most) {
     advise_of_cancellations(m, chosen);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

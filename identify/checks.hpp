@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// Poles p and zeros z that the record cannot tell apart. To first order p and z move with theta,
 ///
@@ -34,4 +34,4 @@ double normal_quantile(double p);
 /// Remarks about a model that is otherwise complete; `most`: the largest order that could be chosen.
 void advise(Identified& m, int most);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

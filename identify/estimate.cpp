@@ -1,11 +1,11 @@
 // The variant's recursion beside the certified minimiser.
 #include "identify/estimate.hpp"
 
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/core/suggestion.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
 
@@ -13,7 +13,8 @@
 #include <array>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 
 Entry const& entry_of(std::string const& variant) {
     if (Entry const* const entry = find_entry(variant)) return *entry;
@@ -234,4 +235,4 @@ Estimation estimate(Identified& out, Records const& records, Vector<double> cons
     return result;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -3,7 +3,7 @@
 
 #include "identify/identify.hpp"
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// The variant's entry in double. Throws InputError.
 Entry const& entry_of(std::string const& variant);
@@ -19,4 +19,4 @@ struct Estimation {
 /// resolution (d): the numbers of each regressor are rounded to about this. Throws InputError where lambda remembers too few rows.
 Estimation estimate(Identified& out, Records const& records, Vector<double> const& resolution);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

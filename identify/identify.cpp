@@ -6,13 +6,14 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/core/input_error.hpp>
-#include <rlslab/model/counting.hpp>
+#include <rlslab/input/counting.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -395,4 +396,4 @@ Identified identify(DataFile const& from, IdentifyOptions const& asked, Progress
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

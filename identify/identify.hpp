@@ -1,20 +1,20 @@
 // From a record to a model: structure, parameters with their uncertainty, and checks of both.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 #include "identify/order.hpp"
 #include "identify/tracking.hpp"
 #include "report/progress.hpp"
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
 #include <rlslab/model/difference.hpp>
-#include <rlslab/model/doors/open.hpp>
+#include <rlslab/input/formats/open.hpp>
 #include <rlslab/model/excitation.hpp>
 
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// The structure is one of: the best order up to max_order, an order, na and nb, a list of regressors.
 struct IdentifyOptions {
@@ -137,10 +137,10 @@ struct Identified {
 
 /// Rows of the equation that miss a value are skipped. Throws InputError for options or a record that do not make sense, and where
 /// the regressors are linearly dependent: the message names the order that the input can support.
-Identified identify(DataFile const& file, IdentifyOptions const& options, Progress const& progress = {});
+Identified identify(DataFile const& file, IdentifyOptions const& options, report::Progress const& progress = {});
 
 std::string as_table(Identified const& model, size_t columns = 0);
 std::string as_json(Identified const& model);
 std::string as_page(Identified const& model);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay, bool intercept) {
     expects(!inputs.empty() && delay.size() == inputs.size(), "an input, and a delay for each");
@@ -136,4 +136,4 @@ OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -5,7 +5,7 @@
 #include <rlslab/model/regression.hpp>
 #include <rlslab/model/signals.hpp>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// Residuals pass for white at this tail probability or above; an order improves on the one before below it.
 inline constexpr double white_level = 0.01, improvement_level = 0.01;
@@ -75,4 +75,4 @@ struct LjungBox {
 /// Nothing but zeros: Q = 0, p = 1. Infinite residuals, or none: NaN. Throws std::invalid_argument unless 1 <= lags < N.
 LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

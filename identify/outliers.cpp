@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 std::optional<Largest> too_large(Signal const& residuals, Index lags) {
     double J = 0, count = 0;
@@ -43,4 +43,4 @@ Spike largest_spike(Signal const& u, Index first) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

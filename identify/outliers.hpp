@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// The largest |e| over the root mean square of these residuals, if so large a one is found among as many normal ones with probability
 /// 0.1 % at most; or the first of half its size in the `lags` rows before it. NaN: no residual.
@@ -22,4 +22,4 @@ struct Spike {
 };
 Spike largest_spike(Signal const& u, Index first);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -8,7 +8,8 @@
 #include <filesystem>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 /// Without points that are not known.
@@ -249,4 +250,4 @@ std::string as_page(Identified const& m) {
     return page(m.file + ": identified", body);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

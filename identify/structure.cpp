@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 constexpr int longest = 200;  // poles and zeros are found at a cost of its third power
@@ -170,4 +171,4 @@ DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> co
     return DifferenceEquation::of(places, theta, inputs);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -3,7 +3,7 @@
 
 #include "identify/identify.hpp"
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// The options complete: inputs and a delay for each, max_order set. Throws InputError for options that do not go together.
 IdentifyOptions completed(IdentifyOptions options);
@@ -36,4 +36,4 @@ std::string equation_text(std::vector<Term> const& terms, std::string const& out
 /// The equation with numbers; its delay is the shortest lag of any input.
 DifferenceEquation equation_of(std::vector<Term> const& terms, Vector<double> const& theta, size_t inputs);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -4,13 +4,14 @@
 #include "identify/structure.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -291,4 +292,4 @@ std::string as_json(Identified const& m) {
     return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

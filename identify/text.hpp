@@ -3,7 +3,7 @@
 
 #include "identify/identify.hpp"
 
-namespace rlslab {
+namespace rlslab::identify {
 
 /// A number to so many significant digits; "-" where there is none.
 std::string number_text(double x, int digits);
@@ -18,4 +18,4 @@ std::vector<std::string> order_lines(Identified const& model);
 /// Poles, zeros, gain, fit, residuals, arithmetic, and what may make the model better.
 std::vector<std::string> result_lines(Identified const& model);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

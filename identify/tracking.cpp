@@ -1,20 +1,21 @@
 // The composition takes the rows one by one; before each it says what it expects.
 #include "identify/tracking.hpp"
 
-#include "catalogue/catalogue.hpp"
-#include "catalogue/composed.hpp"
-#include "catalogue/composition_text.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
+#include <rlslab/catalogue/composition_text.hpp>
 #include "identify/checks.hpp"
 #include "identify/text.hpp"
 
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/model/fit.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::identify {
+using namespace report;
 namespace {
 
 std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""; }
@@ -97,4 +98,4 @@ std::string tracked_csv(Tracked const& t, std::vector<std::string> const& names)
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

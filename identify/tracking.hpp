@@ -1,7 +1,7 @@
 // A composition along the record: theta and the next output, with their intervals, at every row.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 
 #include <rlslab/core/records.hpp>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::identify {
 
 struct TrackedRow {
     Index row;                       ///< of the record, from 1
@@ -42,4 +42,4 @@ std::vector<std::string> tracked_lines(Tracked const& tracked, std::vector<std::
 /// A line a row: row, y, predicted, sd, noise_variance, then each theta and its standard deviation, then what happened.
 std::string tracked_csv(Tracked const& tracked, std::vector<std::string> const& names);
 
-}  // namespace rlslab
+}  // namespace rlslab::identify

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace compare;
+using namespace report;
 namespace {
 
 struct AdviseArguments {
@@ -49,4 +51,4 @@ Command advise_command(CLI::App& app) {
     return {advising, [a] { return run_advise(*a); }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -2,13 +2,14 @@
 #include "program/commands.hpp"
 #include "program/described.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 
 #include <filesystem>
 #include <fmt/format.h>
 #include <sstream>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 namespace {
 
 struct CommandLine {
@@ -150,4 +151,4 @@ std::function<int()> parse(std::vector<std::string> words) {
     throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

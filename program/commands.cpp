@@ -11,7 +11,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 
 CLI::Validator whole(long least, long most) {
     return {[=](std::string& text) {
@@ -173,4 +174,4 @@ bool colour() {
     return isatty(STDOUT_FILENO) && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

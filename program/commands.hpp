@@ -4,12 +4,12 @@
 #include "report/progress.hpp"
 #include "report/stages.hpp"
 
-#include <rlslab/model/csv.hpp>
+#include <rlslab/input/csv.hpp>
 
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace rlslab {
+namespace rlslab::program {
 
 /// A check for a whole number in [least, most]; its message is one line.
 CLI::Validator whole(long least, long most);
@@ -40,8 +40,8 @@ void tell(std::string const& line);
 
 /// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The line is erased when
 /// the last copy of the function is destroyed.
-StagedProgress stages_after_a_second();
-Progress progress_after_a_second(std::string doing);
+report::StagedProgress stages_after_a_second();
+report::Progress progress_after_a_second(std::string doing);
 
 /// The columns of the terminal that standard output is; 0: it is none, or does not say.
 size_t terminal_columns();
@@ -83,4 +83,4 @@ Command completion_command(CLI::App& app);  ///< not shown: for the build
 /// code. Throws InputError for words that are no valid command.
 std::function<int()> parse(std::vector<std::string> words);
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -12,7 +12,9 @@
 #include <filesystem>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace compare;
+using namespace report;
 namespace {
 
 struct CompareArguments {
@@ -33,7 +35,7 @@ int run_compare(CompareArguments const& a) {
     if (a.all && !options.arithmetics.empty()) throw InputError("--all: does not go with --arithmetic");
     if (!a.all && options.arithmetics.empty()) options.arithmetics = {"float", "double"};
     Question const question = question_of(a.record);
-    Comparison comparison = compare(question.records, options, stages_after_a_second());
+    Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     comparison.model = question.model;
     if (!a.out.empty()) {
         std::filesystem::path const out = a.out;
@@ -102,4 +104,4 @@ int run_compare_alone(int argc, char const* const* argv) {
     }
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

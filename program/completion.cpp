@@ -1,5 +1,5 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "program/described.hpp"
 
 #include "studies/engine/study.hpp"
@@ -8,7 +8,8 @@
 #include <fmt/format.h>
 #include <sstream>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace studies;
 namespace {
 
 struct Values {
@@ -41,7 +42,7 @@ Values values_of(CLI::App const& command, Described const& one) {
         return {words, names, list};
     }
     if (one.value == "NAME" && command.get_name() == "study") {
-        for (Study const* study : studies()) add(study->name);
+        for (Study const* study : studies::studies()) add(study->name);
         return {words, names};
     }
     if (one.value == "PART") return {words, {"variants", "arithmetics", "rounding", "studies"}};
@@ -230,4 +231,4 @@ _rlslab() {
     return out + "      esac ;;\n  esac\n}\n\n_rlslab \"$@\"\n";
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

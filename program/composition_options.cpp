@@ -1,13 +1,14 @@
 // --control NAME:NUMBER:NUMBER, --window ROWS, --guard POLICY.
 #include "program/composition_options.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 namespace {
 
 /// "fortescue[:VARIANCE[:MEMORY[:LEAST]]]"; what must be given stands without brackets.
@@ -94,4 +95,4 @@ Composition composition_of(CompositionArguments const& a, double forgetting) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

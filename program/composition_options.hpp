@@ -1,10 +1,10 @@
 // What is composed around each variant: options, and the composition that they describe.
 #pragma once
 
-#include "catalogue/composition.hpp"
+#include <rlslab/catalogue/composition.hpp>
 #include "program/commands.hpp"
 
-namespace rlslab {
+namespace rlslab::program {
 
 struct CompositionArguments {
     std::string control, guard;
@@ -21,4 +21,4 @@ std::string control_notes();
 /// and for what does not go together. `forgetting` is that of --forgetting.
 Composition composition_of(CompositionArguments const& arguments, double forgetting);
 
-}  // namespace rlslab
+}  // namespace rlslab::program

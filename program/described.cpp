@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::program {
 
 std::string Described::spelling() const {
     std::string const bare = name.empty() ? value + (many ? "..." : "") : "";
@@ -67,4 +67,4 @@ std::vector<Meaning> const& environment() {
     return list;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::program {
 
 /// An option, or with an empty `name` an argument without one.
 struct Described {
@@ -46,4 +46,4 @@ std::string manual_page(CLI::App const& app);
 std::string bash_completion(CLI::App const& app);
 std::string zsh_completion(CLI::App const& app);
 
-}  // namespace rlslab
+}  // namespace rlslab::program

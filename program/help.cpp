@@ -1,13 +1,13 @@
 // The help: the definitions in lines of at most 79 letters.
 #include "program/described.hpp"
 
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <sstream>
 
-namespace rlslab {
+namespace rlslab::program {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::string help_text(CLI::App const& command) {
     return out + notes(command.get_footer(), 79);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -2,9 +2,10 @@
 #include "program/commands.hpp"
 #include "program/described.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 
 Command help_command(CLI::App& app) {
     auto const name = std::make_shared<std::string>();
@@ -39,4 +40,4 @@ Command completion_command(CLI::App& app) {
             }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace identify;
+using namespace report;
 namespace {
 
 /// "1,-0.7" as numbers. Throws InputError that names the option.
@@ -296,4 +298,4 @@ Command excitation_command(CLI::App& app) {
     return {c, [a] { return run_excitation(*a); }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -1,17 +1,19 @@
 // rlslab list: the names of variants, arithmetics and studies.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "program/commands.hpp"
 #include "program/described.hpp"
 #include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>
-#include <rlslab/core/suggestion.hpp>
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
+using namespace studies;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -54,7 +56,7 @@ std::string rounding_text(Json& out) {
 
 std::string studies_text(Json& out) {
     std::string text = "studies\n";
-    for (Study const* study : studies()) {
+    for (Study const* study : studies::studies()) {
         text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));
         out["studies"].push_back({{"name", study->name}, {"question", study->question}});
     }
@@ -90,4 +92,4 @@ Command list_command(CLI::App& app) {
             }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -2,6 +2,6 @@
 #include "program/run.hpp"
 
 int main(int argc, char** argv) {
-    rlslab::prepare_process();
-    return rlslab::run({argv + (argc > 0), argv + argc});
+    rlslab::program::prepare_process();
+    return rlslab::program::run({argv + (argc > 0), argv + argc});
 }

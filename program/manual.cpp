@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <sstream>
 
-namespace rlslab {
+namespace rlslab::program {
 namespace {
 
 /// Text for roff: no letter of it is an instruction, a dash is a dash.
@@ -85,4 +85,4 @@ std::string manual_page(CLI::App const& app) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

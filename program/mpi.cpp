@@ -39,7 +39,7 @@ bool asks_for_help(Words const& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    rlslab::prepare_process();
+    rlslab::program::prepare_process();
     MPI_Init(&argc, &argv);
     int rank = 0, ranks = 1, code = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -49,10 +49,10 @@ int main(int argc, char** argv) {
         if (rank == 0) std::fprintf(stderr, "rlslab: %s\n", why.c_str());
         code = 2;
     } else if (ranks > 1 && !asks_for_help(words)) {
-        int const own = rlslab::run(part_of(words, rank, ranks), rank);
+        int const own = rlslab::program::run(part_of(words, rank, ranks), rank);
         MPI_Allreduce(&own, &code, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);  // behind it the journals are complete
     }
-    if (code == 0 && rank == 0) code = rlslab::run(words);
+    if (code == 0 && rank == 0) code = rlslab::program::run(words);
     MPI_Finalize();
     return code;
 }

@@ -1,8 +1,8 @@
 // FILE, columns, model: options, and the rows they describe.
 #include "program/record_options.hpp"
 
-#include <rlslab/model/counting.hpp>
-#include <rlslab/model/doors/open.hpp>
+#include <rlslab/input/counting.hpp>
+#include <rlslab/input/formats/open.hpp>
 #include <rlslab/model/lags.hpp>
 #include <rlslab/model/regression.hpp>
 
@@ -10,7 +10,9 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace compare;
+using namespace report;
 namespace {
 
 /// Takes the mean of what is there off each column.
@@ -125,4 +127,4 @@ Question question_of(RecordArguments a) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -4,7 +4,7 @@
 #include "compare/compare.hpp"
 #include "program/commands.hpp"
 
-namespace rlslab {
+namespace rlslab::program {
 
 struct RecordArguments {
     CsvFormat format;
@@ -23,9 +23,9 @@ void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char co
 /// Records, and what their parameters multiply.
 struct Question {
     Records records;
-    ModelText model;
+    compare::ModelText model;
 };
 /// The records the options describe; reads the file once the options make sense. Throws InputError.
 Question question_of(RecordArguments arguments);
 
-}  // namespace rlslab
+}  // namespace rlslab::program

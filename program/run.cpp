@@ -6,7 +6,8 @@
 #include <csignal>
 #include <cstdio>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 
 void prepare_process() {
     sigset_t pipe;
@@ -32,4 +33,4 @@ int run(std::vector<std::string> const& words, int rank) {
     return 2;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::program {
 
 /// From now on: a closed pipe ends the process silently, as with git, also if its parent ignores SIGPIPE; a file beyond the limit is an
 /// error like any other; SIGINT, SIGTERM and SIGHUP leave no half-written file.
@@ -17,4 +17,4 @@ int run(std::vector<std::string> const& words, int rank = 0);
 /// The same for a program that compares and does nothing else; the first word is "compare".
 int run_compare_alone(int argc, char const* const* argv);
 
-}  // namespace rlslab
+}  // namespace rlslab::program

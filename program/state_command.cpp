@@ -1,9 +1,10 @@
 // rlslab state: what a saved filter's file says of itself.
 #include "program/commands.hpp"
 
-#include <rlslab/adapt/state_file.hpp>
+#include <rlslab/state/state_file.hpp>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 
 Command state_command(CLI::App& app) {
     auto const file = std::make_shared<std::string>();
@@ -11,7 +12,7 @@ Command state_command(CLI::App& app) {
     c->footer(
         "Example:  rlslab state controller.state\n\n"
         "Prints the variant, its arithmetic and number of parameters, what is around it (a guard, a window, a rule of forgetting), and "
-        "their editions, options and counts of rows. C++ reads and writes such files with <rlslab/adapt/state_file.hpp>.\n\n"
+        "their editions, options and counts of rows. C++ reads and writes such files with <rlslab/state/state_file.hpp>.\n\n"
         "Exit code: 0 a state; 2 a file that cannot be read, is no state, or is damaged.");
     c->add_option("FILE", *file, "a state that was saved")->required()->type_name("");
     return {c, [file] {
@@ -25,4 +26,4 @@ Command state_command(CLI::App& app) {
             }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -8,7 +8,8 @@
 #include <cstring>
 #include <unistd.h>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
 namespace {
 
 char advice[512];
@@ -41,4 +42,4 @@ void when_stopped(std::string const& text) {
     }
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

@@ -6,7 +6,7 @@
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 
 #include <charconv>
 #include <fmt/format.h>
@@ -14,7 +14,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::program {
+using namespace report;
+using namespace studies;
 namespace {
 
 struct StudyArguments {
@@ -52,10 +54,10 @@ void resolve(StudyArguments& a) {
     a.options.budget = a.budget == "full" ? Budget::full : Budget::quick;
     a.options.out = a.out;
     std::vector<std::string_view> known;
-    for (Study const* study : studies()) known.push_back(study->name);
+    for (Study const* study : studies::studies()) known.push_back(study->name);
     for (std::string const& name : a.names) expect_one_of(known, name, "study", "study");
     if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
-    for (Study const* study : studies())
+    for (Study const* study : studies::studies())
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) a.chosen.push_back(study);
 }
 
@@ -239,4 +241,4 @@ Command merge_command(CLI::App& app) {
     return {merging, [mt] { return run_merge(*mt); }};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::program

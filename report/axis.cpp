@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::report {
 namespace {
 
 /// digits * 10^power, rounded once.
@@ -181,4 +181,4 @@ double text_width(std::string_view text) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

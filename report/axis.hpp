@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// log10 of a positive number by +, *, / and exact scalings alone: within a few units in the last place, and the same bits on
 /// every machine (libm's may differ between processors).
@@ -65,4 +65,4 @@ std::string tick_text(std::string plain);
 /// An estimate of the width of a text, in units of the size of its font; rather too large than too small.
 double text_width(std::string_view text);
 
-}  // namespace rlslab
+}  // namespace rlslab::report

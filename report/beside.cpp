@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 namespace {
 
 struct Line {
@@ -137,4 +137,4 @@ std::vector<std::optional<Box>> places_beside(std::vector<NamedPoint> const& poi
     return best;
 }
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 
 Cells cells_of(Figure const& figure, Panel const& panel) {
     Cells out;
@@ -74,4 +74,4 @@ std::string cells_group(Figure const& figure, Panel const& panel, Cells const& c
         rectangles, texts);
 }
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

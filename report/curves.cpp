@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 namespace {
 
 using Run = std::vector<Point>;
@@ -325,4 +325,4 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
     return fmt::format("<g class=\"s event\" data-s=\"{}\">{}</g>\n", series, out);
 }
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

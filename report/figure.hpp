@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for those
 /// who see none, or print, a mark and a dash.
@@ -67,4 +67,4 @@ struct Figure {
     bool legend = true;                     ///< whether a page lists the series above the panels
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -4,11 +4,11 @@
 #include <span>
 #include <string_view>
 
-namespace rlslab {
+namespace rlslab::report {
 
 struct Formula {
     std::string_view tex, mathml;
 };
 std::span<Formula const> formulas();  ///< empty if there was no pandoc
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 namespace {
 
 constexpr double label_size = 13, line_height = 16;
@@ -194,4 +194,4 @@ std::string labels_group(Frame const& frame, double height) {
     return out;
 }
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <optional>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 
 bool names_points(Figure const& figure) {
     return figure.names &&
@@ -157,4 +157,4 @@ NamesGroup names_group(Panel const& panel, Names const& names, std::vector<Curve
     return names.beside ? names_beside(panel, legend, axes) : NamesGroup{};
 }
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace rlslab {
+namespace rlslab::report {
 namespace {
 
 struct Named {
@@ -43,4 +43,4 @@ Look look_of(std::string_view series, size_t place) {
     return {colours[place % colours.size()], again, std::string(marks[place % marks.size()]) + (again ? "-open" : "")};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::report {
 
 std::string escaped(std::string_view text) {
     std::string out;
@@ -147,4 +147,4 @@ std::string page(std::string_view title, std::string_view body) {
         escaped(title), page_style, body, page_script);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -4,7 +4,7 @@
 
 #include "report/figure.hpp"
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// Text for HTML, "+- " as a plus-minus sign.
 std::string escaped(std::string_view text);
@@ -29,4 +29,4 @@ std::string table_html(std::vector<std::string> const& head, std::vector<std::ve
 /// The whole page. The body is HTML. Classes: soft (small print), question, claims (ul; li.holds, li.fails with <b>).
 std::string page(std::string_view title, std::string_view body);
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace rlslab::plot {
+namespace rlslab::report::plot {
 
 inline bool logarithmic_y(Figure const& figure, Panel const& panel) { return figure.log_y || panel.log_y; }
 
@@ -118,4 +118,4 @@ Range shades_of(Figure const& figure);
 /// A colour for a part in [0, 1]; NaN: none.
 std::string shade(double part);
 
-}  // namespace rlslab::plot
+}  // namespace rlslab::report::plot

@@ -3,9 +3,9 @@
 
 #include <functional>
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// Called with the fraction that is done, in (0, 1], by one thread at a time.
 using Progress = std::function<void(double)>;
 
-}  // namespace rlslab
+}  // namespace rlslab::report

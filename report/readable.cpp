@@ -3,7 +3,7 @@
 
 #include <map>
 
-namespace rlslab {
+namespace rlslab::report {
 namespace {
 
 std::map<std::string_view, std::string_view> const& words() {
@@ -168,4 +168,4 @@ std::string readable(std::string_view tex) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

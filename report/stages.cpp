@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::report {
 
 std::string progress_text(std::string_view stage, double part, double seconds) {
     std::string const line = fmt::format("{} {:3} %", stage, int(100 * part));
@@ -12,4 +12,4 @@ std::string progress_text(std::string_view stage, double part, double seconds) {
     return line + (left < 90 ? fmt::format(", {:.0f} s left", left) : fmt::format(", {:.0f} min left", left / 60));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

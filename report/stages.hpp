@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// Called with the stage's name and the fraction of it that is done, as Progress is.
 using StagedProgress = std::function<void(std::string_view, double)>;
@@ -14,4 +14,4 @@ using StagedProgress = std::function<void(std::string_view, double)>;
 /// rest takes, if it takes 5 seconds or more. seconds: since the stage began.
 std::string progress_text(std::string_view stage, double part, double seconds);
 
-}  // namespace rlslab
+}  // namespace rlslab::report

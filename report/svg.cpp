@@ -9,7 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::report {
 namespace {
 
 using namespace plot;
@@ -178,4 +178,4 @@ std::string svg(Figure const& figure) {
         fixed(width), fixed(y), font, ink, escaped_xml(figure.title), out);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::report

@@ -4,7 +4,7 @@
 
 #include "report/figure.hpp"
 
-namespace rlslab {
+namespace rlslab::report {
 
 /// The whole figure as a file of its own: title, panels, legend.
 std::string svg(Figure const& figure);
@@ -26,4 +26,4 @@ std::string key_svg(Curve const& curve);
 /// Text for XML and HTML: the five characters, and control characters as '?'.
 std::string escaped_xml(std::string_view text);
 
-}  // namespace rlslab
+}  // namespace rlslab::report

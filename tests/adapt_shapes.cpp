@@ -5,7 +5,7 @@
 
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/variants.hpp>
 

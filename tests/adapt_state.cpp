@@ -1,10 +1,10 @@
 // Windows, guards, rules and relays: what was loaded goes on bit for bit as what was saved; what is damaged is refused.
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 
 #include "tests/adapt.hpp"
 
 #include <rlslab/adapt/assessed.hpp>
-#include <rlslab/adapt/fleet.hpp>
+#include <rlslab/many/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>

@@ -1,11 +1,13 @@
 // What `advise` promises holds on the record: looked at by other means than those it was found by.
 #include "advise/advise.hpp"
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/program.hpp"
 
 #include <rlslab/reference/certified.hpp>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 using testing::HasSubstr;

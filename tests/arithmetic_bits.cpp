@@ -1,5 +1,5 @@
 // VariablePrecision rounds as a format of so many bits does: against float, double, the chopped formats, and exact rationals.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

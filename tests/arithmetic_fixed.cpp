@@ -1,7 +1,7 @@
 // Fixed point against exact rationals: all pairs of 8-bit words, samples of longer ones; sums, marks, counts, every dense variant.
 //
 // Every check is a predicate over the thing checked, so that a saboteur shows that it can fail.
-#include <rlslab/adapt/fold_all.hpp>
+#include <rlslab/many/fold_all.hpp>
 #include <rlslab/arithmetic/fixed.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/random.hpp>

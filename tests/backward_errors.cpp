@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 using Numbers = Matrix<Reference>;

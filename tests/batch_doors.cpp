@@ -1,12 +1,12 @@
 // Many rows at once: wrong sizes are refused before any row is processed, and every thread computes as the calling one would.
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/fold_all.hpp>
+#include <rlslab/many/fold_all.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/type_list.hpp>
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

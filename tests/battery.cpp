@@ -1,6 +1,6 @@
 // The battery: every law of tests/laws.hpp over every variant in every arithmetic, and each law failing on a saboteur.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/erase.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/arithmetics.hpp>
@@ -144,7 +144,7 @@ public:
         add_scaled(theta_, e, K_);
         if (fault == Fault::learns_from_nothing) theta_[0] += 1e-12 * y;
         if (fault == Fault::biased) theta_[0] += 1e-13;
-        Step<double> step = report(e, lambda_ / s);
+        Step<double> step = step_of(e, lambda_ / s);
         if (fault == Fault::cries_wolf && step.gamma < 0.5) step.health = Health::indefinite;
         if (fault == Fault::deaf) step.health = Health::sound;
         if (fault == Fault::wrong_residual) step.residual = e;

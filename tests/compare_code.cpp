@@ -1,6 +1,6 @@
 // The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "tests/files.hpp"
@@ -15,6 +15,8 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 namespace fs = std::filesystem;
@@ -84,7 +86,7 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records const& records
 
 void expect_the_code_to_learn_the_same(Records const& records, CompareOptions options) {
     options.timings = false;
-    Comparison const c = compare(records, options);
+    Comparison const c = compare::compare(records, options);
     ASSERT_NE(coded(c), nullptr);
     std::string const expected = learnt_by_the_catalogues(c, records);
     EXPECT_GT(expected.size(), 1000u);

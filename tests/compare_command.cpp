@@ -1,5 +1,5 @@
 // `rlslab compare` on the command line: the options it requires, its first answer, the files it writes.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 

@@ -1,5 +1,5 @@
 // Every number of a comparison worked out another way: two parameters, rationals, Cramer's rule.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "compare/score.hpp"
 #include "tests/laws.hpp"
 
@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -303,7 +305,7 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
 TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
     Records const given = few_rows();
     auto const of = [&](double lambda) {
-        return compare(given,
+        return compare::compare(given,
                        {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false})
             .results;
     };

@@ -11,6 +11,8 @@
 #include <set>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 using testing::HasSubstr;
@@ -220,9 +222,9 @@ TEST(Warnings, AnOffsetIsTheMeanOfYInItsStandardDeviationsWhereNoRegressorIsCons
     Records r{.psi = Matrix<double>{{1, 2, 3, 5}}, .y = Vector<double>{{9, 11, 9, 11}}, .names = {"x"}};
     CompareOptions options;
     options.variants = {"ud"}, options.arithmetics = {"double"}, options.timings = false;
-    EXPECT_DOUBLE_EQ(compare(r, options).offset, 10);
+    EXPECT_DOUBLE_EQ(compare::compare(r, options).offset, 10);
     r.psi = Matrix<double>{{1, 2, 3, 5}, {4, 4, 4, 4}}, r.names = {"x", "1"};
-    EXPECT_EQ(compare(r, options).offset, 0);
+    EXPECT_EQ(compare::compare(r, options).offset, 0);
 }
 /// Wampler's polynomial: a bound on theta alone leaves x1 with the wrong sign.
 TEST(Warnings, NoComponentIsThePriorsByDefault) {
@@ -234,7 +236,7 @@ TEST(Warnings, NoComponentIsThePriorsByDefault) {
     }
     CompareOptions options;
     options.variants = {"ud"}, options.arithmetics = {"double"}, options.timings = false;
-    Comparison const c = compare(r, options);
+    Comparison const c = compare::compare(r, options);
     for (std::string const& theta : c.theta) EXPECT_NEAR(std::stod(theta), 1, 1e-2);
     EXPECT_LE(c.component_bias, 1e-2);
     EXPECT_GT(c.component_bias, 1e-5) << "the least such c";

@@ -5,7 +5,7 @@
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/outputs.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/adapt/window.hpp>
 #include <rlslab/arithmetic/chopped.hpp>

@@ -88,7 +88,7 @@ public:
         for (Index i = 0; i < d; ++i)
             for (Index j = 0; j < d; ++j) P_(i, j) = (P_(i, j) - K_[i] * prime(f[j], Broken::covariance)) / lambda_;
         for (Index i = 0; i < d; ++i) theta_[i] += K_[i] * e;
-        return report(e, lambda_, s.re, theta_);
+        return step_of(e, lambda_, s.re, theta_);
     }
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }

@@ -1,6 +1,6 @@
 // The digits that `compare` counts of a composition: against the right problem high, against any other low.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
 #include "compare/answer.hpp"
 #include "compare/composed_score.hpp"
 #include "tests/composed.hpp"
@@ -15,13 +15,15 @@
 #include <set>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 using namespace composed_laws;
 
 Comparison compared(Records const& records, Composition const& composition, double forgetting = 1, std::vector<std::string> variants = {},
                     std::optional<double> p0 = {}) {
-    return compare(records, {.forgetting = forgetting,
+    return compare::compare(records, {.forgetting = forgetting,
                              .p0 = p0,
                              .variants = variants,
                              .arithmetics = {"float", "double"},

@@ -1,13 +1,13 @@
 // Rules of forgetting, windows and guards by name: the bits of the types that they name, and what the commands say.
-#include "catalogue/catalogue.hpp"
-#include "catalogue/composed.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
 #include "tests/composed.hpp"
 #include "tests/program.hpp"
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/carlson.hpp>
 #include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/kalman.hpp>

@@ -1,8 +1,8 @@
 // A filter converted into another variant or arithmetic, and two filters merged into one.
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/convert.hpp>
-#include <rlslab/adapt/merge.hpp>
+#include <rlslab/state/convert.hpp>
+#include <rlslab/state/merge.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/variants/variants.hpp>
 

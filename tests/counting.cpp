@@ -1,7 +1,7 @@
 // A column that counts upwards as dates and numbers of rows do is named where it is a regressor.
 #include "tests/program.hpp"
 
-#include <rlslab/model/counting.hpp>
+#include <rlslab/input/counting.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,6 +15,7 @@
 #include <numeric>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 int draws() {

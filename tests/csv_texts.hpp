@@ -3,7 +3,7 @@
 
 #include "tests/files.hpp"
 
-#include <rlslab/model/csv.hpp>
+#include <rlslab/input/csv.hpp>
 
 #include <vector>
 

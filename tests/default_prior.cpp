@@ -1,5 +1,5 @@
 // The default prior: its formula in rationals, its two roundings from both sides, units that change no digit.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/model/default_prior.hpp>

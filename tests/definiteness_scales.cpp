@@ -1,9 +1,9 @@
 // The quick proof about a stored P and the exact decision agree in every arithmetic, at every scale that it has.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/core/random.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/reference/definiteness.hpp>
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 
 #include <gtest/gtest.h>
 

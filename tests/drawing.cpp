@@ -15,6 +15,7 @@
 #include <set>
 
 namespace rlslab {
+using namespace report;
 using namespace drawn;
 namespace {
 

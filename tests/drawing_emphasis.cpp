@@ -5,6 +5,7 @@
 #include <rlslab/core/random.hpp>
 
 namespace rlslab {
+using namespace report;
 using namespace drawn;
 namespace {
 

@@ -15,6 +15,7 @@
 #include <cstring>
 
 namespace rlslab::drawn {
+using namespace report;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 

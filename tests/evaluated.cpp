@@ -1,5 +1,5 @@
 // Other evaluations of the same texts: with the library's own they are the library's bits, and fused means fused.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_double.hpp"
 #include "studies/published/evaluated_filters.hpp"
@@ -9,6 +9,7 @@
 #include <cmath>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 std::vector<std::string> const variants{"conventional_two_sided",

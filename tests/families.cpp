@@ -1,5 +1,5 @@
 // The families of variants that studies compare are what their names say: by what the filters store.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/scenarios.hpp"
 
 #include <gmock/gmock.h>
@@ -8,6 +8,7 @@
 #include <set>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 using testing::ElementsAre;

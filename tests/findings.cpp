@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 using testing::ElementsAre;

@@ -1,5 +1,5 @@
 // The proofs that theta and K are finite, without solving for them: never wrong, and sufficient for ordinary data.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

@@ -1,7 +1,7 @@
 // A filter of fixed size needs no Problem::size, and is the same filter with it.
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/merge.hpp>
+#include <rlslab/state/merge.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 

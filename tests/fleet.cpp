@@ -1,7 +1,7 @@
 // A fleet: each of its filters has the bits of the scalar variant on its own rows, whatever the others miss.
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/fleet.hpp>
+#include <rlslab/many/fleet.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>

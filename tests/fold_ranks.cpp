@@ -2,7 +2,7 @@
 #include "tests/laws.hpp"
 #include "tests/program.hpp"
 
-#include <rlslab/adapt/fold_ranks.hpp>
+#include <rlslab/many/fold_ranks.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <condition_variable>

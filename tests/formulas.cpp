@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace report;
+using namespace studies;
 namespace {
 
 TEST(Formulas, OfEveryStudyAreMathML) {
-    for (Study const* study : studies()) {
+    for (Study const* study : studies::studies()) {
         if (study->formula.empty()) continue;
         EXPECT_EQ(study->formula.find('"'), std::string::npos) << study->name << ": a string's quotes inside the formula";
         EXPECT_EQ(std::ranges::count(study->formula, '{'), std::ranges::count(study->formula, '}')) << study->name;

@@ -21,6 +21,7 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 using namespace gain_laws;

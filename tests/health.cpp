@@ -1,5 +1,5 @@
 // Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "compare/compare.hpp"
 #include "tests/laws.hpp"
 
@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace compare;
+using namespace report;
 namespace {
 
 using Row = Vector<double>;
@@ -158,14 +160,14 @@ TEST(Health, APriorThatDecidesThetaIsNotRecommendedFor) {
     records.names = {"a", "b", "c"};
     records.psi /= 256;
     CompareOptions options{.p0 = 1, .arithmetics = {"double"}, .timings = false};
-    Comparison const c = compare(records, options);
+    Comparison const c = compare::compare(records, options);
     EXPECT_GT(c.prior_bias, 0.1);
     EXPECT_EQ(c.recommendations.front().variant, "");
     EXPECT_NE(as_table(c, false).find("leave out --p0"), std::string::npos);
     options.p0 = 1e9;
     EXPECT_NE(compare(records, options).recommendations.front().variant, "");
     records.y.setZero();
-    EXPECT_EQ(compare(records, options).prior_bias, 0);
+    EXPECT_EQ(compare::compare(records, options).prior_bias, 0);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Random hostile cases: any shape, any scale, infinities and NaN, for every variant in every arithmetic.
 // No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/core/process.hpp>

@@ -1,5 +1,5 @@
 // The house keeps its rules: one list of variants, files of the size their kind should have, folders in one order.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,19 +92,21 @@ struct Folder {
 std::vector<Folder> const house{
     {"src/rlslab/core", {}},
     {"src/rlslab/arithmetic", {"src/rlslab/core"}},
-    {"src/rlslab/linalg/isa", {"src/rlslab/arithmetic"}},
-    {"src/rlslab/linalg", {"src/rlslab/linalg/isa"}},
+    {"src/rlslab/linalg/kernels", {"src/rlslab/arithmetic"}},
+    {"src/rlslab/linalg", {"src/rlslab/linalg/kernels"}},
     {"src/rlslab/reference", {"src/rlslab/arithmetic"}},
-    {"src/rlslab/model", {"src/rlslab/linalg", "src/rlslab/reference"}},
-    {"src/rlslab/model/doors", {"src/rlslab/model"}},
-    {"src/rlslab/adapt", {"src/rlslab/linalg"}},
-    {"src/rlslab/lab", {"src/rlslab/adapt", "src/rlslab/model"}},
+    {"src/rlslab/input", {"src/rlslab/core"}},
+    {"src/rlslab/input/formats", {"src/rlslab/input"}},
+    {"src/rlslab/model", {"src/rlslab/linalg", "src/rlslab/reference", "src/rlslab/input"}},
+    {"src/rlslab/state", {"src/rlslab/linalg"}},
+    {"src/rlslab/adapt", {"src/rlslab/state"}},
+    {"src/rlslab/many", {"src/rlslab/adapt"}},
     {"variants", {"src/rlslab/linalg"}},
-    {"catalogue", {"src/rlslab/lab", "variants"}},
+    {"catalogue", {"src/rlslab/many", "src/rlslab/model", "variants"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
     {"advise", {"compare"}},
-    {"identify", {"catalogue", "report", "src/rlslab/model/doors"}},
+    {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
     {"studies/definiteness", {"studies/engine"}},
@@ -116,20 +118,20 @@ std::vector<Folder> const house{
     {"bench", {"catalogue", "report"}},
     {"program", {"advise", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
-    {"tests/portability", {"src/rlslab/lab", "variants"}},
+    {"tests/portability", {"catalogue"}},
     {"tests/consumer", {"src/rlslab/model", "variants"}},
-    {"tests/embedded", {"src/rlslab/adapt", "variants"}},
-    {"examples/echo_canceller", {"src/rlslab/adapt", "variants"}},
-    {"examples/battery_cell", {"src/rlslab/adapt", "variants"}},
-    {"examples/guarded_oven", {"src/rlslab/adapt", "variants"}},
-    {"examples/drift_and_silence", {"src/rlslab/adapt", "variants"}},
-    {"examples/many_sensors", {"src/rlslab/adapt", "variants"}},
-    {"examples/chosen_at_run_time", {"src/rlslab/adapt", "variants"}},
-    {"examples/microcontroller", {"src/rlslab/adapt", "variants"}},
+    {"tests/embedded", {"src/rlslab/many", "variants"}},
+    {"examples/echo_canceller", {"src/rlslab/many", "variants"}},
+    {"examples/battery_cell", {"src/rlslab/many", "variants"}},
+    {"examples/guarded_oven", {"src/rlslab/many", "variants"}},
+    {"examples/drift_and_silence", {"src/rlslab/many", "variants"}},
+    {"examples/many_sensors", {"src/rlslab/many", "variants"}},
+    {"examples/chosen_at_run_time", {"src/rlslab/many", "variants"}},
+    {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
-    {"tests/long_run", {"src/rlslab/lab", "variants"}},
+    {"tests/long_run", {"catalogue"}},
     {"tests/fuzz", {"program"}},
-    {"tests/mpi", {"src/rlslab/adapt", "variants"}},
+    {"tests/mpi", {"src/rlslab/many", "variants"}},
     {"tests", {"bench", "program", "tests/compilers", "tests/long_run", "studies/definiteness", "studies/published"}},
 };
 
@@ -146,7 +148,7 @@ std::map<std::string, std::set<std::string>> foundations() {
 
 std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
 
-/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants is a link; what is in quotes
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue are links; what is in quotes
 /// starts at the project's folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
@@ -160,7 +162,7 @@ std::vector<std::string> included(std::string const& code) {
         bool const quoted = name.front() == '"';
         name = name.substr(1, name.find_first_of("\">", 1) - 1);
         if (quoted) out.push_back(name);
-        else if (name.starts_with("rlslab/variants/")) out.push_back(name.substr(7));
+        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/")) out.push_back(name.substr(7));
         else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
     }
     return out;

@@ -1,5 +1,5 @@
 // From a system to a record and back: signals, excitation, batch and order-recursive least squares, identify.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "identify/identify.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "tests/files.hpp"
@@ -15,6 +15,9 @@
 #include <set>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
+using namespace studies;
 namespace {
 
 using testing::HasSubstr;

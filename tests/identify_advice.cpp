@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 using testing::Contains;
@@ -32,7 +34,7 @@ protected:
     files::Folder const folder;
     Identified identified(Signal const& u, Signal const& y, IdentifyOptions options = {}) const {
         options.inputs = {"u"}, options.output = "y";
-        return identify(folder.file(csv(u, y)), options);
+        return identify::identify(folder.file(csv(u, y)), options);
     }
 };
 

@@ -1,5 +1,5 @@
 // The output of identify for a bad record or a variant that breaks down: words, never a NaN, and the matching exit code.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "identify/identify.hpp"
 #include "tests/exact_fit.hpp"
 #include "tests/files.hpp"
@@ -17,6 +17,8 @@
 #include <sys/wait.h>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 using testing::HasSubstr;
@@ -111,7 +113,7 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
                     IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = file == tiny ? 1 : 3};
                     options.variant = variant, options.forgetting = lambda, options.p0 = p0;
                     std::string const what = fmt::format("{} {} lambda {} p0 {}", variant, file, lambda, p0.value_or(0));
-                    Identified const m = identify(file, options);
+                    Identified const m = identify::identify(file, options);
                     expect_numbers(m, what);
                     broken += m.failure.has_value();
                     if (m.failure) {
@@ -154,13 +156,13 @@ TEST(IdentifyAnswers, AVariantThatIsRecommendedDoesBetter) {
     for (std::string const& variant : variants()) {
         IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 4};
         options.variant = variant, options.p0 = 0x1p60;
-        Identified const m = identify(file, options);
+        Identified const m = identify::identify(file, options);
         for (std::string const& warning : m.warnings())
             if (auto const at = warning.find("--variant "); at != warning.npos) {
                 std::string const other = warning.substr(at + 10, warning.find_first_of(" :", at + 10) - at - 10);
                 EXPECT_NE(other, variant);
                 options.variant = other;
-                Identified const better = identify(file, options);
+                Identified const better = identify::identify(file, options);
                 EXPECT_FALSE(better.failure) << other;
                 EXPECT_GT(better.digits, m.failure ? 0 : m.digits) << variant << " -> " << other;
                 for (std::string const& again : better.warnings()) EXPECT_THAT(again, Not(HasSubstr("--variant"))) << other;

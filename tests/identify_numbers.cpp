@@ -12,6 +12,8 @@
 #include <numeric>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 std::string csv(std::vector<Signal> const& columns, std::string header) {
@@ -63,7 +65,7 @@ class IdentifyNumbers : public testing::Test {
 protected:
     files::Folder const folder;
     Trial const trial{90};
-    Identified const m = identify(folder.file(trial.text()), options());
+    Identified const m = identify::identify(folder.file(trial.text()), options());
     Rows const rows{trial, m};
     exact_fit::Fit const exact = exact_fit::of(rows.fitted);
     static constexpr Index N = 58, d = 8, held = 30;
@@ -229,7 +231,7 @@ TEST_F(IdentifyNumbers, TheTrajectory) {
 TEST_F(IdentifyNumbers, WithForgetting) {
     IdentifyOptions o = options();
     o.forgetting = 0.9375, o.variant = "ud", o.p0 = 0x1p60;
-    Identified const f = identify(folder.file(trial.text()), o);
+    Identified const f = identify::identify(folder.file(trial.text()), o);
     exact_fit::Fit const weighted = exact_fit::of(rows.fitted, Rational(0.9375));
     Matrix<Rational> M(d, d);
     for (Index i = 0; i < d; ++i)
@@ -263,7 +265,7 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
             t.y = simulate(model, {t.u, t.v}, Signal(90, 0.0));
             for (double& x : t.y) x = std::round(0x1p24 * x) / 0x1p24;
         }
-        Identified const f = identify(folder.file(t.text()), o);
+        Identified const f = identify::identify(folder.file(t.text()), o);
         Rows const r(t, f);
         exact_fit::Fit const e = exact_fit::of(r.fitted);
         double const shared = default_prior(r.fitted, 1).c;

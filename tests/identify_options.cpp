@@ -14,6 +14,8 @@
 #include <sys/wait.h>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 using files::message_of;
@@ -41,7 +43,7 @@ protected:
     Identified run(IdentifyOptions options) const {
         if (options.inputs.empty() && options.regressors.empty()) options.inputs = {"u"};
         options.output = "y";
-        return identify(file, options);
+        return identify::identify(file, options);
     }
     std::string refusal(IdentifyOptions const& options) const {
         return folder.without(message_of([&] { run(options); }));
@@ -187,9 +189,9 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
     };
     // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of presample; one row more than parameters.
     IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 2, .delay = {1}, .validate = 0};
-    EXPECT_EQ(folder.without(message_of([&] { identify(cut(9), options); })),
+    EXPECT_EQ(folder.without(message_of([&] { identify::identify(cut(9), options); })),
               "cut.csv: order 2, delay 1 has 6 parameters and needs at least 10 samples to fit, found 9: expected a lower order");
-    Identified const m = identify(cut(10), options);
+    Identified const m = identify::identify(cut(10), options);
     EXPECT_EQ(m.fitted, 7);
     EXPECT_NEAR(m.freedom, 1, 1e-3);
 }

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 using testing::HasSubstr;

@@ -9,6 +9,8 @@
 #include <cstdlib>
 
 namespace rlslab {
+using namespace identify;
+using namespace report;
 namespace {
 
 using testing::HasSubstr;
@@ -324,7 +326,7 @@ TEST_P(Systems, SayWhatAUserShouldRead) {
     std::string said;
     std::string const file = folder.file(text + '\n');
     std::string const refusal = files::message_of([&] {
-        Identified const m = identify(file, s.options);
+        Identified const m = identify::identify(file, s.options);
         said = m.warnings().empty() ? nothing_wrong + '\n' : "NOT CLEAN\n";
         said += as_table(m);
         EXPECT_FALSE(as_page(m).empty() || as_json(m).empty());

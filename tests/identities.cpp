@@ -204,15 +204,15 @@ TEST(Identities, EachCanFail) {
 /// What e and gamma alone show.
 TEST(Report, NamesTheBreakdown) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(report(1.0, 1.0).health, Health::sound);
-    EXPECT_EQ(report(1.0, 1e-300).health, Health::sound);
-    EXPECT_EQ(report(1.0, 1.0 + 0x1p-52).health, Health::indefinite);
-    EXPECT_EQ(report(1.0, -0.5).health, Health::indefinite);
-    EXPECT_EQ(report(1.0, 1.0, infinity).health, Health::nonfinite);  // s overflowed
-    EXPECT_EQ(report(1.0, 0.0).health, Health::sound);                // gamma underflowed
-    EXPECT_EQ(report(1.0, undefined<double>()).health, Health::nonfinite);
-    EXPECT_EQ(report(infinity, 0.5).health, Health::nonfinite);
-    EXPECT_EQ(report(3.0, 0.5).residual, 1.5);
+    EXPECT_EQ(step_of(1.0, 1.0).health, Health::sound);
+    EXPECT_EQ(step_of(1.0, 1e-300).health, Health::sound);
+    EXPECT_EQ(step_of(1.0, 1.0 + 0x1p-52).health, Health::indefinite);
+    EXPECT_EQ(step_of(1.0, -0.5).health, Health::indefinite);
+    EXPECT_EQ(step_of(1.0, 1.0, infinity).health, Health::nonfinite);  // s overflowed
+    EXPECT_EQ(step_of(1.0, 0.0).health, Health::sound);                // gamma underflowed
+    EXPECT_EQ(step_of(1.0, undefined<double>()).health, Health::nonfinite);
+    EXPECT_EQ(step_of(infinity, 0.5).health, Health::nonfinite);
+    EXPECT_EQ(step_of(3.0, 0.5).residual, 1.5);
 }
 
 /// Fixed sizes hold their state inline and compute the same bits.

@@ -1,7 +1,7 @@
 // The laws of recursive least squares as predicates over an entry of the catalogue, so that each can be shown to fail.
 #pragma once
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <cmath>

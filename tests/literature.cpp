@@ -1,5 +1,5 @@
 // Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/scenarios.hpp"
 #include "tests/laws.hpp"
 
@@ -14,6 +14,7 @@
 #include <map>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 Entry const& entry(std::string_view variant) { return *find_entry(variant); }

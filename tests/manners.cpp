@@ -3,7 +3,7 @@
 #include "tests/program.hpp"
 #include "tests/terminal.hpp"
 
-#include <rlslab/core/suggestion.hpp>
+#include <rlslab/input/suggestion.hpp>
 
 #include <csignal>
 #include <set>

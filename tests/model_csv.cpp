@@ -1,7 +1,7 @@
 // CSV files of many dialects are read bit for bit, and a file that cannot be read is refused in one clear line.
 #include "tests/files.hpp"
 
-#include <rlslab/model/csv.hpp>
+#include <rlslab/input/csv.hpp>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // A filter that was moved from has no size: it refuses every row, and may be assigned to. What is around one refuses with it.
 #include <rlslab/adapt/assessed.hpp>
-#include <rlslab/adapt/fleet.hpp>
+#include <rlslab/many/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>

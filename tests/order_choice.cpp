@@ -9,6 +9,7 @@
 #include <functional>
 
 namespace rlslab {
+using namespace identify;
 namespace {
 
 constexpr double level = 0.01;  // of whiteness and of the F-test, as documented

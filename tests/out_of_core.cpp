@@ -2,8 +2,8 @@
 #include "tests/files.hpp"
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/fold_all.hpp>
-#include <rlslab/model/row_file.hpp>
+#include <rlslab/many/fold_all.hpp>
+#include <rlslab/input/row_file.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <gmock/gmock.h>

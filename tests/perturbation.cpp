@@ -1,5 +1,5 @@
 // A gain error reaches a filter or is refused; it is never ignored silently.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <gmock/gmock.h>

@@ -140,7 +140,7 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
         for (auto const& file : std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
             std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
             bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
-            if (file.path().extension() == ".hpp" && name.find("linalg/isa/") == name.npos && !library)
+            if (file.path().extension() == ".hpp" && name.find("linalg/kernels/") == name.npos && !library)
                 all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
     Outcome const tried = shell(command + folder.file(all, "all.cpp"));

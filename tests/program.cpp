@@ -1,5 +1,5 @@
 // The rlslab program as a person or a script uses it: what it prints, where, and with which exit code.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/journal.hpp"
 #include "tests/program.hpp"
 

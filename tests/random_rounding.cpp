@@ -10,6 +10,7 @@
 #include <limits>
 
 namespace rlslab {
+using namespace studies;
 namespace {
 
 using Surplus = RandomRounding::Surplus;

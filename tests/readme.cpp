@@ -1,5 +1,5 @@
 // The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted scalar measures.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The types that an update accepts as a regressor. It must not accept numbers that do not lie one after another in memory.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>

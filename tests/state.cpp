@@ -1,8 +1,8 @@
 // A filter that was saved and loaded is the filter, bit for bit, in every variant and arithmetic.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/state_file.hpp>
+#include <rlslab/state/state_file.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/variants/variants.hpp>
 

@@ -3,7 +3,7 @@
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state_file.hpp>
+#include <rlslab/state/state_file.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gmock/gmock.h>

@@ -7,6 +7,7 @@
 #include <cmath>
 
 namespace rlslab {
+using namespace studies;
 extern Study const stochastic_definiteness;
 namespace {
 

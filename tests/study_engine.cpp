@@ -1,5 +1,5 @@
 // The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/findings.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/run.hpp"
@@ -19,6 +19,8 @@
 #include <unistd.h>
 
 namespace rlslab {
+using namespace report;
+using namespace studies;
 namespace {
 
 std::string text_of(std::filesystem::path const& path) {
@@ -131,7 +133,7 @@ TEST(StudyEngine, KilledAtAnyMomentAndStartedAgainItEndsWithTheSameBytes) {
 
 TEST(StudyEngine, AFalseClaimIsCaught) {
     files::Folder const folder;
-    Study const& study = **std::ranges::find(studies(), "gain_error", &Study::name);
+    Study const& study = **std::ranges::find(studies::studies(), "gain_error", &Study::name);
     EXPECT_EQ(verdict_lines(run(study, {.out = folder.path / "true"}), false).find("FAILS"), std::string::npos);
     // A "joseph" that subtracts K psi'P: an error in its gain is of first order.
     std::vector<Entry> entries = catalogue();

@@ -1,5 +1,5 @@
 // Text in lines of a certain width.
-#include <rlslab/core/text.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // What threads may share (core/concept.hpp), tried. `./lab threads` runs this under the thread sanitizer.
 #include "tests/laws.hpp"
 
-#include <rlslab/adapt/fleet.hpp>
-#include <rlslab/adapt/fold_all.hpp>
+#include <rlslab/many/fleet.hpp>
+#include <rlslab/many/fold_all.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/linalg/crew.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/variants.hpp>

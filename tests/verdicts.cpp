@@ -13,6 +13,8 @@
 #include <sstream>
 
 namespace rlslab {
+using namespace report;
+using namespace studies;
 namespace {
 
 using testing::ElementsAre;
@@ -21,7 +23,7 @@ using testing::IsEmpty;
 
 TEST(Claims, EachSaysWhatItIsWhereItsBandIsFromAndOnWhichData) {
     std::set<std::string> texts;
-    for (Study const* study : studies()) {
+    for (Study const* study : studies::studies()) {
         EXPECT_FALSE(study->data.empty()) << study->name;
         EXPECT_FALSE(study->claims.empty()) << study->name;
         for (Claim const& claim : study->claims) {
@@ -33,7 +35,7 @@ TEST(Claims, EachSaysWhatItIsWhereItsBandIsFromAndOnWhichData) {
 }
 TEST(Claims, EachIsInTheRecordOfTheQuickBudget) {
     std::vector<Outcome> all;
-    for (Study const* study : studies()) all.push_back({study, {}, {}, {}, 0, 0});
+    for (Study const* study : studies::studies()) all.push_back({study, {}, {}, {}, 0, 0});
     EXPECT_THAT(unrecorded(all, recorded(Budget::quick)), IsEmpty()) << "rlslab study NAME --record studies/verdicts.json";
 }
 
@@ -116,7 +118,7 @@ std::string page(char const* name) {
 TEST(Verdicts, AreThoseThatTheQuestionsCount) {
     std::array<Count, 3> counts;
     size_t claims = 0;
-    for (Study const* study : studies())
+    for (Study const* study : studies::studies())
         for (Claim const& claim : study->claims) {
             auto const& verdicts = recorded(Budget::quick);
             auto const of_study = verdicts.find(study->name);
@@ -129,7 +131,7 @@ TEST(Verdicts, AreThoseThatTheQuestionsCount) {
             ++(verdict == yes ? c.holds : verdict == no ? c.fails : c.undecided), ++claims;
         }
     std::string const text = page("/docs/questions.md");
-    EXPECT_THAT(text, HasSubstr("runs " + std::to_string(studies().size()) + " studies with " + std::to_string(claims) + " claims"));
+    EXPECT_THAT(text, HasSubstr("runs " + std::to_string(studies::studies().size()) + " studies with " + std::to_string(claims) + " claims"));
     for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding}) {
         Count const& c = counts[size_t(kind)];
         std::ostringstream row;
@@ -162,17 +164,17 @@ TEST(Verdicts, ClaimsRestatedSinceTheFullRecordAreNamed) {
     std::istringstream words(page("/docs/questions.md"));
     std::string text, word;
     while (words >> word) text += word + ' ';
-    for (Study const* study : studies())
+    for (Study const* study : studies::studies())
         for (Claim const& claim : study->claims)
             if (!recorded(Budget::full).at(study->name).contains(claim.text)) {
                 EXPECT_THAT(text, HasSubstr("- `" + study->name + "`: " + claim.text)) << "restated";
             }
 }
 TEST(Verdicts, ARecordReadsBackAndKeepsWhatWasNotRun) {
-    Study const* const study = studies().front();
+    Study const* const study = studies::studies().front();
     Outcome all{study, {}, {}, {}, 0, 0};
     for (size_t i = 0; i < study->claims.size(); ++i) all.findings.emplace_back(i % 2 ? no : unknown, "");
-    Study const* const other = studies().back();
+    Study const* const other = studies::studies().back();
     Record const old{{other->name, {{other->claims[0].text, no}, {"a claim that is no more", yes}}}};
     Record const read = record_from(record_json({all}, old));
     ASSERT_EQ(read.size(), 2u);

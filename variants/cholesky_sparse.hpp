@@ -48,7 +48,7 @@ public:
         theta_ = b_;
         K_ = psi;
         bool const finite = factor_.solve(theta_, K_) && theta_.allFinite() && K_.allFinite();
-        Step<double> step = if_finite(finite, report(e, lambda_, s));
+        Step<double> step = if_finite(finite, step_of(e, lambda_, s));
         if (!definite && step.health == Health::sound) step.health = Health::indefinite;
         return step;
     }

@@ -42,7 +42,7 @@ public:
         perturb(K_);
         subtract_rank_one(P_, K_, f_, by_lambda_, next_);                                                // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns the last step.

@@ -39,7 +39,7 @@ public:
         perturb(K_);
         subtract_rank_one(P_, K_, h_, by_lambda_);                                                       // (4)
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

@@ -65,7 +65,7 @@ public:
             z_[i] = c_[i] * t + turned;
             eta -= conjugate(x_[i]) * t;
         }
-        Step<T> const step = select(determined, report(eta, w), report_undetermined(eta));               // (5)
+        Step<T> const step = select(determined, step_of(eta, w), report_undetermined(eta));               // (5)
         return if_finite(lengths_.take(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
     }
 

@@ -57,7 +57,7 @@ public:
         if (!solved_) solve();
         T seen = y;    // spoilt by data that are not finite
         for (Index j = 0; j < f_.size(); ++j) seen = select(is_finite(X_(j, j)), seen, X_(j, j));
-        Step<T> step = select(known, report(e, lambda_, s), report_undetermined(seen));
+        Step<T> step = select(known, step_of(e, lambda_, s), report_undetermined(seen));
         step = if_finite(!known || !positive_ || answers_finite(X_, L_, D_, theta_, psi_, f_), step);
         Truth<T> const broken = (started && !known) || (started_ && !positive_);
         step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));

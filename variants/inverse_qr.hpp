@@ -48,7 +48,7 @@ public:
         sweep_rotations(S_, c_, s_, by_root_lambda_, g_, perturb, next_);
         divide(g_, b, K_);                                                                               // (3)
         add_scaled(theta_, e, K_);
-        return if_finite(all_finite(theta_) && is_finite(b), report(e, RealOf<T>(RealOf<T>(1) / (b * b))));
+        return if_finite(all_finite(theta_) && is_finite(b), step_of(e, RealOf<T>(RealOf<T>(1) / (b * b))));
     }
 
     /// The rows psi (d x B) with y (B), the oldest first: (2) of one and (1) of the next are one pass over S. Returns the last step.

@@ -50,7 +50,7 @@ public:
                 P_(i, j) = by_lambda_(P_(i, j)) + square;
             }
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

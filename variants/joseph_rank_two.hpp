@@ -41,7 +41,7 @@ public:
         for (Index i = 0; i < f_.size(); ++i) g_[i] = f_[i] - half * K_[i];                              // (4)
         subtract_rank_two(P_, K_, g_, by_lambda_);                                                       // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

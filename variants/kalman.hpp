@@ -55,7 +55,7 @@ public:
         perturb(K_);
         subtract_rank_one(P_, K_, f_, DivisorNearOne<RealOf<T>>(RealOf<T>(1)));                               // (5)
         add_scaled(theta_, e, K_);                                                                       // (6)
-        return report(e, RealOf<T>(1), s, theta_);
+        return step_of(e, RealOf<T>(1), s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

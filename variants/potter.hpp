@@ -39,7 +39,7 @@ public:
         divide(f_, s + square_root(lambda_ * s), f_);                                                    // (4)
         subtract_rank_one(S_, v_, f_, by_root_lambda_);
         add_scaled(theta_, e, K_);                                                                       // (5)
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     auto theta() const { return theta_.view(); }

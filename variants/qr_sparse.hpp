@@ -86,7 +86,7 @@ public:
         SparseRows row(psi.size(), 1);
         row.col(0) = psi;
         bool const finite = update_block(row, Vector<double>::Constant(1, y)) == Health::sound;
-        return if_finite(finite, report(e, lambda_, s));
+        return if_finite(finite, step_of(e, lambda_, s));
     }
 
     Vector<double> const& theta() const { return theta_; }

@@ -51,7 +51,7 @@ public:
         sweep_ud(U_, g_, mu_, K_, perturb, next_);                                                       // (4)
         divide(K_, s, K_);                                                                               // (5)
         add_scaled(theta_, e, K_);
-        return report(e, lambda_, s, theta_);
+        return step_of(e, lambda_, s, theta_);
     }
 
     /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over U. Returns the last step.

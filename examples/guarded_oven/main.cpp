@@ -1,6 +1,6 @@
 // An oven's model in float, learnt for a week from a sensor that fails: with a guard, without one, and across a restart of the controller.
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/ud.hpp>
 

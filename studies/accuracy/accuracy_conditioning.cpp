@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 6, rows = 60;
@@ -130,4 +130,4 @@ Study const accuracy_conditioning{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -135,4 +135,4 @@ Study const accuracy_steps{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

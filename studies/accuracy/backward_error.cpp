@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 6;
@@ -342,4 +342,4 @@ Study const backward_error{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -1,13 +1,13 @@
 // The only place where the variants are compiled in fixed-point words.
 #include "studies/accuracy/fixed_filters.hpp"
 
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/arithmetic/fixed.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 template <RecursiveLeastSquares F>
@@ -37,4 +37,4 @@ Entry const& symmetric_of_any_length() {
     return entry;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

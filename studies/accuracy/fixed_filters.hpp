@@ -2,9 +2,9 @@
 #pragma once
 
 #include <rlslab/arithmetic/fixed_format.hpp>
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// Every dense variant in the words that the FixedScope of the calling thread has while the filter is made, fed and asked. Not in the
 /// catalogue, for the reason that significands of any length are not: the format is the question.
@@ -14,4 +14,4 @@ Entry const* rounding_every_operation(std::string_view variant);
 /// The symmetric form in significands of any length (PrecisionScope), to compare with.
 Entry const& symmetric_of_any_length();
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -1,14 +1,14 @@
 // A few variants in fixed-point words that are rounded after every operation.
 #include "studies/accuracy/fixed_filters.hpp"
 
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/arithmetic/fixed.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 Entry const* rounding_every_operation(std::string_view variant) {
     using T = VariableFixedRounded;
@@ -21,4 +21,4 @@ Entry const* rounding_every_operation(std::string_view variant) {
     return nullptr;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

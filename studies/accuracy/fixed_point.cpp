@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double memories = 30;
@@ -266,4 +266,4 @@ Study const fixed_point{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -3,11 +3,11 @@
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr int longest = 30, in_a_row = 3, ample = 24, looks = 200;
@@ -205,4 +205,4 @@ double floating_bits(Setting const& setting) {
     return INFINITY;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

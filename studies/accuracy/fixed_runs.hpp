@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is measured
 /// against the certified solution in every trial.
@@ -83,4 +83,4 @@ double theta_noise(Entry const& entry, Setting& setting, double lambda);
 /// The shortest significand of floating point with which the symmetric form survives, by the same criterion; infinity: none up to 30.
 double floating_bits(Setting const& setting);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// Hilbert's matrix of 2n x n, entries rounded once, or Läuchli's of (1, 1, 1) and delta I; theta = (1, ..., 1) but for y's rounding.
@@ -122,4 +122,4 @@ Study const hilbert{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -2,12 +2,12 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 5, rows = 300;
@@ -144,4 +144,4 @@ Study const initialisation{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -185,4 +185,4 @@ Study const inverse_qr_drift{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 6, rows = 60;
@@ -225,4 +225,4 @@ Study const joseph_condition{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

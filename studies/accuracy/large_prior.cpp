@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 void measure(Trial const& trial, TrialOutput& out) {
@@ -101,4 +101,4 @@ Study const large_prior{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <tuple>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// |A|_2 by its definition, with nothing of the formula to be tested: A'A's largest eigenvalue, by squaring until d^(1/2^i) is 1
@@ -153,4 +153,4 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

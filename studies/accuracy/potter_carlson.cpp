@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// NIST StRD, Norris: y measured by an instrument against x by the standard; certified: slope 1.00211681802045,
@@ -144,4 +144,4 @@ Study const potter_carlson{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 5, samples = 50;
@@ -187,4 +187,4 @@ Study const prior_law{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

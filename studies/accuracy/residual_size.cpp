@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 6, samples = 60;
@@ -192,4 +192,4 @@ Study const residual_size{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

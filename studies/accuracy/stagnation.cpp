@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr int rows = 20000;
@@ -135,4 +135,4 @@ Study const stagnation{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 #include <deque>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// A = [I / c; the rows of the window], R'R = A'A, lambda = 1. A row comes by Givens rotations. The oldest, psi, leaves so:
 ///
@@ -108,4 +108,4 @@ public:
     }
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

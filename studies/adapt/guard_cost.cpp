@@ -2,7 +2,7 @@
 #include "studies/adapt/watched.hpp"
 #include "studies/engine/findings.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 std::vector<std::string> const of_P{"conventional", "symmetric", "potter", "carlson", "ud", "inverse_qr"},
@@ -84,4 +84,4 @@ Study const guard_cost{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index d = 4, warm = 500, memories = 250;  // rows before the disturbance; five memories after it
@@ -296,4 +296,4 @@ Study const guard_policies{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double lambda = 0.98, noise = 0.1, memory = (1 + lambda) / (1 - lambda);
@@ -304,4 +304,4 @@ Study const guard_signals{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

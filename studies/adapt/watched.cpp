@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 std::vector<std::string> const& guard_policies_by_name() {
     static std::vector<std::string> const names{"none", "report", "reset", "rebuild", "hand_over"};
@@ -40,4 +40,4 @@ double operations_of_a_row(std::string_view variant, std::string_view policy, In
     return double(counted([&] { take_rows(20 * size); }).total()) / double(20 * size);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// Data are binary64 and are rounded once to the filter's arithmetic.
 class Watched {
@@ -40,4 +40,4 @@ MakeWatched watched_in_float(std::string_view variant, std::string_view policy);
 MakeWatched watched_in_double(std::string_view variant, std::string_view policy);
 MakeWatched watched_counting(std::string_view variant, std::string_view policy);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

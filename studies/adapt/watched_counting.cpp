@@ -3,10 +3,10 @@
 
 #include <rlslab/arithmetic/counted.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 MakeWatched watched_counting(std::string_view variant, std::string_view policy) {
     return detail::watched_in<Counted<double>>(variant, policy);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

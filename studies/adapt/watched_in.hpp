@@ -14,7 +14,7 @@
 #include <rlslab/variants/symmetric.hpp>
 #include <rlslab/variants/ud.hpp>
 
-namespace rlslab::detail {
+namespace rlslab::studies::detail {
 
 template <class F>
 concept HasGuard = requires(F const& f) { f.counts(); };
@@ -82,4 +82,4 @@ MakeWatched watched_in(std::string_view variant, std::string_view policy) {
     return out;
 }
 
-}  // namespace rlslab::detail
+}  // namespace rlslab::studies::detail

@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index d = 4, window = 50, rows = 2000, event = 120;  // the event's row leaves when row 170 comes
@@ -349,4 +349,4 @@ Study const window_downdating{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

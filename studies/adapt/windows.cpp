@@ -16,7 +16,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 template <class T>
@@ -87,4 +87,4 @@ std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_vie
     return sliding_in<double>(variant, problem, rows, refactoring);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// A window's variant and arithmetic are names. Data are binary64 and are rounded once to the filter's arithmetic.
 class SlidingFilter {
@@ -35,4 +35,4 @@ std::vector<std::string> const& windowed_variants();
 std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic, Problem<double> const&, Index rows,
                                        Refactoring const& refactoring);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

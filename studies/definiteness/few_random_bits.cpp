@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double sqrt_2 = 1.4142135623730951;
@@ -120,4 +120,4 @@ Study const few_random_bits{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

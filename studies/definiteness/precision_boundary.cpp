@@ -1,17 +1,17 @@
 // The smallest significand with which each variant survives, against forgetting and conditioning.
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -183,4 +183,4 @@ Study const precision_boundary{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

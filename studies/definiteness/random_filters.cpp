@@ -1,12 +1,12 @@
 // The only place where variants are compiled in significands that round at random.
 #include "studies/definiteness/random_filters.hpp"
 
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 
 #include <rlslab/core/type_list.hpp>
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using T = RandomlyRounded;
@@ -30,4 +30,4 @@ Entry const& randomly_rounded(std::string_view variant) {
     throw std::logic_error("no such variant rounds at random");
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

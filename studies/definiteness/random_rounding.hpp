@@ -3,11 +3,11 @@
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 
 #include <compare>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// How the exact result x of an operation becomes one of its two neighbours of p bits. f in [0, 1): the fraction of the way to the outer
 /// one. With r random bits the outer one is taken with probability
@@ -118,7 +118,7 @@ struct Aside<RandomlyRounded> : Aside<Chopped<binary16, Rounding::stochastic>> {
 template <>
 struct Encoding<RandomlyRounded> : EncodingInDouble<RandomlyRounded, detail::AnyDouble> {};
 
-}  // namespace rlslab
+}  // namespace rlslab::studies
 
 template <>
 struct Eigen::NumTraits<rlslab::RandomlyRounded> : rlslab::detail::StorageTraits<rlslab::RandomlyRounded> {

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <map>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 3, look = 20;
@@ -296,4 +296,4 @@ Study const stochastic_definiteness{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

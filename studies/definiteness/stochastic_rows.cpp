@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double prior = 0x1p40;
@@ -98,4 +98,4 @@ Study const stochastic_rows{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace rationals;
@@ -101,4 +101,4 @@ P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

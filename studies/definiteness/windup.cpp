@@ -3,12 +3,12 @@
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// The same psi in every row, until P breaks down, but at most 2.5 times as long as P stays in the arithmetic's range: the root of P stays
@@ -148,4 +148,4 @@ Study const windup{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using Numbers = Matrix<Reference>;
@@ -187,4 +187,4 @@ double GivenProblem::covariance_error(Stored<Reference> const& stored) const {
     return std::isfinite(error) ? error : INFINITY;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

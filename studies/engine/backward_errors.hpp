@@ -5,7 +5,7 @@
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// min |A x - b|: A has the rows lambda^((N-k)/2) psi_k' and lambda^(N/2) R0, R0'R0 = P0^-1, and b the outputs and R0 theta0, weighted
 /// likewise. Each column of A is divided by its length, theta and P with it: the numbers below do not depend on the units of the columns.
@@ -53,4 +53,4 @@ struct Procrustes {
     Procrustes(Matrix<Reference> const& R, Matrix<Reference> const& other);
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -11,7 +11,8 @@
 #include <fmt/format.h>
 #include <map>
 
-namespace rlslab {
+namespace rlslab::studies {
+using namespace report;
 namespace {
 
 bool shown(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
@@ -107,4 +108,4 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -4,9 +4,9 @@
 #include "report/figure.hpp"
 #include "studies/engine/study.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// Numbers that a logarithmic axis cannot show (0, NaN, infinity) are left out of the curve.
-std::vector<Figure> figures(Study const& study, Table const& table);
+std::vector<report::Figure> figures(Study const& study, Table const& table);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

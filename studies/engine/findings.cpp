@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <limits>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 double fitted(std::vector<double> const& x, std::vector<double> const& y) {
@@ -345,4 +345,4 @@ Finding labelled(std::string const& label, Finding of) {
     return of;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

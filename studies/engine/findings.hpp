@@ -6,7 +6,7 @@
 
 #include <concepts>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// What is estimated from the seeds' numbers x_1 ... x_n, each of the rows of one seed. The shapes that each is admitted for stand in
 /// interval.hpp.
@@ -86,4 +86,4 @@ Finding everywhere(Table const& table, std::string const& column, Cell const& va
 /// The probability that was met `hits` times in `runs` independent ones lies in [from, to]: its interval is Clopper & Pearson's.
 Finding proportion(size_t hits, size_t runs, double from, double to);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -9,7 +9,7 @@
 #include <map>
 #include <tuple>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -97,4 +97,4 @@ Interval proportion_interval(double hits, double of, double risk) {
     return at->second = {hits <= 0 ? 0 : where(hits, risk / 2), hits >= of ? 1 : where(hits + 1, 1 - risk / 2)};
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// [low, high]; unbounded where nothing is known.
 struct Interval {
@@ -40,4 +40,4 @@ Interval square_interval(std::vector<double> const& x, double risk);
 /// of one seed, as `hits` of n: that is as wide as if the runs of one seed all came out alike.
 Interval proportion_interval(double hits, double of, double risk);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

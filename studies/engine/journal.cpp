@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include <utility>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 [[noreturn]] void cannot_write(std::filesystem::path const& path) {
@@ -141,4 +141,4 @@ void write_journal(std::filesystem::path const& folder, std::string const& name,
     replace_file(folder / name, text_of(head_of(key), finished));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

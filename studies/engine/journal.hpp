@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// A checksum that tells texts apart; not for security (FNV-1a).
 constexpr std::uint64_t hash(std::string_view text, std::uint64_t from = 0xcbf29ce484222325) {
@@ -63,4 +63,4 @@ public:
     FolderLock& operator=(FolderLock const&) = delete;
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,8 @@
 #include <array>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
+using namespace report;
 namespace {
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 40> signs{{
@@ -123,4 +124,4 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
     return out + "\\makeatother\n";
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -3,7 +3,7 @@
 
 #include "studies/engine/run.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// Text as LaTeX shows it: its special characters escaped, Greek letters and signs as mathematics. Other characters stay as they are.
 std::string latex(std::string_view text);
@@ -16,4 +16,4 @@ std::string table_tex(Outcome const& outcome, RunOptions const& options);
 /// \runcount{KIND}{hold|fail|undecided}, \runbudget, \runseed, \runrevision and \runstudies tell of the run.
 std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/stored.hpp>
 
-namespace rlslab::rationals {
+namespace rlslab::studies::rationals {
 
 using Q = Rational;
 using V = Vector<Q>;
@@ -56,4 +56,4 @@ inline bool is_positive_definite(M const& A) {
 /// P as the stored numbers say.
 inline M covariance(Stored<Q> const& stored) { return covariance_of(stored, inverse); }
 
-}  // namespace rlslab::rationals
+}  // namespace rlslab::studies::rationals

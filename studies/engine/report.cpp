@@ -9,7 +9,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
+using namespace report;
 namespace {
 
 /// The most rows of a table that a page shows; the CSV file has all.
@@ -118,4 +119,4 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
                             name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

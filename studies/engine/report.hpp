@@ -4,9 +4,9 @@
 #include "studies/engine/figure.hpp"
 #include "studies/engine/run.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// Questions, formulas, plots, tables, claims with their verdicts, provenance.
 std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -14,7 +14,8 @@
 #include <tbb/task_arena.h>
 #include <tuple>
 
-namespace rlslab {
+namespace rlslab::studies {
+using namespace report;
 
 Cell const& Trial::value(std::string_view factor) const {
     for (size_t i = 0; i < factors_->size(); ++i)
@@ -240,4 +241,4 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
     for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -1,14 +1,14 @@
 // Runs studies: trials on all cores, with bits that do not depend on their number. A run that is killed can be continued.
 #pragma once
 
-#include "catalogue/catalogue.hpp"
+#include <rlslab/catalogue/catalogue.hpp>
 #include "report/progress.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/study.hpp"
 
 #include <filesystem>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 struct RunOptions {
     Budget budget = Budget::quick;
@@ -30,7 +30,7 @@ struct Outcome {
 /// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the table in the order of
 /// its factors). Finished trials are stored in out/.trials, and the same program uses them again for the same study, budget and seed.
 /// Throws InputError when a file cannot be written, and what a trial throws, with its name.
-std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress);
+std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, report::Progress const& progress);
 
 /// How many trials there are, how many fall to a part, and how many of these were finished already.
 struct Share {
@@ -40,11 +40,11 @@ struct Share {
 /// any machines that share the folder, or in folders that are merged later. What falls to a part depends on the chosen studies alone:
 /// all trials are sorted by a hash of study and number and dealt in turn. So the parts differ by one trial at most, and trials that take
 /// long are spread.
-Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress);
+Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, report::Progress const& progress);
 
 /// Takes the trials that the parts in these folders, and options.out, have finished into options.out, where run_studies then finds them.
 /// Throws InputError, before anything is written, when a trial is missing, a folder's trials are of another program, budget or
 /// seed, or another run is writing into options.out.
 void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 std::vector<Cell> covariance_forms() { return {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}; }
 std::vector<Cell> subtracting_forms() { return without(covariance_forms(), {"joseph"}); }
@@ -93,4 +93,4 @@ double frobenius(Matrix<Reference> const& A) {
     return static_cast<double>(sqrt(sum));
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 
 #include <rlslab/reference/certified.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 // --- families of variants ---------------------------------------------------------------------------------------------
 // Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
@@ -64,4 +64,4 @@ Matrix<Reference> covariance_of(Stored<Reference> const& stored);
 /// ||A||_F.
 double frobenius(Matrix<Reference> const& A);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 Records answered(Matrix<double> psi, Seed seed, double noise) {
     Index const rows = psi.cols();
@@ -63,4 +63,4 @@ Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed 
     return answered(std::move(psi), seed, noise);
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

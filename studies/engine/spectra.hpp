@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// y_k = psi_k'theta + noise v_k, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell). psi is d x N.
 Records answered(Matrix<double> psi, Seed seed, double noise);
@@ -18,4 +18,4 @@ std::vector<double> singular_values(std::string_view shape, Index size, double k
 /// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for the rounding to double.
 Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

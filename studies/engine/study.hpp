@@ -3,9 +3,9 @@
 
 #include "studies/engine/table.hpp"
 
-#include <rlslab/lab/any_filter.hpp>
+#include <rlslab/catalogue/any_filter.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// quick: seconds, for tests. full: what is quoted.
 enum class Budget { quick, full };
@@ -150,4 +150,4 @@ struct Study {
 /// THE list of studies, in the order in which people read them (studies/CMakeLists.txt).
 std::vector<Study const*> const& studies();
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <stdexcept>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 std::string as_text(Cell const& cell) {
     if (auto const* const word = std::get_if<std::string>(&cell)) return *word;
@@ -119,4 +119,4 @@ std::string csv_line(std::vector<Cell> const& row) {
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// A number or a word. Numbers are written with as few digits as read back to the same bits; "nan", "inf", "-inf".
 using Cell = std::variant<double, std::string>;
@@ -50,4 +50,4 @@ public:
 /// Without quotes: throws std::logic_error for a word that would need them.
 std::string csv_line(std::vector<Cell> const& row);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -11,7 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-namespace rlslab {
+namespace rlslab::studies {
+using namespace report;
 
 extern char const* const recorded_quick;  // of the generated file
 extern char const* const recorded_full;
@@ -147,7 +148,7 @@ Record const& recorded(Budget budget) {
 
 std::string record_json(std::vector<Outcome> const& outcomes, Record const& old) {
     Json out = Json::object();
-    for (Study const* study : studies()) {
+    for (Study const* study : studies::studies()) {
         auto const run = std::ranges::find(outcomes, study, &Outcome::study);
         Json claims = Json::object();
         for (size_t i = 0; i < study->claims.size(); ++i) {
@@ -195,4 +196,4 @@ std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcom
     return out;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <map>
 #include <span>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 std::string_view name_of(Kind kind);        ///< "verification" ...
 std::string_view name_of(Verdict verdict);  ///< "holds" ...
@@ -45,4 +45,4 @@ std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record
 /// Verifications that fail, as "STUDY: claim".
 std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcomes);
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -140,4 +140,4 @@ Study const sqrt_lambda_bias{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

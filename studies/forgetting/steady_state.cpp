@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -149,4 +149,4 @@ Study const steady_state{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

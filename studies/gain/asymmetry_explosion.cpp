@@ -3,11 +3,11 @@
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -139,4 +139,4 @@ Study const asymmetry_explosion{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -2,7 +2,7 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
@@ -82,4 +82,4 @@ Study const estimate_error_memory{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -4,7 +4,7 @@
 
 #include <rlslab/variants/extended_qr.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using T = Reference;
@@ -120,4 +120,4 @@ Study const extended_qr_memory{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

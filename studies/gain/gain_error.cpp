@@ -2,7 +2,7 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 5;
@@ -106,4 +106,4 @@ Study const gain_error{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

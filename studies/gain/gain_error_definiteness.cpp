@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index rows = 60, in_a_row = 3;
@@ -146,4 +146,4 @@ Study const gain_error_definiteness{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

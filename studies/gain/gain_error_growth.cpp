@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double epsilon = 1e-6;  // conventional breaks down near epsilon N = 1
@@ -135,4 +135,4 @@ Study const gain_error_growth{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

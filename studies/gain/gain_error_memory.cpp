@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
@@ -146,4 +146,4 @@ Study const gain_error_memory{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 bool is(Trial const& trial, char const* factor, char const* value) { return trial.text(factor) == value; }
@@ -237,4 +237,4 @@ Study const gain_error_size{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

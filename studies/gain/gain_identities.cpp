@@ -17,7 +17,7 @@
 #include <cmath>
 #include <functional>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace rationals;
@@ -268,4 +268,4 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

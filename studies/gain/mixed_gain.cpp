@@ -16,7 +16,7 @@
 #include <map>
 #include <optional>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 5;
@@ -395,4 +395,4 @@ Study const mixed_gain{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

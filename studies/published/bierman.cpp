@@ -2,12 +2,12 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// psi = (1, eps), (1, 1) with unit noise and P0 = I / eps^2; eps = 2^-k or 1.0737 2^-k, as 1e-9 is, in the bits of the arithmetic.
@@ -151,4 +151,4 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -3,12 +3,12 @@
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
-#include <rlslab/lab/breakdown.hpp>
+#include <rlslab/catalogue/breakdown.hpp>
 
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I, with P scaled by delta^-2 so that the noise is 1. All variants in one trial:
@@ -142,4 +142,4 @@ Study const dyer_mcreynolds{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

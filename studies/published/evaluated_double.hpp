@@ -9,7 +9,7 @@
 #include <compare>
 #include <concepts>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// lanes: as the library has it, eight running lanes and a tree (linalg/dot.hpp). forward, backward: one running sum.
 enum class DotOrder { lanes, forward, backward };
@@ -97,7 +97,7 @@ struct EveryDouble {
 template <bool fused, DotOrder order>
 struct Encoding<EvaluatedDouble<fused, order>> : EncodingInDouble<EvaluatedDouble<fused, order>, detail::EveryDouble> {};
 
-}  // namespace rlslab
+}  // namespace rlslab::studies
 
 template <bool fused, rlslab::DotOrder order>
 struct Eigen::NumTraits<rlslab::EvaluatedDouble<fused, order>> : rlslab::detail::StorageTraits<rlslab::EvaluatedDouble<fused, order>> {

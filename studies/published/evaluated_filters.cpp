@@ -1,12 +1,12 @@
 // The only place where variants are compiled with another evaluation.
 #include "studies/published/evaluated_filters.hpp"
 
-#include "catalogue/erase.hpp"
+#include <rlslab/catalogue/erase.hpp>
 #include "studies/published/evaluated_double.hpp"
 
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 template <RecursiveLeastSquares F>
@@ -41,4 +41,4 @@ Entry const& evaluated(std::string_view variant, std::string_view evaluation) {
     return *entry;
 }
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

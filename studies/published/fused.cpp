@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace strd;
@@ -225,4 +225,4 @@ Study const fused{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

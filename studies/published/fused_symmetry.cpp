@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4, every = 50;
@@ -129,4 +129,4 @@ Study const fused_symmetry{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

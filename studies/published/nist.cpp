@@ -4,7 +4,7 @@
 #include "studies/published/nist_data.hpp"
 #include "studies/published/nist_table.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace strd;
@@ -160,4 +160,4 @@ Study const nist{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

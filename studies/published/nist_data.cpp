@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace rlslab::strd {
+namespace rlslab::studies::strd {
 namespace {
 
 std::map<std::string, std::vector<Reference>> decimals() {
@@ -48,4 +48,4 @@ std::map<std::string, std::map<std::string, double>> const& listed_digits() {
     return digits;
 }
 
-}  // namespace rlslab::strd
+}  // namespace rlslab::studies::strd

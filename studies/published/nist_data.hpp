@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace rlslab::strd {
+namespace rlslab::studies::strd {
 
 /// A file of data/nist by its name, "longley.csv". Throws std::logic_error where there is none.
 std::string_view file(std::string_view name);
@@ -22,4 +22,4 @@ Reference decimal(std::string const& set, Index i);
 /// a digit is left.
 std::map<std::string, std::map<std::string, double>> const& listed_digits();
 
-}  // namespace rlslab::strd
+}  // namespace rlslab::studies::strd

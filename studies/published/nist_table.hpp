@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace rlslab::strd {
+namespace rlslab::studies::strd {
 
 /// NIST's log relative error of the worst parameter against these decimals.
 inline double decimal_digits(std::string const& set, Vector<Reference> const& theta) {
@@ -70,4 +70,4 @@ inline Number lead(std::string variant) {
 inline std::vector<std::string> const plain = words(covariance_forms());
 inline std::vector<std::string> const rooted = words(triangular_forms());
 
-}  // namespace rlslab::strd
+}  // namespace rlslab::studies::strd

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace strd;
@@ -228,4 +228,4 @@ Study const scaling{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index n = WindowFilter::n, window = 20, outlier = 40;
@@ -150,4 +150,4 @@ Study const sliding_window{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

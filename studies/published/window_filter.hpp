@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-namespace rlslab {
+namespace rlslab::studies {
 
 /// P or P^-1 or R as it slides: double, sums in order, small on purpose. `weight` is lambda^window, that of the row that leaves.
 struct WindowFilter {
@@ -116,4 +116,4 @@ struct WindowFilter {
     }
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

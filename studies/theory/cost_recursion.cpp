@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 4;
@@ -130,4 +130,4 @@ Study const cost_recursion{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

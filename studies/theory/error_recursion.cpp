@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace rationals;
@@ -173,4 +173,4 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

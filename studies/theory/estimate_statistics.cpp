@@ -8,7 +8,7 @@
 #include <array>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace second_order;
@@ -195,4 +195,4 @@ Study const estimate_statistics{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -2,7 +2,7 @@
 #include "studies/engine/findings.hpp"
 #include "studies/engine/scenarios.hpp"
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 /// Without noise theta~ = theta - theta_k obeys theta~_k = (I - K psi') theta~_{k-1}: in 257 bits, as the recursion says it.
@@ -67,4 +67,4 @@ Study const estimation_error{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace rationals;
@@ -135,4 +135,4 @@ J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma 
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

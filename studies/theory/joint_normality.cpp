@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace second_order;
@@ -162,4 +162,4 @@ Study const joint_normality{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

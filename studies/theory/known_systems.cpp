@@ -5,7 +5,7 @@
 #include <rlslab/model/difference.hpp>
 #include <rlslab/model/fit.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 void measure(Trial const& trial, TrialOutput& out) {
@@ -82,4 +82,4 @@ Study const known_systems{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

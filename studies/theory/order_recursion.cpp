@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index size = 6, rows = 80;
@@ -121,4 +121,4 @@ Study const order_recursion{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/reference/definiteness.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr double noise = 0.5, pole = 0.8;  // of the system of the block matrix: y_k = pole y_{k-1} + u_{k-1} + noise e_k
@@ -193,4 +193,4 @@ u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -4,7 +4,7 @@
 
 #include <rlslab/variants/variants.hpp>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 using namespace rationals;
@@ -115,4 +115,4 @@ Study const prbs_gram{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

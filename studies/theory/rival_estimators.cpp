@@ -9,7 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-namespace rlslab {
+namespace rlslab::studies {
 namespace {
 
 constexpr Index d = 3;
@@ -179,4 +179,4 @@ Study const rival_estimators{
         },
 };
 
-}  // namespace rlslab
+}  // namespace rlslab::studies

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace rlslab::second_order {
+namespace rlslab::studies::second_order {
 
 Matrix<Reference> second_moments(System const& system) {
     Index const d = system.size();
@@ -38,4 +38,4 @@ Matrix<Reference> second_moments(System const& system) {
     return R;
 }
 
-}  // namespace rlslab::second_order
+}  // namespace rlslab::studies::second_order

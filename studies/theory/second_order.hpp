@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-namespace rlslab::second_order {
+namespace rlslab::studies::second_order {
 
 using P = Pack<double, 8>;
 constexpr double sigma = 0.5;
@@ -50,4 +50,4 @@ void simulate(System const& system, Index rows, Seed& seed, Noise noise, Row row
 /// the poles have modulus 0.84.
 Matrix<Reference> second_moments(System const& system);
 
-}  // namespace rlslab::second_order
+}  // namespace rlslab::studies::second_order

@@ -4,7 +4,7 @@
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/model/fit.hpp>
 #include <rlslab/model/regression.hpp>
-#include <rlslab/model/row_file.hpp>
+#include <rlslab/input/row_file.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/reference/definiteness.hpp>
 

@@ -2,7 +2,7 @@
 // same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 

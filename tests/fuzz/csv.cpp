@@ -2,7 +2,7 @@
 // read again bit for bit from what it is written as.
 #include "tests/fuzz/fuzz.hpp"
 
-#include <rlslab/model/csv.hpp>
+#include <rlslab/input/csv.hpp>
 
 #include <fmt/format.h>
 

@@ -4,6 +4,8 @@
 #include "program/commands.hpp"
 
 namespace rlslab::fuzz {
+using namespace program;
+using namespace report;
 
 void take(std::string_view bytes) {
     std::vector<std::string> words;

@@ -4,7 +4,7 @@
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
-#include <rlslab/adapt/state_file.hpp>
+#include <rlslab/state/state_file.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/quad.hpp>

@@ -1,5 +1,5 @@
 // A rank of a job that folds the same rows on any number of ranks: the first prints the state's bytes, in hexadecimal.
-#include <rlslab/adapt/mpi_ranks.hpp>
+#include <rlslab/many/mpi_ranks.hpp>
 #include <rlslab/variants/qr_block.hpp>
 
 #include <cstdio>

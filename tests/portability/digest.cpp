@@ -1,11 +1,11 @@
 // One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every processor, with
 // every compiler: tests/portability.cpp compiles this for others and compares.
-#include <rlslab/adapt/state.hpp>
+#include <rlslab/state/state.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/core/rounding.hpp>
-#include <rlslab/lab/round_to.hpp>
+#include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <cinttypes>

@@ -1,7 +1,7 @@
 // A filter and the sounder variant that goes on from its P before rounding has made it worthless.
 #pragma once
 
-#include <rlslab/adapt/convert.hpp>
+#include <rlslab/state/convert.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <tuple>

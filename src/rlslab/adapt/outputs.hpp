@@ -88,7 +88,7 @@ public:
             } else {
                 StateVector<T, N>& theta = theta_[size_t(j)];
                 add_scaled(theta.data(), mine.innovation, K.data(), theta.size());  // (3)
-                mine = if_finite<T>(all_finite(theta), report(mine.innovation, step.gamma));
+                mine = if_finite<T>(all_finite(theta), step_of(mine.innovation, step.gamma));
                 mine.health = worse(mine.health, step.health);
             }
         }

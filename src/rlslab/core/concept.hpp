@@ -103,7 +103,7 @@ concept TakesRowsAtOnce = RecursiveLeastSquares<F> && requires(F f, Matrix<typen
 
 /// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on, and to nothing
 /// that the next row overwrites. One of them may name a state itself: so a type around a filter lists the filter first and its own
-/// members after it. <rlslab/adapt/state.hpp> saves and loads what is named.
+/// members after it. <rlslab/state/state.hpp> saves and loads what is named.
 template <class F>
 concept NamesItsState = requires(F& f, F const& c) {
     F::state(f);

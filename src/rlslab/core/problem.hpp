@@ -118,7 +118,7 @@ Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
 /// The step of an update with innovation e and conversion factor gamma; its residual is gamma e. Health is nonfinite if e or gamma is not
 /// finite, else indefinite if gamma lies outside [0, 1], else sound.
 template <Scalar T>
-Step<T> report(T const& innovation, std::type_identity_t<RealOf<T>> const& gamma) {
+Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& gamma) {
     using R = RealOf<T>;
     PerLane<T, Health> health = Health::sound;
     health = select(gamma < R(0) || R(1) < gamma, PerLane<T, Health>(Health::indefinite), health);
@@ -128,8 +128,8 @@ Step<T> report(T const& innovation, std::type_identity_t<RealOf<T>> const& gamma
 
 /// The same for gamma = lambda / s. If s overflowed, health is nonfinite: gamma alone would be 0 and look sound.
 template <Scalar T>
-Step<T> report(T const& innovation, std::type_identity_t<RealOf<T>> const& lambda, std::type_identity_t<RealOf<T>> const& s) {
-    return if_finite(is_finite(s), report(innovation, RealOf<T>(lambda / s)));
+Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& lambda, std::type_identity_t<RealOf<T>> const& s) {
+    return if_finite(is_finite(s), step_of(innovation, RealOf<T>(lambda / s)));
 }
 
 /// The step, with health nonfinite in the lanes where `finite` is false.
@@ -172,7 +172,7 @@ Step<T> report_undetermined(T const& seen) {
 template <Scalar T>
 Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const& determined) {
     RealOf<T> const gamma = root_gamma * root_gamma;
-    Step<T> step = report(T(eta / root_gamma), gamma);
+    Step<T> step = step_of(T(eta / root_gamma), gamma);
     step.residual = eta * root_gamma;
     return select(determined, step, report_undetermined(eta));
 }

@@ -124,7 +124,7 @@ inline constexpr Index together_from = 5;
 // GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller comes too late, so the
 // whole text is compiled under each target. What a translation unit is compiled for needs no text of its own.
 namespace rlslab::kernels::portable {
-#include <rlslab/linalg/isa/all.hpp>
+#include <rlslab/linalg/kernels/all.hpp>
 }
 #ifdef __x86_64__
 #ifdef __AVX2__
@@ -139,7 +139,7 @@ namespace avx2 = portable;
 #pragma GCC target("avx2")
 #endif
 namespace rlslab::kernels::avx2 {
-#include <rlslab/linalg/isa/all.hpp>
+#include <rlslab/linalg/kernels/all.hpp>
 }
 #ifdef __clang__
 #pragma clang attribute pop
@@ -160,7 +160,7 @@ namespace avx512 = portable;
 #pragma GCC optimize("fp-contract=off")
 #endif
 namespace rlslab::kernels::avx512 {
-#include <rlslab/linalg/isa/all.hpp>
+#include <rlslab/linalg/kernels/all.hpp>
 }
 #ifdef __clang__
 #pragma clang attribute pop

@@ -26,8 +26,8 @@ Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
 /// The step of a form that stores theta; gamma = lambda / s. Only theta is tested: where theta + K e is finite, so is K, because even
 /// 0 times an infinity is NaN.
 template <Scalar T, int N>
-Step<T> report(T const& innovation, RealOf<T> const& lambda, RealOf<T> const& s, StateVector<T, N> const& theta) {
-    return if_finite(all_finite(theta), report(innovation, lambda, s));
+Step<T> step_of(T const& innovation, RealOf<T> const& lambda, RealOf<T> const& s, StateVector<T, N> const& theta) {
+    return if_finite(all_finite(theta), step_of(innovation, lambda, s));
 }
 
 namespace detail {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/core/records.hpp>
-#include <rlslab/model/csv.hpp>
+#include <rlslab/input/csv.hpp>
 #include <rlslab/model/lags.hpp>
 
 #include <algorithm>

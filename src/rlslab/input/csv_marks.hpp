@@ -1,0 +1,42 @@
+// Which decimal mark a file has, as its numbers show. Internal to the reader of CSV files.
+#pragma once
+
+#include <rlslab/input/csv_number.hpp>
+#include <rlslab/input/csv_text.hpp>
+
+namespace rlslab::csv {
+
+/// The mark is given, or that of the first number that can be read in one way alone. "1,234" and "1.234" may have a mark between thousands
+/// instead: the other numbers say which, also those in columns that are not asked for.
+class Marks {
+public:
+    struct Cell {
+        long line;
+        std::size_t column;
+        std::string text;
+    };
+    /// A cell and what is wrong with it.
+    struct Fault {
+        Cell at;
+        std::string message;
+    };
+
+    explicit Marks(char given) : given_(given != 0), mark_(given) {}
+    /// A number that is asked for.
+    std::optional<Fault> number(Kind kind, long line, std::size_t column, std::string_view text);
+    /// All cells of a row.
+    void row(Row const& row, long line);
+    /// After the last row.
+    std::optional<Fault> end(char separator) const;
+
+private:
+    bool given_;
+    char mark_;                                      // 0: not known yet
+    long line_ = 0;                                  // that showed it
+    std::optional<Cell> comma_group_, point_group_;  // the first like "1,234" and "1.234"
+    std::optional<Cell> comma_, point_;              // the first decimal comma and point in any column
+
+    std::optional<Fault> take_mark(char mark, Cell at);
+};
+
+}  // namespace rlslab::csv

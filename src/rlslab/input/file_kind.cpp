@@ -1,0 +1,52 @@
+// The first bytes that formats prescribe.
+#include <rlslab/input/file_kind.hpp>
+
+#include <algorithm>
+
+namespace rlslab {
+namespace {
+
+struct FileKind {
+    std::string_view begins, what;
+};
+
+constexpr FileKind of_bytes[] = {{"\xff\xfe", "UTF-16"},
+                                 {"\xfe\xff", "UTF-16"},
+                                 {"\x1f\x8b", "gzip's compressed data: unpack them first"},
+                                 {"BZh91AY", "bzip2's compressed data: unpack them first"},
+                                 {"\xfd"
+                                  "7zXZ",
+                                  "xz's compressed data: unpack them first"},
+                                 {"\x28\xb5\x2f\xfd", "zstd's compressed data: unpack them first"},
+                                 {"7z\xbc\xaf", "a 7-Zip archive: unpack it first"},
+                                 {"PK\x03\x04", "a zip archive or a workbook: save the sheet as CSV"},
+                                 {"\xd0\xcf\x11\xe0", "a workbook: save the sheet as CSV"},
+                                 {"\x89PNG", "a PNG image"},
+                                 {"\xff\xd8\xff", "a JPEG image"},
+                                 {"GIF89a", "a GIF image"},
+                                 {"%PDF-", "a PDF document"},
+                                 {"{\\rtf", "an RTF document: save the table as CSV"},
+                                 {"\x89HDF", "an HDF5 file: save the columns as CSV"},
+                                 {"\x93NUMPY", "an array of NumPy: write it with numpy.savetxt"},
+                                 {"PAR1\x15", "a Parquet file: save the columns as CSV"},
+                                 {"SQLite format 3", "a database of SQLite: save the table as CSV"},
+                                 {"\x7f"
+                                  "ELF",
+                                  "a program"}};
+constexpr std::string_view of_markup[] = {"<!doctype html", "<html", "<head", "<body", "<table"};
+
+}  // namespace
+
+std::string_view not_a_table(std::string_view begin) {
+    for (auto const& [begins, what] : of_bytes)
+        if (begin.starts_with(begins)) return what;
+    if (begin.starts_with("\xef\xbb\xbf")) begin.remove_prefix(3);
+    begin.remove_prefix(std::min(begin.find_first_not_of(" \t"), begin.size()));
+    auto const same = [](char a, char b) { return ('A' <= a && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
+    for (auto const& tag : of_markup)
+        if (std::ranges::equal(begin.substr(0, tag.size()), tag, same)) return "a web page (HTML): save the table in it as CSV";
+    if (std::ranges::equal(begin.substr(0, 5), std::string_view("<?xml"), same)) return "an XML file: save the table in it as CSV";
+    return "";
+}
+
+}  // namespace rlslab

@@ -1,0 +1,17 @@
+// Reads a file of columns in any format that the commands accept: CSV, compressed CSV, or MATLAB's.
+#pragma once
+
+#include <rlslab/input/csv.hpp>
+
+namespace rlslab {
+
+struct DataFile {
+    std::string path;  ///< "-": standard input
+    CsvFormat format;  ///< for CSV; 0: found out
+    DataFile(std::string at = "", CsvFormat as = {}) : path(std::move(at)), format(as) {}
+};
+
+/// The columns named in `asked`. The first bytes of the file decide its format, not its name. Throws InputError.
+Columns read_data(DataFile const& file, std::vector<std::string> const& asked);
+
+}  // namespace rlslab
