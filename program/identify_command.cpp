@@ -71,7 +71,7 @@ int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     if (a.na >= 0) a.options.na = a.na;
     a.options.composition = composition_of(a.composition, a.options.forgetting);
-    Identified const model = identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
+    Identified const model = identify::identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
     std::string written;
     if (!a.out.empty()) {
         create_folder(a.out);

@@ -102,7 +102,7 @@ Records arx(char const* file, char const* u, char const* y, int order, bool inte
 /// On rows of which the guard has nothing to tell.
 TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
     Records const records = arx("data/sales.csv", "lead", "sales", 2);
-    Comparison const c = compare(records, {.arithmetics = {"float"}, .timings = false});
+    Comparison const c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
     ASSERT_NE(coded(c), nullptr);
     std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true});
     EXPECT_NE(text.find("rlslab::Guarded<"), text.npos);
@@ -150,7 +150,7 @@ TEST(Code, OfExtendedPrecision) {
     if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; }))
         GTEST_SKIP() << "left out: no extended arithmetic here";
     Records const records = arx("data/sales.csv", "lead", "sales", 2);
-    Comparison const c = compare(records, {.arithmetics = {"extended"}, .timings = false});
+    Comparison const c = compare::compare(records, {.arithmetics = {"extended"}, .timings = false});
     EXPECT_THAT(code(c), testing::HasSubstr("<long double, 5> filter({.size = 5"));
     EXPECT_THAT(learnt_by(code(c), records), testing::Not(testing::HasSubstr("does not")));
 }
@@ -158,7 +158,7 @@ TEST(Code, OfExtendedPrecision) {
 /// Names that would end a comment, or go on with it, do not.
 TEST(Code, SurvivesAnyNameOfAColumn) {
     Records const records = arx("data/sales.csv", "lead", "sales", 1);
-    Comparison c = compare(records, {.arithmetics = {"float"}, .timings = false});
+    Comparison c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
     c.model.output = printable("x\\\n*/ \n #error");
     c.model.regressors = {printable("a\\"), printable("b\n#error \\"),
                           printable("?"

@@ -84,7 +84,7 @@ void expect_digits(std::optional<double> const& said, double worked_out, double 
 }
 
 Comparison compared(Records const& r, double lambda, std::optional<double> p0 = {}) {
-    return compare(r, {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
+    return compare::compare(r, {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
 }
 
 TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {

@@ -303,7 +303,7 @@ TEST(Compare, TellsOfTheReferenceThenOfTheVariants) {
     Records r{.psi = Matrix<double>{{1, 2, 3, 5}}, .y = Vector<double>{{9, 11, 9, 12}}, .names = {"x"}};
     std::vector<std::string> stages;
     double last = 0;
-    compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false}, [&](std::string_view stage, double part) {
+    compare::compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false}, [&](std::string_view stage, double part) {
         if (stages.empty() || stages.back() != stage) stages.emplace_back(stage), last = 0;
         EXPECT_GT(part, last) << stage;
         last = part;

@@ -38,7 +38,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
     records.psi.row(1) *= 100;
     records.y *= 10;
     records.names = {"a", "b"};
-    Comparison const c = compare(records, {.p0 = 60000, .arithmetics = {"binary16"}, .timings = false});
+    Comparison const c = compare::compare(records, {.p0 = 60000, .arithmetics = {"binary16"}, .timings = false});
     int factors = 0;
     for (Result const& r : c.results) {
         bool const factor = r.entry->make(laws::problem(2), Seed{1})->stored().form == Stored<Reference>::Form::factor;
@@ -165,7 +165,7 @@ TEST(Health, APriorThatDecidesThetaIsNotRecommendedFor) {
     EXPECT_EQ(c.recommendations.front().variant, "");
     EXPECT_NE(as_table(c, false).find("leave out --p0"), std::string::npos);
     options.p0 = 1e9;
-    EXPECT_NE(compare(records, options).recommendations.front().variant, "");
+    EXPECT_NE(compare::compare(records, options).recommendations.front().variant, "");
     records.y.setZero();
     EXPECT_EQ(compare::compare(records, options).prior_bias, 0);
 }

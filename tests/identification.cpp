@@ -219,7 +219,7 @@ TEST(Identify, FindsTheOrderAndTheParameters) {
     Signal xi = white_noise(3000, Seed{3});
     for (double& x : xi) x *= 0.1;
     std::string const file = folder.file(csv({u, simulate(model, {u}, xi)}, "u,y"));
-    Identified const m = identify(file, {.inputs = {"u"}, .output = "y"});
+    Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y"});
     EXPECT_EQ(m.order, 2);
     EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
     EXPECT_NEAR(m.parameters[0].value, -1.5, 4 * m.parameters[0].sd);
@@ -236,7 +236,7 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
     std::string text = "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     for (bool detrend : {true, false}) {
-        Identified const m = identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
+        Identified const m = identify::identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
         EXPECT_EQ(m.order, 2);
         EXPECT_NEAR(m.parameters[0].value, -1.5, 1e-12);
         EXPECT_NEAR(m.parameters[1].value, 0.7, 1e-12);
@@ -257,7 +257,7 @@ TEST(Identify, StandardDeviationsHoldWithForgetting) {
         Signal const u = white_noise(400, Seed{std::uint64_t(k)});
         Signal xi = white_noise(400, Seed{std::uint64_t(5000 + k)});
         for (double& x : xi) x *= 0.5;
-        Identified const m = identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
+        Identified const m = identify::identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
                                       {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
         inside += m.parameters[2].lower <= 1 && 1 <= m.parameters[2].upper;
     }
@@ -268,7 +268,7 @@ TEST(Identify, TakesSeveralInputs) {
     DifferenceEquation const model{.a = {-0.8}, .b = {{1, 0.5}, {-2, 0.25}}, .delay = 0, .c = 0};
     Signal const u = prbs(9, 1500), v = white_noise(1500, Seed{5});
     std::string const file = folder.file(csv({u, v, simulate(model, {u, v}, Signal(1500, 0.0))}, "u,v,y"));
-    Identified const m = identify(file, {.inputs = {"u", "v"}, .output = "y", .order = 1});
+    Identified const m = identify::identify(file, {.inputs = {"u", "v"}, .output = "y", .order = 1});
     ASSERT_EQ(m.parameters.size(), 6u);  // and the constant
     EXPECT_EQ(m.parameters[3].name, "b0[v]");
     EXPECT_NEAR(m.parameters[3].value, -2, 1e-4);  // six decimals in the file
@@ -295,7 +295,7 @@ TEST(Identify, SaysWhichOrderAPoorInputSupports) {
 TEST(Identify, TheHeatExchangersStandstillIsNamed) {
     std::string const file = RLSLAB_SOURCE_DIR "/../shared/data/heat_exchanger.csv";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-    Identified const m = identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
+    Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
     ASSERT_FALSE(m.warnings().empty());
     EXPECT_THAT(m.warnings().front(), HasSubstr("input u stands still over the first 100 of"));
 }
@@ -305,7 +305,7 @@ TEST(Identify, RealRecordsAreFittedAsABatchFitsThem) {
     for (auto name : {"hair_dryer", "heat_exchanger", "gas_furnace"}) {
         std::string const file = std::string(RLSLAB_SOURCE_DIR "/../shared/data/") + name + ".csv";
         if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-        Identified const m = identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
+        Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
         Columns const columns = read_columns(file, {"u", "y"});
         Signal u = columns["u"], y = columns["y"];
         for (double& x : u) x -= m.means[0];

@@ -66,7 +66,7 @@ void expect_numbers(Identified const& m, std::string const& what) {
 TEST(IdentifyAnswers, NoNumberIsMissingForAnIllConditionedRecord) {
     files::Folder const folder;
     std::string const file = folder.file(record(slow_input(1024), 0, 6));
-    Identified const m = identify(file, {.inputs = {"u"}, .output = "y", .order = 10});
+    Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y", .order = 10});
     EXPECT_GT(m.condition, 1e8);
     ASSERT_EQ(m.parameters.size(), 22u);
     for (Parameter const& p : m.parameters) {

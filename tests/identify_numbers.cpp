@@ -221,7 +221,7 @@ TEST_F(IdentifyNumbers, TheTrajectory) {
         EXPECT_NEAR(point.sd[i] / std::sqrt(number(exact.J / (N - d) * then.inverse(i, i))), 1, 1e-11);
     }
     Trial const longer(400);
-    Identified const many = identify(folder.file(longer.text(), "longer.csv"), options());
+    Identified const many = identify::identify(folder.file(longer.text(), "longer.csv"), options());
     EXPECT_EQ(many.trajectory.size(), 100u);
     EXPECT_EQ(many.trajectory[0].row, many.fitted / 100);
     EXPECT_EQ(many.trajectory.back().row, many.fitted);

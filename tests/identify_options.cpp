@@ -119,7 +119,7 @@ TEST_F(Options, TheEquationIsPrintedWithItsSigns) {
               "y[k] + a1 y[k-1] + a3 y[k-3] = b2[v] v[k-2] + b0[u] u[k] + c + e[k]");
     // The signs are those of the estimate: y[k] = 0.5 y[k-1] + 2 u[k-1] has a1 = -0.5, b1 = 2.
     Signal const u = prbs(6, 100), y = simulate({.a = {-0.5}, .b = {{0, 2}}, .delay = 0, .c = 0}, {u}, Signal(100, 0.0));
-    Identified const m = identify(folder.file(csv({u, y}, "u,y"), "clean.csv"), {.inputs = {"u"}, .output = "y", .order = 1});
+    Identified const m = identify::identify(folder.file(csv({u, y}, "u,y"), "clean.csv"), {.inputs = {"u"}, .output = "y", .order = 1});
     EXPECT_NEAR(m.parameters[0].value, -0.5, 1e-9);
     EXPECT_NEAR(m.parameters[2].value, 2, 1e-9);
     EXPECT_NEAR(y[5], 0.5 * y[4] + 2 * u[4], 1e-12);
@@ -146,10 +146,10 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_EQ(refusal({.regressors = {"w[k-1]"}}).substr(0, 24), "data.csv: no column \"w\";");
     EXPECT_EQ(refusal({.inputs = {"u", "u"}}), "data.csv: column \"u\" is asked for twice");
     EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
-    EXPECT_EQ(message_of([&] { identify(file, {.output = "y"}); }),
+    EXPECT_EQ(message_of([&] { identify::identify(file, {.output = "y"}); }),
               "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: --regressors "
               "'y[k-1..k-3]')");
-    EXPECT_EQ(message_of([&] { identify(file, {.inputs = {"u"}}); }), "--output: expected the name of the output column");
+    EXPECT_EQ(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }), "--output: expected the name of the output column");
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
     for (auto const& [words, expected] : std::vector<std::pair<std::string, std::string>>{
@@ -198,7 +198,7 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
 TEST_F(Options, RecordsWithoutAModelAreRefused) {
     auto const said = [&](Signal const& u, Signal const& y, IdentifyOptions options = {}) {
         options.inputs = {"u"}, options.output = "y", options.order = 1;
-        return folder.without(message_of([&] { identify(folder.file(csv({u, y}, "u,y"), "bad.csv"), options); }));
+        return folder.without(message_of([&] { identify::identify(folder.file(csv({u, y}, "u,y"), "bad.csv"), options); }));
     };
     Signal const u = white_noise(60, Seed{1});
     Signal late(60, 3.0), tiny = u;
@@ -382,7 +382,7 @@ TEST_F(Options, LambdaAndConfidenceThatLeaveNothingAreRefused) {
 }
 TEST_F(Options, APageOfALatin1NameIsUtf8) {
     std::string text = csv({white_noise(200, Seed{3}), white_noise(200, Seed{4})}, "T\xb0,y");
-    std::string const page = as_page(identify(folder.file(text, "latin.csv"), {.inputs = {"T\xb0"}, .output = "y", .order = 1}));
+    std::string const page = as_page(identify::identify(folder.file(text, "latin.csv"), {.inputs = {"T\xb0"}, .output = "y", .order = 1}));
     EXPECT_NO_THROW(json(page).dump()) << "not UTF-8";
 }
 

@@ -34,7 +34,7 @@ protected:
 
 /// A series without an input, beside a batch fit of the same rows. The equation has the past outputs on its left.
 TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
-    Identified const m = identify(file, {.output = "y", .regressors = {"y[k-1..k-3]"}, .detrend = false});
+    Identified const m = identify::identify(file, {.output = "y", .regressors = {"y[k-1..k-3]"}, .detrend = false});
     EXPECT_EQ(equation_text(m.terms, "y"), "y[k] + a1 y[k-1] + a2 y[k-2] + a3 y[k-3] = e[k]");
     EXPECT_EQ(m.poles.size(), 3u);
     EXPECT_TRUE(m.excitation.empty() && m.gain.empty() && m.zeros.empty());
@@ -53,7 +53,7 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     std::string const text = csv(u, gaps);
     IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = 1, .detrend = false};
     options.composition.window = 100;
-    Identified const m = identify(folder.file(text, "gaps.csv"), options);
+    Identified const m = identify::identify(folder.file(text, "gaps.csv"), options);
     EXPECT_EQ(m.fitted, 199 - 2);
     EXPECT_EQ(m.skipped, 4);
     EXPECT_THAT(as_table(m), HasSubstr("300 samples: 197 rows fitted, 100 held out; 4 skipped, which miss a value"));
@@ -74,7 +74,7 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     EXPECT_EQ(m.tracked->rows[48].row, 50);
     EXPECT_EQ(m.tracked->rows[49].row, 53);
     options.order = 0;
-    EXPECT_EQ(identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11) << "order 10, its lags and the output";
+    EXPECT_EQ(identify::identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11) << "order 10, its lags and the output";
     EXPECT_THAT(as_page(m), testing::Not(testing::ContainsRegex("[^a-z_]nan[^a-z_]")));
 }
 TEST_F(IdentifyRecords, WithoutARowAreRefused) {
@@ -82,7 +82,7 @@ TEST_F(IdentifyRecords, WithoutARowAreRefused) {
     for (size_t k = 0; k < y.size(); k += 3) every_third[k] = NAN;
     auto const said = [&](std::string const& text, IdentifyOptions options) {
         options.inputs = {"u"}, options.output = "y";
-        return folder.without(files::message_of([&] { identify(folder.file(text, "gaps.csv"), options); }));
+        return folder.without(files::message_of([&] { identify::identify(folder.file(text, "gaps.csv"), options); }));
     };
     EXPECT_EQ(said(csv(u, every_third), {.order = 2}),
               "gaps.csv: order 2 has 6 parameters, and 0 of its rows in the fitted part miss no value: expected more, or a lower order");
@@ -99,7 +99,7 @@ TEST_F(IdentifyRecords, UnitsChangeNothing) {
     for (double& x : small) x *= 0x1p-40;
     Signal const slow = simulate({.a = {-2.91, 2.8226, -0.912576}, .b = {{0, 1e-3, 2e-3, 1e-3}}, .delay = 0, .c = 0}, {u}, noise);
     auto const of = [&](Signal const& input) {
-        return identify(folder.file(csv(input, slow), "slow.csv"), {.inputs = {"u"}, .output = "y", .order = 3});
+        return identify::identify(folder.file(csv(input, slow), "slow.csv"), {.inputs = {"u"}, .output = "y", .order = 3});
     };
     Identified const one = of(u), other = of(small);
     EXPECT_EQ(one.c, other.c);
