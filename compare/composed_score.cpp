@@ -106,8 +106,8 @@ CertifiedSolution const& CompositionReference::minimiser(size_t checkpoint, Inde
 }
 
 Recursion const& CompositionReference::recursion(std::string_view variant) {
-    bool const of_its_own = variant == "kalman" && composition_.control == "random_walk";
-    std::string const name = of_its_own ? "kalman" : "ud";
+    bool const of_its_own = is_its_own_rule(composition_, variant);
+    std::string const name(of_its_own ? variant : "ud");
     std::lock_guard const lock(one_at_a_time_);
     if (auto const known = recursions_.find(name); known != recursions_.end()) return known->second;
     Recursion& out = recursions_[name] = run_in_257_bits(composition_, stored_, name, checkpoints_);
@@ -125,7 +125,7 @@ Recursion const& CompositionReference::recursion(std::string_view variant) {
 
 bool intervened(Composition const& c, Happened const& h) {
     if (c.guard.empty()) return false;
-    return h.unusable > 0 || (c.guard != "report" && h.outliers + h.changes + h.windups + h.breakdowns > 0);
+    return h.unusable > 0 || (c.policy().intervenes() && h.outliers + h.changes + h.windups + h.breakdowns > 0);
 }
 
 Result score_composed(Entry const& entry, StoredProblem const& stored, CompositionReference& reference) {

@@ -188,7 +188,7 @@ Json composition_json(Comparison const& c) {
     if (of.empty()) return nullptr;
     Json numbers = Json::object();
     for (size_t i = 0; i < of.parameters.size(); ++i)
-        numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
+        numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
             {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
