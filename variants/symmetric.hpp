@@ -47,11 +47,6 @@ public:
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }
-    /// The same, with the bits of one thread; from kernels::shared_from parameters on the threads of `helpers` (a Crew, crew.hpp) share the
-    /// rows of P. A block of one row is not shared.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, Helpers& helpers) {
-        return update_rows(*this, next_, f_.size(), psi, y, &helpers);
-    }
 
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
