@@ -143,8 +143,8 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                    paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta", whole ? at - std::min<size_t>(at - 6, title.size()) : at,
                                           whole ? "worst component" : "worst", group, "P", group)) +
                    '\n';
-            for (Storage const& s : c.storage)
-                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(storage_text(s, c), 2, 4, width)) + '\n';
+            for (RoundingEffect const& s : c.rounding)
+                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(rounding_text(s, c), 2, 4, width)) + '\n';
             std::string labels;
             for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
             out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown", layout.asymmetry ? "  asym" : "", "ops",
@@ -242,7 +242,7 @@ std::string as_json(Comparison const& c) {
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
     out["storage"] = Json::array();
-    for (Storage const& s : c.storage)
+    for (RoundingEffect const& s : c.rounding)
         out["storage"].push_back({{"arithmetic", s.arithmetic},
                                   {"forgetting", s.forgetting},
                                   {"rank", s.rank},
