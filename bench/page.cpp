@@ -3,6 +3,8 @@
 #include "bench/verbs.hpp"
 #include "report/page.hpp"
 
+#include <rlslab/variants/variants.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -46,12 +48,20 @@ std::string sentence(BenchRow const& row) {
     return out;
 }
 
+std::optional<Family> family_of_variant(std::string_view name) {
+    std::optional<Family> out;
+    for_each(Variants<double>{}, [&]<class F>() {
+        if (F::name == name) out = F::family;
+    });
+    return out;
+}
+
 /// A variant has its own look in every page; peers share a colour, and limits another.
 Look look_in_bench(BenchRow const& row, size_t place) {
     constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
     if (row.family == "limit") return {"#555555", true};
     if (row.family == "peer") return {"#8c510a", true, marks[place % marks.size()]};
-    return look_of(row.name, place);
+    return look_of(family_of_variant(row.name), place);
 }
 
 /// Times against sizes; "" for a single size.

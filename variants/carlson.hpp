@@ -28,6 +28,7 @@ class Carlson {
 public:
     using scalar = T;
     static constexpr std::string_view name = "carlson";
+    static constexpr Family family{Family::root, 1};
 
     explicit Carlson(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),

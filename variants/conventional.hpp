@@ -27,6 +27,7 @@ class Conventional {
 public:
     using scalar = T;
     static constexpr std::string_view name = "conventional";
+    static constexpr Family family{Family::conventional};
 
     explicit Conventional(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

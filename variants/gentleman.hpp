@@ -30,6 +30,7 @@ class Gentleman {
 public:
     using scalar = T;
     static constexpr std::string_view name = "gentleman";
+    static constexpr Family family{Family::qr, 1};
     static constexpr bool starts_without_prior = true;
 
     explicit Gentleman(Problem<T> const& problem)

@@ -29,6 +29,7 @@ class Qr {
 public:
     using scalar = T;
     static constexpr std::string_view name = "qr";
+    static constexpr Family family{Family::qr};
     static constexpr bool starts_without_prior = true;
 
     explicit Qr(Problem<T> const& problem)

@@ -41,6 +41,7 @@ class QrBlock {
 public:
     using scalar = T;
     static constexpr std::string_view name = "qr_block";
+    static constexpr Family family{Family::wide_qr};
     static constexpr bool starts_without_prior = true;
     static constexpr Index block = 64;
 

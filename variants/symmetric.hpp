@@ -25,6 +25,7 @@ class Symmetric {
 public:
     using scalar = T;
     static constexpr std::string_view name = "symmetric";
+    static constexpr Family family{Family::symmetric};
 
     explicit Symmetric(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

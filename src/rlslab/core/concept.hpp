@@ -1,6 +1,7 @@
 // The concept every variant satisfies, and the abilities that only some have.
 #pragma once
 
+#include <rlslab/core/family.hpp>
 #include <rlslab/core/problem.hpp>
 #include <rlslab/core/stored.hpp>
 
