@@ -69,7 +69,7 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     return "";
 }
 
-Composition settled(Composition composition, Problem<double> const& problem, double noise_variance) {
+Composition completed(Composition composition, Problem<double> const& problem, double noise_variance) {
     bool const fortescue = composition.control == "fortescue";
     for (double& x : composition.parameters) {
         if (std::isnan(x))

@@ -220,7 +220,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
                    .recommendations = {}};
     out.model.regressors = out.names;
     bool const asks = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
-    out.options.composition = settled(options.composition, problem, asks ? noise_variance(records, without) : 0);
+    out.options.composition = completed(options.composition, problem, asks ? noise_variance(records, without) : 0);
     Composition tried = out.options.composition;
     tried.window = std::min(tried.window, rows);  // a longer one takes memory alone: nothing leaves either
 

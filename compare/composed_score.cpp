@@ -85,7 +85,7 @@ Recursion run_in_257_bits(Composition const& composition, StoredProblem const& s
 CompositionReference::CompositionReference(Composition const& composition, StoredProblem const& stored, int digits)
     : composition_(composition), stored_(stored), digits_(digits), checkpoints_(checkpoints_of(stored.records.rows())) {}
 
-Index CompositionReference::age_of_prior(Index k, Happened const& happened) const {
+Index CompositionReference::age_of_prior(Index k, CompositionCounts const& happened) const {
     return happened.refactored > 0 ? composition_.window + happened.since : k;
 }
 
@@ -123,7 +123,7 @@ Recursion const& CompositionReference::recursion(std::string_view variant) {
     return out;
 }
 
-bool intervened(Composition const& c, Happened const& h) {
+bool intervened(Composition const& c, CompositionCounts const& h) {
     if (c.guard.empty()) return false;
     return h.unusable > 0 || (c.guard != "report" && h.outliers + h.changes + h.windups + h.breakdowns > 0);
 }
@@ -159,7 +159,7 @@ Result score_composed(Entry const& entry, StoredProblem const& stored, Compositi
             if (kind.empty() && health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
             if (!kind.empty()) result.breakdown = Breakdown{k + 1, kind};
         }
-        Happened const happened = filter->happened();
+        CompositionCounts const happened = filter->counts();
         Vector<Reference> const theta = filter->theta();
         bool const by_recursion = !composition.keeps_the_problem() || intervened(composition, happened);
         double most = arithmetic.decimal_digits();
