@@ -5,14 +5,15 @@
 
 namespace rlslab {
 
-/// Make a Carried<T> in the calling thread before the other threads start; it must outlive them. A thread makes a Carried<T>::Part with the
-/// number of the part that it is about to compute, and destroys it when the part is finished. Meanwhile T computes there with the calling
-/// thread's state. The results depend on the number of the part, not on the thread. Most arithmetics have no such state; one that has (a
-/// length, a random stream, a tally) specialises Carried beside its definition.
+/// Make a ThreadState<T> in the calling thread before the other threads start; it must outlive them. A thread makes a
+/// ThreadState<T>::Part with the number of the part that it is about to compute, and destroys it when the part is finished.
+/// Meanwhile T computes there with the calling thread's state. The results depend on the number of the part, not on the thread.
+/// Most arithmetics have no such state. An arithmetic with a length, a random stream or a tally specialises ThreadState beside its
+/// definition.
 template <class T>
-struct Carried {
+struct ThreadState {
     struct Part {
-        Part(Carried const&, std::uint64_t) {}
+        Part(ThreadState const&, std::uint64_t) {}
     };
 };
 
