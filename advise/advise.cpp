@@ -132,7 +132,7 @@ Tried tried(Records const& records, AdviseOptions const& options, Arithmetic con
             .theta();
     out.is_zero = zeros_of(exact, taken);
     out.comparison = with_a_prior_that_leaves_digits(taken, out.is_zero, options, arithmetic);
-    for (Storage const& s : out.comparison.storage) out.in_range = s.in_range;
+    for (RoundingEffect const& s : out.comparison.rounding) out.in_range = s.in_range;
     std::vector<Result const*> sound;
     for (Result const& r : out.comparison.results)
         if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);

@@ -37,7 +37,7 @@ std::string failing(Tried const& t) {
     if (!most) return where + ": every variant that takes single rows broke down";
     std::string out = fmt::format("{}: {} keeps {} digits along the record, {} of least squares at the end", where,
                                   most->result->entry->variant, digits_text(most->along), digits_text(most->at_end));
-    for (Storage const& s : t.comparison.storage)
+    for (RoundingEffect const& s : t.comparison.rounding)
         if (s.theta_digits && *s.theta_digits < t.wanted)
             out += fmt::format("; rounding the data to it leaves {} of theta", digits_text(*s.theta_digits));
     return out;

@@ -17,6 +17,7 @@ namespace {
 
 using namespace rlslab;
 using namespace rlslab::bench;
+using namespace rlslab::report;
 
 using Rows = std::vector<BenchRow>;
 

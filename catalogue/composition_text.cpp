@@ -15,7 +15,7 @@ std::string composition_text(Composition const& c) {
     std::vector<std::string> out;
     if (!c.control.empty()) {
         std::string text = "control " + c.control;
-        Control const& control = *std::ranges::find(controls(), c.control, &Control::name);
+        Control const& control = control_named(c.control);
         for (size_t i = 0; i < c.parameters.size(); ++i)
             text += fmt::format("{} {} {}", i == 0 ? "," : " and", control.parameters[i].name, c.parameters[i]);
         out.push_back(text);

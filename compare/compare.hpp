@@ -74,7 +74,7 @@ struct Result {
 };
 
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
-struct Storage {
+struct RoundingEffect {
     std::string_view arithmetic;
     double forgetting;                   ///< lambda as stored
     Index rank;                          ///< exact, of the regressors as stored
@@ -125,7 +125,7 @@ struct Comparison {
     double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
     CompareOptions options;                    ///< with which it was made; the composition with all its numbers
     std::vector<Index> checkpoints;
-    std::vector<Storage> storage;
+    std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
 };

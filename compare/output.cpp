@@ -143,8 +143,8 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                    paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta", whole ? at - std::min<size_t>(at - 6, title.size()) : at,
                                           whole ? "worst component" : "worst", group, "P", group)) +
                    '\n';
-            for (Storage const& s : c.storage)
-                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(storage_text(s, c), 2, 4, width)) + '\n';
+            for (RoundingEffect const& s : c.rounding)
+                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(rounding_text(s, c), 2, 4, width)) + '\n';
             std::string labels;
             for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
             out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown", layout.asymmetry ? "  asym" : "", "ops",
@@ -187,8 +187,7 @@ Json composition_json(Comparison const& c) {
     Composition const& of = c.options.composition;
     if (of.empty()) return nullptr;
     Json numbers = Json::object();
-    for (size_t i = 0; i < of.parameters.size(); ++i)
-        numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
+    for (size_t i = 0; i < of.parameters.size(); ++i) numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
             {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
@@ -243,7 +242,7 @@ std::string as_json(Comparison const& c) {
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
     out["storage"] = Json::array();
-    for (Storage const& s : c.storage)
+    for (RoundingEffect const& s : c.rounding)
         out["storage"].push_back({{"arithmetic", s.arithmetic},
                                   {"forgetting", s.forgetting},
                                   {"rank", s.rank},

@@ -187,8 +187,8 @@ std::string tables(Comparison const& c) {
     for_each_arithmetic(c, [&](Recommendation const&, std::vector<Result const*> const& results) {
         Arithmetic const& a = *results.front()->entry->arithmetic;
         out += fmt::format("<h3>{} ({} bits, {:.1f} digits)</h3>\n", a.name, a.digits, a.decimal_digits());
-        for (Storage const& s : c.storage)
-            if (s.arithmetic == a.name) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(storage_text(s, c)));
+        for (RoundingEffect const& s : c.rounding)
+            if (s.arithmetic == a.name) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(rounding_text(s, c)));
         std::vector<std::vector<std::string>> rows;
         std::vector<size_t> best;
         for (Result const* x : results) {

@@ -26,7 +26,7 @@ std::string condition_text(Comparison const& c) { return fmt::format("; the cond
 
 /// The reason why nothing can be answered in this arithmetic that is known before any variant computes; or "".
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
-    for (Storage const& s : c.storage) {
+    for (RoundingEffect const& s : c.rounding) {
         if (s.arithmetic != arithmetic.name) continue;
         if ((!s.in_range && s.forgetting > 0) || s.prior_subnormal)
             return c.options.p0 ? "P0 leaves its range: another --p0" : "P0 leaves its range: rescale the columns, or --p0";

@@ -43,7 +43,7 @@ std::string operations_text(std::optional<long> const& operations) { return oper
 
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
 
-std::string storage_text(Storage const& s, Comparison const& c) {
+std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
                        s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
                                       : "no exact theta: the problem leaves the range");

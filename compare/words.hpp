@@ -28,7 +28,7 @@ std::string operations_text(std::optional<long> const& operations);
 std::string nanoseconds_text(std::optional<double> const& ns);
 
 /// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
-std::string storage_text(Storage const& storage, Comparison const& comparison);
+std::string rounding_text(RoundingEffect const& effect, Comparison const& comparison);
 
 /// Whether this result is the one recommended in its arithmetic.
 bool is_recommended(Comparison const& comparison, Result const& result);

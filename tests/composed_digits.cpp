@@ -84,7 +84,7 @@ TEST(ComposedDigits, OfAWindowAreOfItsRows) {
 TEST(ComposedDigits, OfAWindowFallAgainstAnythingElse) {
     Records const records = rows_of(400, 1e4, 220, Seed{31});
     Problem<double> const problem{.size = d, .forgetting = 0.96875, .prior = Prior<double>{.variance = 0.5}};
-    StoredProblem const stored = stored_problem(
+    RoundedProblem const stored = rounded_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
     std::vector<Index> const checkpoints = checkpoints_of(400);
     auto const ud = composed({.window = 40}, "ud", "double", problem);
@@ -129,7 +129,7 @@ TEST(ComposedDigits, OfARuleAreOfItsOwnRecursion) {
 TEST(ComposedDigits, OfARuleFallWhereItsNumberIsAnother) {
     Records const records = rows_of(200, 1, 110, Seed{41});
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 16}};
-    StoredProblem const stored = stored_problem(
+    RoundedProblem const stored = rounded_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
     Entry const& ud = *find_entry("ud");
     CompositionReference right({.control = "kulhavy", .parameters = {0.97, 0}}, stored, 30);

@@ -3,41 +3,13 @@
 
 #include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/guard_policy.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <algorithm>
 #include <tuple>
 
 namespace rlslab {
-
-/// What a guard can do about a signal.
-///   report    count it, and nothing else
-///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change resets
-///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
-///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
-///   rebuild   reset, then the kept rows anew
-///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors, else as `reset`
-enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
-
-/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped whatever the policy.
-struct GuardPolicy {
-    Action outlier = Action::report;    ///< report or skip
-    Action change = Action::report;     ///< report, reset
-    Action windup = Action::report;     ///< report, cap
-    Action breakdown = Action::report;  ///< report, reset, rebuild, hand_over
-
-    constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
-    constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
-    constexpr bool hands_over() const { return breakdown == Action::hand_over; }
-    constexpr bool valid() const {
-        return (outlier == Action::report || outlier == Action::skip) && (change == Action::report || change == Action::reset) &&
-               (windup == Action::report || windup == Action::cap) && breakdown != Action::skip && breakdown != Action::cap;
-    }
-};
-inline constexpr GuardPolicy reporting{};
-inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
-inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
-inline constexpr GuardPolicy handing_over{Action::skip, Action::reset, Action::cap, Action::hand_over};
 
 /// What a guard needs of a filter: P_jj, a restart, and a row that holds P down.
 template <class F>

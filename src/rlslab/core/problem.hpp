@@ -1,31 +1,15 @@
 // The problem every variant solves, and what one update reports.
 #pragma once
 
-#include <rlslab/core/complex.hpp>
 #include <rlslab/core/misuse.hpp>
+#include <rlslab/core/stored.hpp>
 
-#include <Eigen/Core>
 #include <initializer_list>
 #include <optional>
 #include <span>
 #include <string_view>
 
 namespace rlslab {
-
-using Index = Eigen::Index;
-inline constexpr int Dynamic = Eigen::Dynamic;
-
-/// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
-/// DontAlign: Eigen's aligned storage depends on the instruction set for which a file is compiled, and an application may be compiled for
-/// another one than the library. Without alignment all files lay out, allocate and free these types alike.
-template <class T, int N = Dynamic>
-using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
-/// Rows x Columns; Matrix<T, N> is square, Matrix<T> of any shape: each use says which.
-template <class T, int Rows = Dynamic, int Columns = Rows>
-using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
-
-template <class T>
-struct Stored;
 
 /// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
 /// the noise variance sigma^2.
@@ -247,5 +231,3 @@ public:
 };
 
 }  // namespace rlslab
-
-#include <rlslab/core/stored.hpp>  // completes Prior
