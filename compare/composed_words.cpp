@@ -32,10 +32,10 @@ std::string against_text(Comparison const& comparison) {
     return out;
 }
 
-std::string happened_text(Comparison const& comparison, Result const& r) {
+std::string counts_text(Comparison const& comparison, Result const& r) {
     if (!r.obstacle.empty()) return r.obstacle;
     if (r.happened.empty()) return "";
-    std::string const what = happened_text(r.happened.back());
+    std::string const what = counts_text(r.happened.back());
     std::vector<std::string> out(what.empty() ? 0 : 1, what);
     if (comparison.options.composition.keeps_the_problem() && r.certified_to < comparison.rows)
         out.push_back(r.certified_to == 0 ? "recursion" : fmt::format("recursion from row {}", r.certified_to + 1));

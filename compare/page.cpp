@@ -199,7 +199,7 @@ std::string tables(Comparison const& c) {
             row.push_back(asymmetry_text(x->asymmetry));
             row.push_back(operations_text(x->operations));
             if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
-            if (!c.options.composition.empty()) row.push_back(happened_text(c, *x));
+            if (!c.options.composition.empty()) row.push_back(counts_text(c, *x));
             rows.push_back(std::move(row));
         }
         std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
