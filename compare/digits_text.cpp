@@ -61,7 +61,7 @@ std::string scaling_text(ArithmeticTrial const& t) {
 
 std::string guard_text(DigitsAnswer const& a) {
     if (!a.guard) return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant, a.chosen()->arithmetic);
-    Happened const& n = a.guard->happened;
+    CompositionCounts const& n = a.guard->happened;
     std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
                                         n.windups, n.breakdowns, n.unusable);
     if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
