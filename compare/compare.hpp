@@ -70,9 +70,9 @@ struct Result {
     std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
     // With a composition around the variant:
-    std::string obstacle = {};            ///< why it cannot be; the rest is then empty
-    std::vector<Happened> happened = {};  ///< at each checkpoint
-    Index certified_to = 0;               ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
+    std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
+    std::vector<CompositionCounts> happened = {};  ///< at each checkpoint
+    Index certified_to = 0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
 };
 
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.

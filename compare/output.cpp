@@ -160,7 +160,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread, layout),
                         breakdown_text(r), layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
                         operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        std::string what = plain ? "" : happened_text(c, r);
+        std::string what = plain ? "" : counts_text(c, r);
         if (!what.empty())
             what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width) : "  " + what;
         out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
@@ -193,8 +193,7 @@ Json composition_json(Comparison const& c) {
     Composition const& of = c.options.composition;
     if (of.empty()) return nullptr;
     Json numbers = Json::object();
-    for (size_t i = 0; i < of.parameters.size(); ++i)
-        numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
+    for (size_t i = 0; i < of.parameters.size(); ++i) numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
             {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
@@ -204,17 +203,18 @@ Json composition_json(Comparison const& c) {
 }
 
 /// What a composition did, at each checkpoint.
-constexpr std::pair<char const*, Index Happened::*> counted[] = {
-    {"refactored", &Happened::refactored}, {"unusable", &Happened::unusable}, {"outliers", &Happened::outliers},
-    {"changes", &Happened::changes},       {"windups", &Happened::windups},   {"breakdowns", &Happened::breakdowns}};
+constexpr std::pair<char const*, Index CompositionCounts::*> counted[] = {
+    {"refactored", &CompositionCounts::refactored}, {"unusable", &CompositionCounts::unusable},
+    {"outliers", &CompositionCounts::outliers},     {"changes", &CompositionCounts::changes},
+    {"windups", &CompositionCounts::windups},       {"breakdowns", &CompositionCounts::breakdowns}};
 Json happened_json(Result const& r) {
     Json out;
     for (auto const& [name, count] : counted) {
         out[name] = Json::array();
-        for (Happened const& h : r.happened) out[name].push_back(h.*count);
+        for (CompositionCounts const& h : r.happened) out[name].push_back(h.*count);
     }
     out["handed_over"] = Json::array();
-    for (Happened const& h : r.happened) out["handed_over"].push_back(h.handed_over);
+    for (CompositionCounts const& h : r.happened) out["handed_over"].push_back(h.handed_over);
     return out;
 }
 
@@ -322,7 +322,7 @@ std::string as_csv(Comparison const& c) {
                                           cell(tenths_json(((*r.spread).*m).high)))
                             : ",,,";
         if (!plain) {
-            Happened const last = r.happened.empty() ? Happened{} : r.happened.back();
+            CompositionCounts const last = r.happened.empty() ? CompositionCounts{} : r.happened.back();
             out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);
             for (auto const& [name, count] : counted) out += fmt::format(",{}", last.*count);
             out += fmt::format(",{}", last.handed_over ? 1 : 0);

@@ -67,7 +67,7 @@ Figure along_the_record(Comparison const& c) {
             for (size_t i = 0; i < results.size(); ++i) {
                 Result const& x = *results[i];
                 Curve curve{.name = std::string(x.entry->variant),
-                            .look = look_of(x.entry->variant, i),
+                            .look = look_of(x.entry->family, i),
                             .x = {},
                             .y = {},
                             .marks = false,
@@ -100,7 +100,7 @@ std::string spreads(Comparison const& c) {
         Figure figure{.name = "spread-" + r.arithmetic, .title = title, .x = "", .y = "digits", .panels = {Panel{}}};
         figure.panels.front().y_least = least_digits;
         for (size_t m = 0; m < std::size(shown); ++m) {
-            Curve curve{.name = shown[m].axis, .look = look_of("", m), .x = {}, .y = {}, .line = false, .bars = true};
+            Curve curve{.name = shown[m].axis, .look = look_of({}, m), .x = {}, .y = {}, .line = false, .bars = true};
             for (size_t i = 0; i < results.size(); ++i) {
                 Spread const& s = (*results[i]->spread).*shown[m].spread;
                 curve.x.push_back(double(i) + 0.22 * (double(m) - 1));
@@ -167,7 +167,7 @@ Figure costs(Comparison const& c) {
             Spread const& s = x.spread->theta;
             panel.curves.push_back(
                 {.name = std::string(x.entry->variant),
-                 .look = look_of(x.entry->variant, i),
+                 .look = look_of(x.entry->family, i),
                  .x = {double(*x.operations)},
                  .y = {s.median},
                  .lower = {s.low},
@@ -202,7 +202,7 @@ std::string tables(Comparison const& c) {
             row.push_back(asymmetry_text(x->asymmetry));
             row.push_back(operations_text(x->operations));
             if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
-            if (!c.options.composition.empty()) row.push_back(happened_text(c, *x));
+            if (!c.options.composition.empty()) row.push_back(counts_text(c, *x));
             rows.push_back(std::move(row));
         }
         std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
