@@ -161,7 +161,7 @@ std::optional<GuardTrial> guard_trial(Entry const& entry, Problem<double> const&
         guarded->update(records.sample(k), records.y[k]);
         same_bits = same_bits && alone->theta() == guarded->theta();
     }
-    return GuardTrial{guarded->happened(), same_bits};
+    return GuardTrial{guarded->counts(), same_bits};
 }
 
 }  // namespace
