@@ -111,8 +111,8 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
         if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
             throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
                                          fmt::join(composed_arithmetics(), " and "), name));
-    auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
-        return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+    auto const selected = [](std::vector<std::string> const& names, std::string_view name) {
+        return names.empty() || std::ranges::find(names, name) != names.end();
     };
     std::vector<Entry const*> out;
     for (Entry const& entry : catalogue())

@@ -1,4 +1,4 @@
-// A composed filter processes the rows; its reference is solved for where the first filter asks for it.
+// A composed filter processes the rows; its reference is computed when the first filter needs it.
 #include "compare/composed_score.hpp"
 #include <rlslab/catalogue/composed.hpp>
 #include "compare/score.hpp"

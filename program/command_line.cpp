@@ -1,6 +1,6 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 
@@ -88,7 +88,7 @@ struct CommandLine {
         if (!text.ends_with(required)) return text;
         std::string const name = text.substr(0, text.size() - required.size());
         auto const asked = app.get_subcommands().front();  // the program itself requires nothing
-        for (Described const& one : described(*asked))
+        for (CommandOption const& one : options_of(*asked))
             if (one.name == name || one.value == name)
                 return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
         return text;
