@@ -150,7 +150,7 @@ public:
     void load(std::span<std::byte const>) override {
         throw std::invalid_argument("expected a variant alone: load a composition by its type (<rlslab/state/state.hpp>)");
     }
-    Happened happened() const override { return filter_.filter().happened(); }
+    CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
     double noise_variance() const override { return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan(""); }
     Interval<double> interval(Index j, double q) override {
         if (!filter_.filter().abilities().variances) return alone(filter_.theta()[j]);

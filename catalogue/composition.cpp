@@ -100,7 +100,7 @@ bool needs_noise_variance(Composition const& c) {
     return false;
 }
 
-Composition settled(Composition composition, Problem<double> const& problem, double noise_variance) {
+Composition completed(Composition composition, Problem<double> const& problem, double noise_variance) {
     for (size_t i = 0; i < composition.parameters.size(); ++i) {
         double& x = composition.parameters[i];
         bool const of_noise = control_named(composition.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance;

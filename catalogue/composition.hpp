@@ -56,13 +56,13 @@ std::string obstacle(Composition const& composition, std::string_view variant);
 bool needs_noise_variance(Composition const& composition);
 /// The composition with the numbers that follow from the data: fortescue's VARIANCE is the noise's, reset's the prior's, the largest of
 /// its P. Throws InputError where one of its numbers is not to be had.
-Composition settled(Composition composition, Problem<double> const& problem, double noise_variance);
+Composition completed(Composition composition, Problem<double> const& problem, double noise_variance);
 
 /// What is odd about it on a record of so many rows and parameters.
 std::vector<std::string> warnings_of(Composition const& composition, Index rows, Index parameters);
 
 /// What a composition did so far. Counts of what is not part of it stay 0.
-struct Happened {
+struct CompositionCounts {
     Index refactored = 0;                                                        ///< times that a window's kept rows were factored anew
     Index since = 0;                                                             ///< rows since then, or since the start
     Index unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as a guard counts them (GuardCounts)

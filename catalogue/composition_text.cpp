@@ -25,7 +25,7 @@ std::string composition_text(Composition const& c) {
     return fmt::format("{}", fmt::join(out, "; "));
 }
 
-std::string happened_text(Happened const& h) {
+std::string counts_text(CompositionCounts const& h) {
     std::vector<std::string> out;
     if (h.refactored > 0) out.push_back(fmt::format("factored anew {}", times(h.refactored, "time", "times")));
     if (h.unusable > 0) out.push_back(times(h.unusable, "unusable row", "unusable rows"));

@@ -218,7 +218,7 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
                    .recommendations = {}};
     out.model.regressors = out.names;
     bool const estimated = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
-    out.options.composition = settled(options.composition, given.problem, estimated ? noise_variance(records, given.without) : 0);
+    out.options.composition = completed(options.composition, given.problem, estimated ? noise_variance(records, given.without) : 0);
     return out;
 }
 

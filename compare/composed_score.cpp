@@ -69,7 +69,7 @@ Recursion run_in_257_bits(Composition const& composition, RoundedProblem const& 
 CompositionReference::CompositionReference(Composition const& composition, RoundedProblem const& rounded, int digits)
     : composition_(composition), rounded_(rounded), digits_(digits), checkpoints_(checkpoints_of(rounded.records.rows())) {}
 
-Index CompositionReference::age_of_prior(Index k, Happened const& happened) const {
+Index CompositionReference::age_of_prior(Index k, CompositionCounts const& happened) const {
     return happened.refactored > 0 ? composition_.window + happened.since : k;
 }
 
@@ -107,7 +107,7 @@ Recursion const& CompositionReference::recursion(std::string_view variant) {
     return out;
 }
 
-bool intervened(Composition const& c, Happened const& h) {
+bool intervened(Composition const& c, CompositionCounts const& h) {
     if (c.guard.empty()) return false;
     return h.unusable > 0 || (c.policy().intervenes() && h.outliers + h.changes + h.windups + h.breakdowns > 0);
 }
@@ -124,10 +124,10 @@ Result score_composed(Entry const& entry, RoundedProblem const& rounded, Composi
         return {.entry = &entry, .obstacle = refused.what()};
     }
     std::vector<Index> const checkpoints = checkpoints_of(rounded.records.rows());
-    std::vector<Happened> happened;
+    std::vector<CompositionCounts> happened;
     Index certified_to = 0;
     auto const against_reference = [&](size_t c) -> Digits {
-        happened.push_back(filter->happened());
+        happened.push_back(filter->counts());
         Vector<Reference> const theta = filter->theta();
         double const own = arithmetic.decimal_digits();
         if (!composition.keeps_the_problem() || intervened(composition, happened.back())) {

@@ -40,11 +40,11 @@ public:
     Recursion const& recursion(std::string_view variant);
     Composition const& composition() const { return composition_; }
     /// The prior's age in a filter after k rows to which that happened.
-    Index age_of_prior(Index k, Happened const& happened) const;
+    Index age_of_prior(Index k, CompositionCounts const& happened) const;
 };
 
 /// Whether a guard changed what a filter was given, or its state: from there on only (2) is what it would answer without rounding.
-bool intervened(Composition const& composition, Happened const& happened);
+bool intervened(Composition const& composition, CompositionCounts const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed so,
 /// Result::obstacle says why.

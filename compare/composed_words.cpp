@@ -32,10 +32,10 @@ std::string against_text(Comparison const& comparison) {
     return out;
 }
 
-std::string happened_text(Comparison const& comparison, Result const& r) {
+std::string counts_text(Comparison const& comparison, Result const& r) {
     if (!r.obstacle.empty()) return r.obstacle;
     if (r.happened.empty()) return "";
-    std::string const what = happened_text(r.happened.back());
+    std::string const what = counts_text(r.happened.back());
     std::vector<std::string> out(what.empty() ? 0 : 1, what);
     if (comparison.options.composition.keeps_the_problem() && r.certified_to < comparison.rows)
         out.push_back(r.certified_to == 0 ? "recursion" : fmt::format("recursion from row {}", r.certified_to + 1));
@@ -47,8 +47,8 @@ std::vector<std::string> composition_warnings(Comparison const& c) {
     std::vector<std::string> out = warnings_of(of, c.rows, c.size);
     double const weighs = double(c.rows) / double(std::max<Index>(of.window, 1));
     if (of.window >= c.size && of.window < c.rows && !(c.component_bias * weighs <= most_component_bias / 10))
-        out.push_back(fmt::format("what the prior moves is said of all rows: on the {} of the window it weighs {:.2g} times as much",
-                                  of.window, weighs));
+        out.push_back(
+            fmt::format("the prior's bias is that of all rows; in a window of {} rows it is {:.2g} times as large", of.window, weighs));
     return out;
 }
 

@@ -26,7 +26,7 @@ struct Run {
     Vector<Reference> theta;  ///< after the last row
 };
 /// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested after each block.
-/// `digits_at(c)` compares the filter with the reference at checkpoint c, when the rows up to it are taken; an empty function: nothing does.
+/// `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It may be empty.
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
         std::function<Digits(size_t)> const& digits_at);
 /// The result of these runs, the first of which is in the record's order: digits count from row 2 d on.

@@ -94,7 +94,7 @@ TEST(ComposedDigits, OfAWindowFallAgainstAnythingElse) {
     for (size_t c = 0; c < checkpoints.size(); ++c) {
         for (; k < checkpoints[c]; ++k) ud->update(records.sample(k), records.y[k]);
         Vector<Reference> const theta = ud->theta();
-        Index const age = right.age_of_prior(k, ud->happened());
+        Index const age = right.age_of_prior(k, ud->counts());
         least[0] = std::min(least[0], right.minimiser(c, age).theta_digits(theta));
         least[1] = std::min(least[1], whole.minimiser(c, age).theta_digits(theta));
         least[2] = std::min(least[2], shorter.minimiser(c, age).theta_digits(theta));

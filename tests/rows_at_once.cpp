@@ -240,7 +240,7 @@ TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
         subtract_rank_one(A, x, f, by_r, next);
         multiply(A, x.data(), right);
         StateVector<double> ahead(d);
-        EXPECT_TRUE(next.take(ahead) && !next.take(ahead)) << d << " parameters on " << name_of(kernels::isa);
+        EXPECT_TRUE(next.move_product(ahead) && !next.move_product(ahead)) << d << " parameters on " << name_of(kernels::isa);
         EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
         EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
     });

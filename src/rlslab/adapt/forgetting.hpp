@@ -1,6 +1,7 @@
 // Forgetting as a value: a filter and the rule by which its memory is shortened, apart.
 #pragma once
 
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/bounded_count.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/rule_number.hpp>
@@ -48,22 +49,20 @@ constexpr std::string_view rule_name() {
 /// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
 /// a rule that asks for them does allocate at dynamic size. gain() is of the last row that F took, which may be one of the rule's.
 template <OverOrderedField F, ForgettingRule<F> Rule>
-class Forgetting {
+class Forgetting : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
-    F filter_;
+    using detail::AroundFilter<F, true>::filter_;
     Rule rule_;
     RuleMemory<T, detail::size_of<F>> memory_;
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
     /// Around a filter that was made of this problem, with options of its own.
     Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
-        : filter_(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
-                                                .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
+        : detail::AroundFilter<F, true>(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
+                                                                      .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
         rule_.start(problem, memory_);
     }
 
@@ -73,15 +72,6 @@ public:
         ++memory_.rows.n;
         return step;
     }
-    auto theta() const { return filter_.theta(); }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
-    auto form()
-        requires NamesItsForm<F>
-    {
-        return filter_.form();
-    }
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = detail::rule_name<Rule>();
     static auto options(auto const& f) {
         std::array<StateOption, std::tuple_size_v<decltype(detail::numbers_of<Rule>())> + 1> out;

@@ -35,7 +35,7 @@ public:
         if (psi_ == nullptr || !run_and_multiply(pass)) run_kernel<T, N>(pass);
     }
     /// Moves the product to f, if it has been computed.
-    bool take(StateVector<T, N>& f) {
+    bool move_product(StateVector<T, N>& f) {
         if (!multiplied_) return false;
         std::swap(f, product_);
         multiplied_ = false;
@@ -53,13 +53,13 @@ public:
     void run(Pass const& pass) {
         run_kernel<T, N>(pass);
     }
-    bool take(StateVector<T, N>&) { return false; }
+    bool move_product(StateVector<T, N>&) { return false; }
 };
 
 /// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of A.
 template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<T, N>& next) {
-    if (!next.take(f)) multiply(A, x, f);
+    if (!next.move_product(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
 template <Scalar T, int N>
@@ -77,7 +77,7 @@ void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x
 /// out = S'x, S upper triangular, or the product that `next` has computed already, of x and S as for `multiply`.
 template <Scalar T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<T, N>& next) {
-    if (!next.take(out)) multiply_upper_transposed(S, x, out);
+    if (!next.move_product(out)) multiply_upper_transposed(S, x, out);
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
 /// std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or gain, which each row changes,
@@ -87,7 +87,7 @@ Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> con
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
     auto const theta = f.theta(), gain = f.gain();
     Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
-    bool const stay = detail::apart(psi.data(), numbers, theta.data(), d) && detail::apart(psi.data(), numbers, gain.data(), d);
+    bool const stay = detail::disjoint(psi.data(), numbers, theta.data(), d) && detail::disjoint(psi.data(), numbers, gain.data(), d);
     for (Index k = 0;; ++k) {
         bool const last = k + 1 == y.size();
         next.announce(last || !stay ? nullptr : psi.col(k + 1).data());
