@@ -52,7 +52,7 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
     double const y = curve.y[std::min(after, curve.y.size() - 1)];
     return {double(breakdown.step), std::isnan(y) ? least_digits : y,
             fmt::format(
-                "{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
+                "{}: {} at row {}{}", curve.name, name_of(breakdown.kind), breakdown.step,
                 breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
             curve.name};
 }
