@@ -104,9 +104,9 @@ std::string constants_text(Records const& records) {
 }
 
 /// The entries that the options select, in the catalogue's order.
-std::vector<Entry const*> chosen(CompareOptions const& options) {
+std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     std::vector<std::string_view> variants, scalars;
-    for (Entry const* const entry : one_entry_each()) variants.push_back(entry->variant);
+    for (CatalogueEntry const* const entry : one_entry_each()) variants.push_back(entry->variant);
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
@@ -117,20 +117,20 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
     auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
         return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
     };
-    std::vector<Entry const*> out;
-    for (Entry const& entry : catalogue())
+    std::vector<CatalogueEntry const*> out;
+    for (CatalogueEntry const& entry : catalogue())
         if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
     if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
 /// The entries, unless none of them can be composed so.
-std::vector<Entry const*> composable(std::vector<Entry const*> const& entries, Composition const& composition) {
+std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*> const& entries, Composition const& composition) {
     if (composition.empty()) return entries;
     if (std::string const why = contradiction(composition); !why.empty())
         throw InputError("--control, --window, --guard: do not go together: " + why);
     std::vector<std::string> reasons;
-    for (Entry const* const entry : entries) {
+    for (CatalogueEntry const* const entry : entries) {
         std::string const why = obstacle(composition, entry->variant);
         if (why.empty()) return entries;
         if (std::string const text = fmt::format("{} {}", entry->variant, why); std::ranges::find(reasons, text) == reasons.end())
@@ -158,7 +158,7 @@ Composition as_stored(Composition composition, double (*round)(double)) {
 }  // namespace
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
-    std::vector<Entry const*> const entries = composable(chosen(options), options.composition);
+    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);
     bool const plain = options.composition.empty();
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
 
@@ -167,7 +167,7 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     std::vector<Arithmetic const*> used;
     std::set<std::string_view> roundings;
     int most_digits = 0;
-    for (Entry const* entry : entries) {
+    for (CatalogueEntry const* entry : entries) {
         if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
         roundings.insert(rounding_of(entry->arithmetic));
         most_digits = std::max(most_digits, int(entry->arithmetic->decimal_digits()));

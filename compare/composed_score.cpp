@@ -128,7 +128,7 @@ bool intervened(Composition const& c, Happened const& h) {
     return h.unusable > 0 || (c.guard != "report" && h.outliers + h.changes + h.windups + h.breakdowns > 0);
 }
 
-Result score_composed(Entry const& entry, StoredProblem const& stored, CompositionReference& reference) {
+Result score_composed(CatalogueEntry const& entry, StoredProblem const& stored, CompositionReference& reference) {
     Result result{.entry = &entry};
     Composition const& composition = reference.composition();
     result.obstacle = obstacle(composition, entry.variant);

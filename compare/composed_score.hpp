@@ -48,6 +48,6 @@ bool intervened(Composition const& composition, Happened const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed so,
 /// Result::obstacle says why.
-Result score_composed(Entry const& entry, StoredProblem const& stored, CompositionReference& reference);
+Result score_composed(CatalogueEntry const& entry, StoredProblem const& stored, CompositionReference& reference);
 
 }  // namespace rlslab::compare

@@ -26,7 +26,7 @@ struct Run {
     Vector<Reference> theta;  ///< after the last row
 };
 
-Run run(Entry const& entry, StoredProblem const& stored, RowOrder const& order, Seed seed) {
+Run run(CatalogueEntry const& entry, StoredProblem const& stored, RowOrder const& order, Seed seed) {
     Run out{};
     Arithmetic const& arithmetic = *entry.arithmetic;
     bool const permuted = !order.rows.empty();
@@ -104,7 +104,7 @@ void set_spread(Result& result, PerMeasure<std::vector<std::optional<double>>> c
     result.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
 }
 
-Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed) {
+Result score(CatalogueEntry const& entry, StoredProblem const& stored, std::uint64_t seed) {
     Result result{.entry = &entry};
     if (!stored.in_range) {
         result.breakdown = Breakdown{0, "indefinite"};  // a zero where something positive should stand, or an infinity

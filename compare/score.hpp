@@ -18,6 +18,6 @@ std::optional<double> asymmetry_of(Stored<Reference> const& stored);
 
 /// The result of one entry on the stored problem. It runs once for each order of rows; with stochastic rounding at least four times, each
 /// run with its own draws. Digits are counted at each checkpoint, and breakdown is tested after each row.
-Result score(Entry const& entry, StoredProblem const& stored, std::uint64_t seed);
+Result score(CatalogueEntry const& entry, StoredProblem const& stored, std::uint64_t seed);
 
 }  // namespace rlslab::compare

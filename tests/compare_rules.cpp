@@ -20,7 +20,7 @@ using testing::HasSubstr;
 /// Results of variants that do not exist.
 struct Made {
     Arithmetic arithmetic{"double", 53, -1022, 1023, false, nullptr};
-    std::deque<Entry> entries{};
+    std::deque<CatalogueEntry> entries{};
     std::deque<Result> results{};
 
     Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",
@@ -303,13 +303,14 @@ TEST(Compare, TellsOfTheReferenceThenOfTheVariants) {
     Records r{.psi = Matrix<double>{{1, 2, 3, 5}}, .y = Vector<double>{{9, 11, 9, 12}}, .names = {"x"}};
     std::vector<std::string> stages;
     double last = 0;
-    compare::compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false}, [&](std::string_view stage, double part) {
-        if (stages.empty() || stages.back() != stage) stages.emplace_back(stage), last = 0;
-        EXPECT_GT(part, last) << stage;
-        last = part;
-        if (stage == "comparing") return;
-        EXPECT_EQ(stage, "reference");
-    });
+    compare::compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false},
+                     [&](std::string_view stage, double part) {
+                         if (stages.empty() || stages.back() != stage) stages.emplace_back(stage), last = 0;
+                         EXPECT_GT(part, last) << stage;
+                         last = part;
+                         if (stage == "comparing") return;
+                         EXPECT_EQ(stage, "reference");
+                     });
     EXPECT_EQ(stages, (std::vector<std::string>{"reference", "comparing"}));
     EXPECT_EQ(last, 1);
 }

@@ -24,11 +24,11 @@ using namespace composed_laws;
 Comparison compared(Records const& records, Composition const& composition, double forgetting = 1, std::vector<std::string> variants = {},
                     std::optional<double> p0 = {}) {
     return compare::compare(records, {.forgetting = forgetting,
-                             .p0 = p0,
-                             .variants = variants,
-                             .arithmetics = {"float", "double"},
-                             .composition = composition,
-                             .timings = false});
+                                      .p0 = p0,
+                                      .variants = variants,
+                                      .arithmetics = {"float", "double"},
+                                      .composition = composition,
+                                      .timings = false});
 }
 /// The least number of digits of theta and P over the checkpoints from row `from` on.
 double least_digits(Comparison const& c, Result const& r, Index from = 2 * d) {
@@ -131,7 +131,7 @@ TEST(ComposedDigits, OfARuleFallWhereItsNumberIsAnother) {
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 16}};
     StoredProblem const stored = stored_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
-    Entry const& ud = *find_entry("ud");
+    CatalogueEntry const& ud = *find_entry("ud");
     CompositionReference right({.control = "kulhavy", .parameters = {0.97, 0}}, stored, 30);
     EXPECT_GE(score_composed(ud, stored, right).spread->theta.low, 12);
     for (double const agreement : right.recursion("ud").agreement) EXPECT_GE(agreement, 70);  // ud's and qr's, in 77 digits
