@@ -48,6 +48,6 @@ bool intervened(Composition const& composition, CompositionCounts const& happene
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed so,
 /// Result::obstacle gives the reason.
-Result score_composed(Entry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
+Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
 
 }  // namespace rlslab::compare

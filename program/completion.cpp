@@ -34,7 +34,7 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
     bool const list = one.value.find(',') != std::string::npos;
     if (one.value.find('|') != std::string::npos) return {words, split(one.value, '|')};
     if (one.name == "--variant" || one.name == "--variants") {
-        for (Entry const* const entry : one_entry_each()) add(entry->variant);
+        for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
         return {words, names, list};
     }
     if (one.name == "--arithmetic" || one.name == "--arithmetics") {

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 /// Results of variants that do not exist.
 struct Made {
     Arithmetic arithmetic{"double", 53, -1022, 1023, false, nullptr};
-    std::deque<Entry> entries{};
+    std::deque<CatalogueEntry> entries{};
     std::deque<Result> results{};
 
     Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",

@@ -16,7 +16,7 @@ namespace {
 
 using Row = Vector<double>;
 
-Entry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
+CatalogueEntry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
 
 /// Rows whose s leaves double's range while its root does not: gamma underflows, and nothing is wrong with the factors.
 TEST(Health, AnUnderflowOfGammaIsSound) {
@@ -64,7 +64,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
 TEST(Health, DependentAndZeroFirstRowsAreUndetermined) {
     Problem<double> p = laws::problem(2);
     p.prior.reset();
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{0.0, 0.0}}, 1.0).health), "undetermined") << entry.variant << ": a zero row";
@@ -79,7 +79,7 @@ TEST(Health, DependentAndZeroFirstRowsAreUndetermined) {
 TEST(Health, ANanIsNotALackOfRows) {
     Problem<double> p = laws::problem(2);
     p.prior.reset();
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{std::nan(""), 1.0}}, 1.0).health), "nonfinite") << entry.variant;
@@ -99,7 +99,7 @@ TEST(Health, AWeightThatVanishesIsNotALackOfRows) {
 
 /// s_{j-1} s_j leaves float's range long before s does.
 TEST(Health, CarlsonKeepsItsFactorUnderALargePrior) {
-    Entry const& entry = entry_of("carlson", "float");
+    CatalogueEntry const& entry = entry_of("carlson", "float");
     laws::Errors const e = laws::errors(entry, laws::problem(3, 1, 0x1p80), laws::noise_records(3, 30, Seed{3}));
     EXPECT_LE(e.theta, 1e4);
     EXPECT_LE(e.covariance, 1e4);
@@ -145,7 +145,7 @@ TEST(Health, ANormOfTinyNumbersKeepsItsDigits) {
 
 /// A full P0 that is no covariance is misuse in every variant.
 TEST(Health, AnIndefiniteOrAsymmetricPriorIsRefused) {
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         Problem<double> p = laws::problem(2);
         p.prior->covariance = Matrix<double>{{1.0, 2.0}, {2.0, 1.0}};
         EXPECT_THROW(entry.make(p, Seed{1}), std::invalid_argument) << entry.variant;
