@@ -21,7 +21,7 @@ constexpr double claim_risk = 0.001;
 constexpr size_t fewest_seeds = 11;
 
 // Each interval is admitted for the shapes that are named with it. Over 10^5 simulated claims on these it misses its number at most 1.5
-// times as often as `risk` says (tests/coverage.cpp). Where all values are equal, only that of the median is a point.
+// times as often as `risk` says (tests/studies/coverage.cpp). Where all values are equal, only that of the median is a point.
 
 /// [x_(k), x_(n + 1 - k)] with the greatest k for which P(median outside) <= risk: 2 P(Bin(n, 1/2) < k) <= risk. For every shape.
 /// Unbounded where even k = 1 has more risk (n < 11 at 0.001), and for a NaN.
