@@ -173,11 +173,11 @@ constexpr int significand_bits() {
     return ArithmeticTraits<T>::digits;
 }
 
-/// While an Aside exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of operations
-/// are what they were before. A scalar that has such a stream or tally specialises this.
+/// While an UncountedScope exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of
+/// operations are what they were before. A scalar that has such a stream or tally specialises this.
 template <class T>
-struct Aside {
-    Aside() {}
+struct UncountedScope {
+    UncountedScope() {}
 };
 
 /// The distance from 1 to the next larger number, 2^(1-p) = 2u. Error budgets are stated in it.
