@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/family.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>
