@@ -3,6 +3,7 @@
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/family.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>

@@ -271,7 +271,7 @@ void time_all(std::vector<Result>& results, Prepared const& prepared, Records co
     for (Result& r : results) {
         if (!r.obstacle.empty()) continue;
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
-        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
+        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
             r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records, Seed{options.seed});
     }
 }

@@ -51,8 +51,8 @@ struct Spread {
 
 /// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
 struct Breakdown {
-    Index step;        ///< from 1; 0: the prior itself, as this arithmetic stores it
-    std::string kind;  ///< "indefinite" or "nonfinite"
+    Index step;   ///< from 1; 0: the prior itself, as this arithmetic stores it
+    Health kind;  ///< indefinite or nonfinite
 };
 
 /// One row of the table.

@@ -115,7 +115,7 @@ bool intervened(Composition const& c, CompositionCounts const& h) {
 Result score_composed(Entry const& entry, RoundedProblem const& rounded, CompositionReference& reference) {
     Composition const& composition = reference.composition();
     if (std::string const why = obstacle(composition, entry.variant); !why.empty()) return {.entry = &entry, .obstacle = why};
-    if (!rounded.in_range || rounded.orders.front().exact.empty()) return {.entry = &entry, .breakdown = Breakdown{0, "indefinite"}};
+    if (!rounded.in_range || rounded.orders.front().exact.empty()) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
     Arithmetic const& arithmetic = *entry.arithmetic;
     std::unique_ptr<ComposedFilter> filter;
     try {

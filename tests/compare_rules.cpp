@@ -151,7 +151,7 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     EXPECT_THAT(said(m), testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
     m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
     EXPECT_THAT(said(m), testing::EndsWith("\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
-    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, "indefinite"};
+    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
     EXPECT_THAT(said(m), testing::EndsWith("loses 0.2 digits of theta; conventional broke down: indefinite at 129\n"));
     m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
     EXPECT_THAT(said(m), HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));
