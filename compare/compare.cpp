@@ -217,8 +217,8 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
-    bool const estimated = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
-    out.options.composition = completed(options.composition, given.problem, estimated ? noise_variance(records, given.without) : 0);
+    double const noise = needs_noise_variance(options.composition) ? noise_variance(records, given.without) : 0;
+    out.options.composition = completed(options.composition, given.problem, noise);
     return out;
 }
 
