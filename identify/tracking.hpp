@@ -27,7 +27,7 @@ struct Tracked {
     double covered;    ///< share of the outputs within their interval
     double quantile;   ///< of the intervals: the normal distribution's
     Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
-    std::string kind;  ///< "indefinite", "nonfinite"
+    Health kind = Health::sound;  ///< what broke
     std::vector<std::string> warnings = {};
 };
 

@@ -1,5 +1,6 @@
 // What an error in the gain does to P, as identities in exact rational arithmetic.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: 14 identities, each written out in rationals.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -183,11 +184,11 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"};
 std::vector<std::string> const josephs{"joseph", "joseph_rank_two"};
 
-Finding share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to, double wanted) {
+Judgement share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to, double wanted) {
     Table const rows = t.where("property", property).where("ratio", [=](double r) { return from <= r && r <= to; });
     return within(rows.where("variant", variants), {"variant", "lambda", "ratio"}, least("share"), wanted, wanted);
 }
-Finding order_within(Table const& t, char const* variant, double from, double to) {
+Judgement order_within(Table const& t, char const* variant, double from, double to) {
     Table const rows = t.where("variant", variant);
     return labelled("s", within(rows.where("property", "order in s"), {"lambda", "ratio"}, least("share"), from, to)) &&
            labelled("f", within(rows.where("property", "order in f"), {"lambda", "ratio"}, least("share"), from, to));

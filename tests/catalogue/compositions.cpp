@@ -214,7 +214,7 @@ TEST(Compositions, ExistWhereNothingStandsInTheWay) {
         }
     std::map<std::string_view, int> made_of;
     for (Composition const& c : all)
-        for (Entry const* const entry : one_entry_each())
+        for (CatalogueEntry const* const entry : one_entry_each())
             for (char const* arithmetic : {"float", "double"}) {
                 bool const none = !contradiction(c).empty() || !obstacle(c, entry->variant).empty();
                 auto const made = composed(c, entry->variant, arithmetic, problem);

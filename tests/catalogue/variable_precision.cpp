@@ -103,9 +103,9 @@ TEST(VariablePrecision, ThePrecisionIsTheThreadsAndComesBack) {
 /// With double's bits, and float's, every variant gives what it gives in double and float, where kernels run.
 TEST(VariablePrecision, VariantsGiveTheBitsOfTheHardware) {
     for (auto const& [bits, name] : {std::pair{53, "double"}, std::pair{24, "float"}})
-        for (Entry const& e : variable_precision_catalogue()) {
+        for (CatalogueEntry const& e : variable_precision_catalogue()) {
             PrecisionScope const precision(bits);
-            Entry const* const hardware = find_entry(e.variant, name);
+            CatalogueEntry const* const hardware = find_entry(e.variant, name);
             ASSERT_TRUE(hardware);
             Records const records = as_stored(laws::noise_records(5, 60, Seed{4}), *hardware->arithmetic);
             auto const f = e.make(laws::problem(5, 0.96875), Seed{1}), g = hardware->make(laws::problem(5, 0.96875), Seed{1});

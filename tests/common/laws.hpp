@@ -49,7 +49,7 @@ inline Problem<double> problem(Index size, double forgetting = 1, double varianc
 
 /// psi = 0 moves neither theta nor what is stored (lambda = 1), whatever y says. Where solving for theta draws random
 /// numbers, theta is left to `stored`.
-inline bool a_zero_regressor_teaches_nothing(Entry const& entry) {
+inline bool a_zero_regressor_teaches_nothing(CatalogueEntry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
     take_rows(*f, as_stored(noise_records(3, 20, Seed{17}), *entry.arithmetic));
     auto const theta = f->theta();
@@ -59,7 +59,7 @@ inline bool a_zero_regressor_teaches_nothing(Entry const& entry) {
 }
 
 /// Short of overflow and underflow a factor of two commutes with rounding.
-inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
+inline bool scaling_the_output_by_two_scales_theta_exactly(CatalogueEntry const& entry) {
     auto const f = entry.make(problem(3, 31.0 / 32), Seed{1}), g = entry.make(problem(3, 31.0 / 32), Seed{1});
     Records records = noise_records(3, 40, Seed{11});
     records.y *= 64;  // keeps binary16 clear of its subnormal numbers
@@ -73,7 +73,7 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(Entry const& entry) {
 
 /// Rows taken without a report leave what they leave with one, and the next report is the same. In blocks, or with rounding
 /// at random, nothing is promised. Three nearly dependent columns without a prior: a short word breaks down on the way.
-inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
+inline bool rows_without_report_leave_the_same_bits(CatalogueEntry const& entry) {
     if (entry.block > 1 || entry.arithmetic->stochastic) return true;
     Problem<double> p = problem(3, 0.96875);
     if (entry.starts_without_prior) p.prior.reset();
@@ -95,7 +95,7 @@ inline bool rows_without_report_leave_the_same_bits(Entry const& entry) {
 }
 
 /// A copy goes on as the original does, and the original as if it had not been copied.
-inline bool a_clone_continues_bit_for_bit(Entry const& entry) {
+inline bool a_clone_continues_bit_for_bit(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(4, 60, Seed{5}), *entry.arithmetic);
     auto const f = entry.make(problem(4, 0.96875), Seed{1}), undisturbed = entry.make(problem(4, 0.96875), Seed{1});
     take_rows(*undisturbed, records);
@@ -110,7 +110,7 @@ inline bool a_clone_continues_bit_for_bit(Entry const& entry) {
 }
 
 /// The same data and seed give the same bits; asking for reports on the way changes nothing.
-inline bool same_seed_same_bits_whoever_looks(Entry const& entry) {
+inline bool same_seed_same_bits_whoever_looks(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(4, 60, Seed{6}), *entry.arithmetic);
     auto const f = entry.make(problem(4, 0.96875), Seed{3}), looked_at = entry.make(problem(4, 0.96875), Seed{3});
     for (Index k = 0; k < records.rows(); ++k) {
@@ -124,7 +124,7 @@ inline bool same_seed_same_bits_whoever_looks(Entry const& entry) {
 }
 
 /// On well-conditioned data every step is sound and gamma lies in (0, 1].
-inline bool healthy_data_are_reported_sound(Entry const& entry) {
+inline bool healthy_data_are_reported_sound(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(3, 60, Seed{8}), *entry.arithmetic);
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     for (Index k = 0; k < records.rows(); ++k) {
@@ -135,7 +135,7 @@ inline bool healthy_data_are_reported_sound(Entry const& entry) {
 }
 
 /// A NaN in the data is reported at once.
-inline bool a_nan_is_reported(Entry const& entry) {
+inline bool a_nan_is_reported(CatalogueEntry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
     take_rows(*f, as_stored(noise_records(3, 10, Seed{8}), *entry.arithmetic));
     Vector<double> const psi = Vector<double>::Constant(3, std::numeric_limits<double>::quiet_NaN());
@@ -151,7 +151,7 @@ inline double norm(Vector<Reference> const& x) {
 }
 
 /// The worst |residual - (y - psi'theta)| over |y| + |psi||theta|, in epsilons: theta as reported after the step.
-inline double residual_error(Entry const& entry) {
+inline double residual_error(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(3, 40, Seed{21}), *entry.arithmetic);
     double const epsilon = 2 * entry.arithmetic->unit_roundoff();
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
@@ -172,7 +172,7 @@ inline double residual_error(Entry const& entry) {
 }
 
 /// The worst |K - P psi| over |K|, in epsilons, P exactly as stored; covariance forms.
-inline double gain_error(Entry const& entry) {
+inline double gain_error(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(3, 40, Seed{22}), *entry.arithmetic);
     auto const f = entry.make(problem(3, 0.96875), Seed{1});
     double worst = 0;
@@ -217,7 +217,7 @@ inline double gain_error(Entry const& entry) {
 struct Errors {
     double theta, covariance;
 };
-inline Errors errors(Entry const& entry, Problem<double> const& given, Records const& records) {
+inline Errors errors(CatalogueEntry const& entry, Problem<double> const& given, Records const& records) {
     Problem<double> const p = as_stored(given, *entry.arithmetic);
     Records const data = as_stored(records, *entry.arithmetic);
     auto const f = entry.make(p, Seed{1});

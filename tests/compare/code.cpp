@@ -68,7 +68,7 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records const& records
     Recommendation const& r = *coded(c);
     Prior<double> prior = c.scaled_prior ? c.scaled_prior->prior() : Prior<double>{.variance = *c.options.p0};
     std::string out;
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (entry.variant != r.variant || entry.arithmetic->name != r.arithmetic) continue;
         Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
         std::unique_ptr<AnyFilter> const filter =
@@ -185,7 +185,7 @@ TEST(Code, TheModelStandsAboveTheFilter) {
     c.options.p0 = 4;
     c.model = {"f.csv", "y[k]", {"-y[k-1]", "u[k]", "1"}, {{"u", 0.5}, {"y", -2.25}}};
     static Arithmetic const single{"float", 24, -126, 127, false, nullptr};
-    static Entry const entry{"inverse_qr", &single, false, 1, "covariance", false, nullptr, nullptr};
+    static CatalogueEntry const entry{"inverse_qr", &single, false, 1, "covariance", false, nullptr, nullptr};
     Result r{.entry = &entry};
     r.spread = PerMeasure<Spread>{{5, 6, 7}, {4, 5, 6}, {5, 6, 7}};
     r.operations = 10;

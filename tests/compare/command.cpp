@@ -59,7 +59,7 @@ std::string const sales = "'" + root + "/data/sales.csv' --input lead --output s
 TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     EXPECT_EQ(arithmetics(compared(sales)), (std::set<std::string>{"float", "double"}));
     std::set<std::string> every;
-    for (rlslab::Entry const& entry : rlslab::catalogue()) every.emplace(entry.arithmetic->name);
+    for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) every.emplace(entry.arithmetic->name);
     EXPECT_EQ(arithmetics(compared(sales + " --all")), every);
     EXPECT_EQ(arithmetics(compared(sales + " --arithmetic quad")), std::set<std::string>{"quad"});
     refused("compare " + sales + " --all --arithmetic float", "--all: does not go with --arithmetic");

@@ -131,7 +131,7 @@ TEST(ComposedDigits, OfARuleFallWhereItsNumberIsAnother) {
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 16}};
     RoundedProblem const stored = rounded_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
-    Entry const& ud = *find_entry("ud");
+    CatalogueEntry const& ud = *find_entry("ud");
     CompositionReference right({.control = "kulhavy", .parameters = {0.97, 0}}, stored, 30);
     EXPECT_GE(score_composed(ud, stored, right).spread->theta.low, 12);
     for (double const agreement : right.recursion("ud").agreement) EXPECT_GE(agreement, 70);  // ud's and qr's, in 77 digits

@@ -140,7 +140,7 @@ TEST(Digits, ScalesColumnsWhereTheRangeIsInTheWay) {
         EXPECT_EQ(!answer.chosen()->exponents.empty(), scaled) << arithmetic[0];
         EXPECT_GE(digits_of(answer, rows), 0.5);
         if (answer.guard) {
-            EXPECT_EQ(answer.guard->happened.unusable, 0);
+            EXPECT_EQ(answer.guard->counts.unusable, 0);
         }
     }
 }
@@ -152,7 +152,7 @@ TEST(Digits, LeavesTheGuardOutWhereItActedAtAnyRow) {
     rows.y[200] += 500;
     DigitsAnswer const answer = answered(rows, {.forgetting = 0.5});
     ASSERT_TRUE(answer.guard);
-    EXPECT_EQ(answer.guard->happened.outliers, 2);
+    EXPECT_EQ(answer.guard->counts.outliers, 2);
     EXPECT_FALSE(answer.guard->same_bits);
     EXPECT_THAT(answer_text(answer, false), HasSubstr("departs from least squares"));
     EXPECT_THAT(answer_text(answer, false), Not(HasSubstr("rlslab::Guarded<")));

@@ -160,7 +160,7 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                 }
                 broke += first.has_value();
                 if (order.empty()) {
-                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, ""}).step, first.value_or(-1)) << r.entry->variant << a.name;
+                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, first.value_or(-1)) << r.entry->variant << a.name;
                 }
             }
             EXPECT_EQ(r.runs, int(orders.size()));

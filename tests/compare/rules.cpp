@@ -20,7 +20,7 @@ using testing::HasSubstr;
 /// Results of variants that do not exist.
 struct Made {
     Arithmetic arithmetic{"double", 53, -1022, 1023, false, nullptr};
-    std::deque<Entry> entries{};
+    std::deque<CatalogueEntry> entries{};
     std::deque<Result> results{};
 
     Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",
@@ -151,7 +151,7 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     EXPECT_THAT(said(m), testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
     m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
     EXPECT_THAT(said(m), testing::EndsWith("\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
-    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, "indefinite"};
+    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
     EXPECT_THAT(said(m), testing::EndsWith("loses 0.2 digits of theta; conventional broke down: indefinite at 129\n"));
     m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
     EXPECT_THAT(said(m), HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));

@@ -55,14 +55,14 @@ std::set<std::string> variant_files() {
 
 TEST(House, EveryVariantFileIsInTheListUnderItsName) {
     std::set<std::string> names;
-    for (Entry const& entry : catalogue()) names.emplace(entry.variant);
+    for (CatalogueEntry const& entry : catalogue()) names.emplace(entry.variant);
     EXPECT_THAT(names, testing::ContainerEq(variant_files()));
     for (std::string const& name : variant_files())
         EXPECT_NE(text(root / "variants/variants.hpp").find("<rlslab/variants/" + name + ".hpp>"), std::string::npos) << name;
 }
 TEST(House, EveryPairOccursOnceInTheCatalogue) {
     std::set<std::pair<std::string_view, std::string_view>> pairs;
-    for (Entry const& entry : catalogue()) EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
+    for (CatalogueEntry const& entry : catalogue()) EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
     size_t dense = 0;
     for (auto const& [variant, arithmetic] : pairs) dense += !variant.ends_with("_sparse");
     EXPECT_EQ(dense, (variant_files().size() - 2) * arithmetics().size());  // the sparse two are binary64 only

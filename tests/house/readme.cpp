@@ -13,19 +13,19 @@
 namespace rlslab {
 namespace {
 
-std::string operations(Entry const& entry, Index d) {
+std::string operations(CatalogueEntry const& entry, Index d) {
     auto const count = cost(entry.variant, d);
     return count ? std::to_string(count->total()) : "–";
 }
 /// The start of the row in README, with the operations at d = 10.
-std::string short_row(Entry const& entry) {
+std::string short_row(CatalogueEntry const& entry) {
     std::ostringstream out;
     out << "| `" << entry.variant << "` | " << entry.propagates << " | " << operations(entry, 10) << " | "
         << (entry.starts_without_prior ? "yes" : "no") << " | ";
     return out.str();
 }
 /// The row in docs/compare.md.
-std::string long_row(Entry const& entry) {
+std::string long_row(CatalogueEntry const& entry) {
     std::ostringstream out;
     out << "| `" << entry.variant << "` | " << entry.propagates << " | ";
     for (Index d : {4, 10, 32}) out << operations(entry, d) << " | ";
@@ -40,7 +40,7 @@ std::string text_of(char const* page) {
 TEST(Readme, TheTablesOfVariantsAreMeasured) {
     std::string const readme = text_of("/README.md"), compare = text_of("/docs/compare.md");
     std::set<std::string_view> seen;
-    for (Entry const& entry : catalogue())
+    for (CatalogueEntry const& entry : catalogue())
         if (seen.insert(entry.variant).second) {
             EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n" << short_row(entry);
             EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos) << "expected in docs/compare.md the row\n"
@@ -81,7 +81,7 @@ std::array<double, 2> measured(std::string_view variant) {
 
 TEST(Docstrings, StateTheMultiplicationsThatAreCounted) {
     std::set<std::string_view> seen;
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (!seen.insert(entry.variant).second || !cost(entry.variant, 4)) continue;
         auto const said = claimed(entry.variant), counted = measured(entry.variant);
         EXPECT_NEAR(said[0], counted[0], 0.01) << entry.variant << ": d^3";

@@ -52,7 +52,7 @@ std::vector<std::string> not_numbers(std::string text) {
 
 std::vector<std::string> variants() {
     std::vector<std::string> out;
-    for (Entry const* const entry : one_entry_each()) out.emplace_back(entry->variant);  // each is in double
+    for (CatalogueEntry const* const entry : one_entry_each()) out.emplace_back(entry->variant);  // each is in double
     return out;
 }
 

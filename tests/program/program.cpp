@@ -184,7 +184,7 @@ TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
 TEST_F(Program, ListsWhatThereIsAndHelps) {
     json const list = json::parse(shell("rlslab list --json").out);
     std::set<std::string_view> variants;
-    for (rlslab::Entry const& entry : rlslab::catalogue()) variants.insert(entry.variant);
+    for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) variants.insert(entry.variant);
     EXPECT_EQ(list["variants"].size(), variants.size());
     EXPECT_EQ(list["arithmetics"].size(), rlslab::arithmetics().size());
     EXPECT_TRUE(list["studies"].is_array());

@@ -87,7 +87,7 @@ TEST(Drawing, OfNothingOrOnePointIsLawful) {
     lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {}});
     lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {{"p", {}, {}}}});
     EXPECT_EQ(lawful(one({}, {})), 0u);
-    EXPECT_THAT(panel_svg(one({}, {}), 0, 520, 350, true), testing::HasSubstr("no number to draw"));
+    EXPECT_THAT(panel_svg(one({}, {}), 0, 520, 350), testing::HasSubstr("no number to draw"));
     for (bool const logarithmic : {false, true}) EXPECT_EQ(lawful(one({3}, {4}, logarithmic, logarithmic)), 1u);
     EXPECT_EQ(lawful(one({nan, infinity, 1}, {1, 1, -infinity})), 0u);
     Figure cells = one({}, {});
@@ -102,7 +102,7 @@ TEST(Drawing, LeavesOutWhatALogarithmicAxisCannotShow) {
     EXPECT_EQ(lawful(figure), 1u);
 }
 TEST(Drawing, BreaksALineAtANumberItCannotShow) {
-    std::string const text = panel_svg(one({1, 2, 3, 4, 5}, {1, 2, nan, 2, 1}), 0, 520, 350, true);
+    std::string const text = panel_svg(one({1, 2, 3, 4, 5}, {1, 2, nan, 2, 1}), 0, 520, 350);
     size_t const line = text.find("\" fill=\"none\" stroke=\"#0072b2\""), from = text.rfind("d=\"", line);
     std::string const path = text.substr(from, line - from);
     EXPECT_EQ(std::ranges::count(path, 'M'), 2) << path;
@@ -157,14 +157,21 @@ TEST(Drawing, EscapesEveryText) {
     for (Panel& p : figure.panels) p.curves[0].row = {evil, evil};
     lawful(figure);
 }
-TEST(Drawing, NamesAtTheEndsOfManyCurvesStayInside) {
-    Figure figure = one({1, 2, 3}, {1, 2, 3});
-    figure.names = true;
+TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
+    Figure figure = one({1, 2, 3}, {1, 2, 5});
     for (int n = 0; n < 40; ++n) {
         lawful(figure);
         figure.panels[0].curves.push_back(
-            {.name = "curve " + std::to_string(n), .look = look_of({}, size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
+            {.name = "curve " + std::to_string(n), .look = look_of({}, size_t(n)), .x = {1, 3}, .y = {1.0 * n, 1.0 * n}});
     }
+    std::string html = figure_html(figure);
+    EXPECT_THAT(html, testing::HasSubstr("class=\"beside\""));
+    EXPECT_LT(html.find("<span data-s=\"40\""), html.find("<span data-s=\"7\""));  // curve 39, at the top
+    EXPECT_LT(html.find("<span data-s=\"7\""), html.find("<span data-s=\"0\""));   // curve 6, over the one that ends at 5
+    figure.panels.push_back(figure.panels[0]);
+    html = figure_html(figure);
+    EXPECT_THAT(html, testing::Not(testing::HasSubstr("beside")));
+    EXPECT_LT(html.find("<span data-s=\"0\""), html.find("<span data-s=\"1\""));
 }
 TEST(Drawing, HoldsEveryTextHoweverLong) {
     std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
@@ -178,7 +185,7 @@ TEST(Drawing, HoldsEveryTextHoweverLong) {
         for (bool const names : {false, true}) {
             figure.names = names;
             lawful(figure);
-            texts_fit(panel_svg(figure, 0, 400, 330, true), 400, 330);
+            texts_fit(panel_svg(figure, 0, 400, 330), 400, 330);
         }
         figure.x_names = {text, text + "1", text + "2", text + "3"};
         lawful(figure);
@@ -193,7 +200,7 @@ TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
     for (int i = 0; i < 1000000; ++i) x.push_back(i), y.push_back(seed.uniform());
     y[123456] = 5, y[654321] = -5;
     Figure figure = one(x, y);
-    std::string const text = panel_svg(figure, 0, 1040, 440, true);
+    std::string const text = panel_svg(figure, 0, 1040, 440);
     EXPECT_LT(text.size(), 150000u);
     Place low, high;
     double top = infinity, bottom = 0;
@@ -201,7 +208,7 @@ TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
     EXPECT_LT(top - low.y, 25);
     EXPECT_LT(high.y - bottom, 25);
     figure.panels[0].curves[0].line = false;
-    EXPECT_LT(panel_svg(figure, 0, 520, 350, true).size(), 6000000u);
+    EXPECT_LT(panel_svg(figure, 0, 520, 350).size(), 6000000u);
 }
 TEST(Drawing, SharesTheRangeOfYUnlessAPanelHasItsOwn) {
     Figure figure = one({0, 1}, {0, 1});
@@ -209,7 +216,7 @@ TEST(Drawing, SharesTheRangeOfYUnlessAPanelHasItsOwn) {
     figure.panels[1].curves[0].y = {0, 1000};
     Place low, high;
     auto const height = [&](size_t panel) {
-        std::vector<Place> const p = places(panel_svg(figure, panel, 520, 350, true), low, high);
+        std::vector<Place> const p = places(panel_svg(figure, panel, 520, 350), low, high);
         double top = infinity;
         for (Place const& place : p) top = std::min(top, place.y);
         return (high.y - top) / (high.y - low.y);
@@ -224,7 +231,7 @@ TEST(Drawing, ASquareAxisHasOneUnit) {
     figure.square = true;
     Place low, high;
     Range x, y;
-    for (Place const& p : places(panel_svg(figure, 0, 1040, 440, true), low, high)) x.add(p.x), y.add(p.y);
+    for (Place const& p : places(panel_svg(figure, 0, 1040, 440), low, high)) x.add(p.x), y.add(p.y);
     EXPECT_NEAR(x.high - x.low, y.high - y.low, 0.3);
 }
 TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {

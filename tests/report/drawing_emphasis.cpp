@@ -68,8 +68,8 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
             figure.panels[0].curves[0].strong = n % 2;
             lawful(figure);
             std::vector<Place> marks;
-            std::vector<Label> const labels = labels_of(panel_svg(figure, 0, 520, 350, true), marks, n);
-            EXPECT_EQ(labels.size() + not_named(figure, 0, 520, 350).size(), n);
+            std::vector<Label> const labels = labels_of(panel_svg(figure, 0, 520, 350), marks, n);
+            EXPECT_LE(labels.size(), n);
             for (Label const& label : labels) {
                 SCOPED_TRACE(testing::Message() << "seed " << s << ", " << n << " points, name " << label.series);
                 Place const own = marks[label.series];
@@ -88,23 +88,15 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
             placed += labels.size(), left_out += n - labels.size();
         }
     }
-    EXPECT_GT(placed, 6 * left_out);
+    EXPECT_GT(placed, 2 * left_out);
 }
-TEST(Names, ThatFindNoPlaceAreListed) {
-    Figure const figure = named_points(std::vector<std::pair<double, double>>(5, {1, 1}));  // all in one place: none has it as its own
-    EXPECT_EQ(not_named(figure, 0, 520, 350).size(), 5u);
-    EXPECT_THAT(svg(figure), testing::HasSubstr("not labelled: n0ooooooo, n1ooooooo"));
-    std::string const html = figure_html(figure);
-    EXPECT_THAT(html, testing::HasSubstr("not labelled: <span><svg class=\"key\""));
-    EXPECT_THAT(html, testing::HasSubstr("n4ooooooo</span></p>"));
-    EXPECT_THAT(figure_html(named_points({{1, 1}, {2, 2}})), testing::Not(testing::HasSubstr("not labelled")));
-}
-TEST(Names, OfASparsePlotAllFindAPlaceWithoutALeader) {
-    Figure const figure = named_points({{0, 0}, {0, 5}, {1, 2}, {2, 0}, {2, 5}});
-    EXPECT_TRUE(not_named(figure, 0, 520, 350).empty());
-    std::string const text = panel_svg(figure, 0, 520, 350, true);
-    for (size_t at = 0; (at = text.find("<g class=\"s name\"", at)) != text.npos; ++at)
-        EXPECT_EQ(text.find("><text", at), text.find('>', at));
+TEST(Names, StandBesideEveryMarkOfASparsePlotAndBesideNoneInOnePlace) {
+    std::vector<Place> marks;
+    auto const names = [&](Figure const& figure) { return labels_of(panel_svg(figure, 0, 520, 350), marks, 5).size(); };
+    EXPECT_EQ(names(named_points({{0, 0}, {0, 5}, {1, 2}, {2, 0}, {2, 5}})), 5u);
+    Figure const one_place = named_points(std::vector<std::pair<double, double>>(5, {1, 1}));
+    EXPECT_EQ(names(one_place), 0u);
+    EXPECT_THAT(figure_html(one_place), testing::HasSubstr("n4ooooooo</span> </p>")) << "the legend has them";
 }
 
 /// The mark of one series as a tooltip's path: where it stands; {-1, -1}: none says that.
@@ -128,7 +120,7 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
                             .line = false,
                             .bars = true});
     EXPECT_GE(lawful(figure), 8u);
-    std::string const text = panel_svg(figure, 0, 520, 350, true);
+    std::string const text = panel_svg(figure, 0, 520, 350);
     Place low, high;
     places(text, low, high);
     EXPECT_NEAR(place_of_tooltip(text, "curve: abscissa 1, ordinate -30, below the axis").y, high.y, 8);
@@ -139,7 +131,7 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
     double const unit = place_of_tooltip(text, "curve: abscissa 3").y - place_of_tooltip(text, "curve: abscissa 0").y;
     EXPECT_GT(unit, 0.15 * (high.y - low.y));
     panel.y_least = -infinity;
-    EXPECT_EQ(panel_svg(figure, 0, 520, 350, true).find("below the axis"), std::string::npos);
+    EXPECT_EQ(panel_svg(figure, 0, 520, 350).find("below the axis"), std::string::npos);
 }
 TEST(Drawing, WhatIsBelowALogarithmicAxisMayBeZero) {
     Figure figure = one({1, 2, 3}, {0.5, 1e-12, 0});
@@ -148,18 +140,18 @@ TEST(Drawing, WhatIsBelowALogarithmicAxisMayBeZero) {
     figure.panels.push_back(figure.panels[0]);
     figure.panels[1].log_y = false, figure.panels[1].y_least = -infinity;
     EXPECT_GE(lawful(figure), 6u);
-    std::string const text = panel_svg(figure, 0, 520, 350, true);
+    std::string const text = panel_svg(figure, 0, 520, 350);
     EXPECT_NE(place_of_tooltip(text, "curve: abscissa 3, ordinate 0, below the axis").y, -1);
     EXPECT_THAT(text, testing::HasSubstr("against abscissa (y logarithmic)"));
-    EXPECT_THAT(panel_svg(figure, 1, 520, 350, true), testing::Not(testing::HasSubstr("below the axis")));
+    EXPECT_THAT(panel_svg(figure, 1, 520, 350), testing::Not(testing::HasSubstr("below the axis")));
 }
 TEST(Drawing, AStrongCurveIsThickOverTheOthersWhichAreFaint) {
     Figure figure = one({1, 2}, {1, 2});
     figure.panels[0].curves.push_back({.name = "other", .look = look_of({}, 1), .x = {1, 2}, .y = {2, 1}});
-    std::string const equal = panel_svg(figure, 0, 520, 350, true);
+    std::string const equal = panel_svg(figure, 0, 520, 350);
     EXPECT_EQ(equal.find("opacity=\".5\""), equal.npos);
     figure.panels[0].curves[0].strong = true;
-    std::string const text = panel_svg(figure, 0, 520, 350, true);
+    std::string const text = panel_svg(figure, 0, 520, 350);
     size_t const curve = text.find("<g class=\"s\" data-s=\"0\">"), other = text.find("<g class=\"s\" data-s=\"1\" opacity=\".5\">");
     ASSERT_NE(curve, text.npos);
     ASSERT_NE(other, text.npos);
@@ -173,10 +165,10 @@ TEST(Drawing, AStrongCurveIsThickOverTheOthersWhichAreFaint) {
 TEST(Drawing, AStrongCategoryHasABandAndABoldName) {
     Figure figure = one({0, 1, 2}, {1, 2, 3});
     figure.x_names = {"conventional_two_sided", "★ ud", "qr"};
-    EXPECT_EQ(panel_svg(figure, 0, 1040, 440, true).find("700"), std::string::npos);
+    EXPECT_EQ(panel_svg(figure, 0, 1040, 440).find("700"), std::string::npos);
     figure.strong_x = {1, 7};  // 7: no such category
     lawful(figure);
-    std::string const text = panel_svg(figure, 0, 1040, 440, true);
+    std::string const text = panel_svg(figure, 0, 1040, 440);
     EXPECT_THAT(text, testing::HasSubstr("font-weight=\"700\">★ ud</text>"));
     EXPECT_THAT(text, testing::HasSubstr(">conventional_two_sided</text>"));
     EXPECT_EQ(text.find("<rect"), text.rfind("<rect"));

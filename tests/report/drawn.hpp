@@ -140,7 +140,7 @@ inline std::string without_texts(std::string const& xml) {
 inline size_t lawful(Figure const& figure) {
     size_t count = 0;
     for (size_t i = 0; i < figure.panels.size(); ++i) {
-        std::string const text = panel_svg(figure, i, 520, 350, true);
+        std::string const text = panel_svg(figure, i, 520, 350);
         EXPECT_TRUE(well_formed(text));
         std::string const bare = without_texts(text);
         texts_fit(text, 520, 350);

@@ -35,7 +35,7 @@ bool same_reports(AnyFilter const& a, AnyFilter const& b) {
 }
 
 /// Rows of noise; a zero row, -0, and if asked for a NaN, an infinity and a number that overflows.
-Records rows_for(Entry const& entry, Index rows, Seed seed, bool spoilt) {
+Records rows_for(CatalogueEntry const& entry, Index rows, Seed seed, bool spoilt) {
     Records out = as_stored(laws::noise_records(4, rows, seed), *entry.arithmetic);
     out.psi.col(3).setZero();
     out.y[5] = -0.0;
@@ -49,7 +49,7 @@ Records rows_for(Entry const& entry, Index rows, Seed seed, bool spoilt) {
 }
 
 /// "" or where the filter that was loaded parts from the one that was saved.
-std::string parted(Entry const& entry, Index before, Index after, bool spoilt) {
+std::string parted(CatalogueEntry const& entry, Index before, Index after, bool spoilt) {
     Records const records = rows_for(entry, before + after, Seed{51}, spoilt);
     auto const f = entry.make(laws::problem(4, 0.96875), Seed{3}), g = entry.make(laws::problem(4, 1, 4), Seed{4});
     for (Index k = 0; k < before; ++k) f->update(records.sample(k), records.y[k]);
@@ -65,7 +65,7 @@ std::string parted(Entry const& entry, Index before, Index after, bool spoilt) {
     return f->saved() == g->saved() && same_reports(*f, *g) ? "" : "at the end";
 }
 
-class EveryState : public testing::TestWithParam<Entry> {};
+class EveryState : public testing::TestWithParam<CatalogueEntry> {};
 TEST_P(EveryState, LoadedContinuesBitForBit) {
     EXPECT_EQ(parted(GetParam(), 40, 1000, false), "");
     EXPECT_EQ(parted(GetParam(), 40, 60, true), "") << "numbers that are none among them";
@@ -74,7 +74,7 @@ TEST_P(EveryState, LoadedContinuesBitForBit) {
 TEST_P(EveryState, IsRefusedByEveryOtherFilter) {
     Bytes const bytes = GetParam().make(laws::problem(4), Seed{1})->saved();
     EXPECT_THROW(GetParam().make(laws::problem(3), Seed{1})->load(bytes), InputError);
-    for (Entry const& other : catalogue()) {
+    for (CatalogueEntry const& other : catalogue()) {
         auto const f = other.make(laws::problem(4), Seed{2});
         Bytes const before = f->saved();
         if (other.variant == GetParam().variant && other.arithmetic == GetParam().arithmetic) {
@@ -87,17 +87,17 @@ TEST_P(EveryState, IsRefusedByEveryOtherFilter) {
 }
 
 /// What the files of tests/data/state hold: the state after 20 rows.
-std::unique_ptr<AnyFilter> in_the_file(Entry const& entry) {
+std::unique_ptr<AnyFilter> in_the_file(CatalogueEntry const& entry) {
     auto f = entry.make(laws::problem(4, 0.96875), Seed{7});
     Records const records = rows_for(entry, 20, Seed{52}, false);
     for (Index k = 0; k < 20; ++k) f->update(records.sample(k), records.y[k]);
     return f;
 }
-std::filesystem::path file_of(Entry const& entry, int version) {
+std::filesystem::path file_of(CatalogueEntry const& entry, int version) {
     return std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state" / std::to_string(version) /
            (std::string(entry.variant) + "-" + std::string(entry.arithmetic->name) + ".state");
 }
-bool has_a_file(Entry const& entry) { return entry.arithmetic->name == "double" || entry.variant == "ud"; }
+bool has_a_file(CatalogueEntry const& entry) { return entry.arithmetic->name == "double" || entry.variant == "ud"; }
 
 /// Files of a version load for ever: never write them anew.
 TEST_P(EveryState, OfEachVersionLoads) {
@@ -132,7 +132,7 @@ TEST_P(EveryState, DISABLED_WritesItsFile) {
     replace_file(path, {reinterpret_cast<char const*>(bytes.data()), bytes.size()});
 }
 
-std::string title(testing::TestParamInfo<Entry> const& info) {
+std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
     std::string name = std::string(info.param.variant) + "_" + std::string(info.param.arithmetic->name);
     std::replace(name.begin(), name.end(), '-', '_');
     return name;

@@ -1,6 +1,6 @@
 // How often the intervals of claims miss their number, by simulation: of each statistic on the shapes that interval.hpp admits it for.
 // RLSLAB_DRAWS=100000 in the environment draws as often as was done before the shapes were admitted; by default it is a part of that.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/journal.hpp"
 
 #include <rlslab/core/random.hpp>
@@ -153,7 +153,7 @@ TEST(Coverage, IntervalsThatAreTooShortAreSeen) {
 
 /// A claim whose number lies a hair outside its band must not hold, one whose number lies a hair inside must not fail. How many verdicts
 /// are wrong, and how many their risks add up to, over one group and five of 20 lognormal x and normal y.
-std::pair<int, double> wrong_verdicts(std::vector<std::pair<Number, double>> const& numbers) {
+std::pair<int, double> wrong_verdicts(std::vector<std::pair<Statistic, double>> const& numbers) {
     Seed seed{17};
     double expected = 0, infinity = std::numeric_limits<double>::infinity();
     int wrong = 0;
@@ -163,23 +163,23 @@ std::pair<int, double> wrong_verdicts(std::vector<std::pair<Number, double>> con
             for (int g = 0; g < groups; ++g)
                 for (int k = 0; k < 20; ++k) t.add({double(g), double(k), std::exp(normal(seed)), normal(seed)});
             for (auto const& [number, truth] : numbers) {
-                Finding const outside = within(t, {"group"}, number, -infinity, std::nextafter(truth, -1.0)),
-                              inside = within(t, {"group"}, number, truth, infinity);
+                Judgement const outside = within(t, {"group"}, number, -infinity, std::nextafter(truth, -1.0)),
+                                inside = within(t, {"group"}, number, truth, infinity);
                 wrong += (outside.verdict == Verdict::holds) + (inside.verdict == Verdict::fails);
                 expected += std::max(outside.risk, inside.risk);  // which of the two is asked, nobody knows beforehand
             }
         }
     return {wrong, 1.5 * expected + 3 * std::sqrt(1.5 * expected)};
 }
-Number const median_of_x([](Table const& t) { return t.number("x"); });
+Statistic const median_of_x([](Table const& t) { return t.number("x"); });
 
 TEST(Coverage, AsManyVerdictsAreWrongAsTheirRisksAddUpTo) {
     auto const [wrong, most] =
-        wrong_verdicts({{median_of_x, 1}, {Number([](Table const& t) { return t.number("y"); }, Estimate::mean), 0}});
+        wrong_verdicts({{median_of_x, 1}, {Statistic([](Table const& t) { return t.number("y"); }, Estimate::mean), 0}});
     EXPECT_LE(wrong, most);
 }
 TEST(Coverage, MoreAreWrongWhereAMeanIsTakenOfSkewedNumbers) {
-    auto const [wrong, most] = wrong_verdicts({{Number([](Table const& t) { return t.number("x"); }, Estimate::mean), std::exp(0.5)}});
+    auto const [wrong, most] = wrong_verdicts({{Statistic([](Table const& t) { return t.number("x"); }, Estimate::mean), std::exp(0.5)}});
     EXPECT_GT(wrong, most);
 }
 

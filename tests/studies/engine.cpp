@@ -1,6 +1,6 @@
 // The study engine: the same bytes on any number of threads, no trial lost when it is killed, a false claim detected.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/run.hpp"
 #include "studies/engine/scenarios.hpp"
@@ -53,7 +53,7 @@ Study toy(int fails = 0) {
             .plots = {},
             .claims = {{"there are 120 rows",
                         [](Table const& t) {
-                            return Finding{t.rows().size() == 120, ""};
+                            return Judgement{t.rows().size() == 120, ""};
                         },
                         verification("2 x 20 x 3")}}};
 }
@@ -136,8 +136,8 @@ TEST(StudyEngine, AFalseClaimIsCaught) {
     Study const& study = **std::ranges::find(studies::studies(), "gain_error", &Study::name);
     EXPECT_EQ(verdict_lines(run(study, {.out = folder.path / "true"}), false).find("FAILS"), std::string::npos);
     // A "joseph" that subtracts K psi'P: an error in its gain is of first order.
-    std::vector<Entry> entries = catalogue();
-    for (Entry& entry : entries)
+    std::vector<CatalogueEntry> entries = catalogue();
+    for (CatalogueEntry& entry : entries)
         if (entry.variant == "joseph") entry.make = find_entry("symmetric", entry.arithmetic->name)->make;
     Outcome const outcome = run(study, {.out = folder.path / "false", .entries = &entries});
     EXPECT_FALSE(outcome.holds());

@@ -50,7 +50,7 @@ TEST(Families, AreOfEveryArithmeticAndTakeRowsOneByOne) {
     for (std::string const& variant : words(row_forms())) {
         EXPECT_TRUE(seen.insert(variant).second) << variant << " is there twice";
         for (Arithmetic const& arithmetic : arithmetics()) {
-            Entry const* const entry = find_entry(variant, arithmetic.name);
+            CatalogueEntry const* const entry = find_entry(variant, arithmetic.name);
             ASSERT_TRUE(entry) << variant << " in " << arithmetic.name;
             EXPECT_EQ(entry->block, 1) << variant;
         }
@@ -63,11 +63,11 @@ TEST(Families, LessSomeIsTheRestInItsOrder) {
     EXPECT_EQ(without({}, {"a"}), std::vector<Cell>{});
 }
 TEST(Families, AnEntryIsFoundInAnyList) {
-    for (Entry const& entry : catalogue()) EXPECT_EQ(find_entry(entry.variant, entry.arithmetic->name), &entry);
-    std::vector<Entry const*> const each = one_entry_each();
+    for (CatalogueEntry const& entry : catalogue()) EXPECT_EQ(find_entry(entry.variant, entry.arithmetic->name), &entry);
+    std::vector<CatalogueEntry const*> const each = one_entry_each();
     std::set<std::string_view> variants;
-    for (Entry const* const entry : each) EXPECT_TRUE(variants.insert(entry->variant).second);
-    for (Entry const& entry : catalogue()) EXPECT_TRUE(variants.contains(entry.variant));
+    for (CatalogueEntry const* const entry : each) EXPECT_TRUE(variants.insert(entry->variant).second);
+    for (CatalogueEntry const& entry : catalogue()) EXPECT_TRUE(variants.contains(entry.variant));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The functions of claims, checked by hand: each number, both ends of an interval, each group; and the cells that a table accepts.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/reference/certified.hpp>
@@ -61,7 +61,7 @@ TEST(Findings, HoldOnlyWhereEveryGroupDoes) {
     for (int outside = 0; outside < 3; ++outside) {
         Table t({"word", "x"});
         for (int i = 0; i < 3; ++i) t.add({std::string(1, char('a' + i)), i == outside ? 9.0 : 1.0 + i});
-        Finding const f = within(t, {"word"}, greatest("x"), 0, 5);
+        Judgement const f = within(t, {"word"}, greatest("x"), 0, 5);
         EXPECT_EQ(f.verdict, Verdict::fails) << outside;
         EXPECT_EQ(f.measured, outside == 0 ? "2 (b) ... 9 (a)" : outside == 1 ? "1 (a) ... 9 (b)" : "1 (a) ... 9 (c)");
         EXPECT_TRUE(within(t, {"word"}, greatest("x"), 0, 9).holds());
@@ -80,7 +80,7 @@ TEST(Findings, AWordStandsEverywhereOrNot) {
     EXPECT_EQ(everywhere(t, "health", "sound").measured, "2 of 3 are \"sound\"");
 }
 TEST(Findings, TogetherAreAsGoodAsTheWorst) {
-    Finding const good(Verdict::holds, "a", 0.001), open(Verdict::undecided, "b", 0.001), bad(Verdict::fails, "c");
+    Judgement const good(Verdict::holds, "a", 0.001), open(Verdict::undecided, "b", 0.001), bad(Verdict::fails, "c");
     EXPECT_EQ((good && open).verdict, Verdict::undecided);
     EXPECT_EQ((open && bad).verdict, Verdict::fails);
     EXPECT_EQ((good && open).measured, "a; b");
@@ -105,7 +105,7 @@ Table seeds(int n, double x, std::string const& replicate = "replicate", double 
 }
 struct Predicate {
     char const* name;
-    Number number;
+    Statistic number;
     double truth;  ///< for seeds(n, 1)
 };
 std::vector<Predicate> predicates() {
@@ -115,21 +115,21 @@ std::vector<Predicate> predicates() {
             {"mean", mean("x"), 1},
             {"median", median("x"), 1},
             {"root_mean_square", root_mean_square("x"), 1},
-            {"ratio", Number([](Table const& t) { return mean("line")(t) / mean("k")(t); }, Estimate::geometric), 1},
-            {"a number of one's own", Number([](Table const& t) { return mean("x")(t); }), 1}};
+            {"ratio", Statistic([](Table const& t) { return mean("line")(t) / mean("k")(t); }, Estimate::geometric), 1},
+            {"a number of one's own", Statistic([](Table const& t) { return mean("x")(t); }), 1}};
 }
 
 TEST(Saboteurs, AFalseClaimFailsWithEnoughSeeds) {
     for (int const n : {12, 20, 60})
         for (Predicate const& p : predicates()) {
-            Finding const f = within(seeds(n, 1), {}, p.number, p.truth + 0.05, p.truth + 0.15);
+            Judgement const f = within(seeds(n, 1), {}, p.number, p.truth + 0.05, p.truth + 0.15);
             EXPECT_EQ(f.verdict, Verdict::fails) << p.name << " " << n << ": " << f.measured;
         }
 }
 TEST(Saboteurs, ATrueClaimHoldsWithEnoughSeeds) {
     for (int const n : {12, 20, 60})
         for (Predicate const& p : predicates()) {
-            Finding const f = within(seeds(n, 1), {}, p.number, p.truth - 0.05, p.truth + 0.05);
+            Judgement const f = within(seeds(n, 1), {}, p.number, p.truth - 0.05, p.truth + 0.05);
             EXPECT_EQ(f.verdict, Verdict::holds) << p.name << " " << n << ": " << f.measured;
             EXPECT_EQ(f.risk, claim_risk);
             EXPECT_NE(f.measured.find(n == 12 ? "], 12 seeds" : "seeds"), f.measured.npos) << f.measured;
@@ -161,7 +161,7 @@ TEST(Saboteurs, AClaimAboutMostRunsIsAboutHalfOfAllSeeds) {
     EXPECT_EQ(verdict(19, 1), Verdict::holds);
     EXPECT_EQ(verdict(1, 9), Verdict::undecided);
     EXPECT_EQ(verdict(0, 10), Verdict::fails);
-    Finding const found = within(seeds_and(19, 1), {}, greatest("x"), 0.9, 1.1);
+    Judgement const found = within(seeds_and(19, 1), {}, greatest("x"), 0.9, 1.1);
     EXPECT_NE(found.measured.find(", 1 of 20 seeds outside: fewer than 38 % of all"), found.measured.npos) << found.measured;
     EXPECT_EQ(found.risk, claim_risk);
     EXPECT_EQ(everywhere(seeds(10, 1), "word", "sound").verdict, Verdict::holds);
@@ -170,8 +170,8 @@ TEST(Saboteurs, AClaimAboutMostRunsIsAboutHalfOfAllSeeds) {
 }
 /// In front of the change sixty of sixty runs made "never" hold, with risk 0; at another seed one of 480 refuted it.
 TEST(Saboteurs, NoNumberOfSeedsShowsAClaimAboutEveryRunAndOneRefutesIt) {
-    Number const each = greatest("x").as(Estimate::every);
-    Finding const clean = within(seeds(60, 1), {}, each, 0.9, 1.1);
+    Statistic const each = greatest("x").as(Estimate::every);
+    Judgement const clean = within(seeds(60, 1), {}, each, 0.9, 1.1);
     EXPECT_EQ(clean.verdict, Verdict::undecided);
     EXPECT_NE(clean.measured.find(", 0 of 60 seeds outside: fewer than 11 % of all"), clean.measured.npos) << clean.measured;
     EXPECT_EQ(within(seeds_and(60, 1), {}, each, 0.9, 1.1).verdict, Verdict::fails);
@@ -179,13 +179,13 @@ TEST(Saboteurs, NoNumberOfSeedsShowsAClaimAboutEveryRunAndOneRefutesIt) {
     EXPECT_EQ(everywhere(seeds_and(60, 1), "word", "sound", Estimate::every).verdict, Verdict::fails);
 }
 TEST(Saboteurs, AProofHoldsUntilOneSeedRefutesIt) {
-    Number const each = greatest("x").as(Estimate::proven);
-    Finding const clean = within(seeds(1, 1), {}, each, 0.9, 1.1);
+    Statistic const each = greatest("x").as(Estimate::proven);
+    Judgement const clean = within(seeds(1, 1), {}, each, 0.9, 1.1);
     EXPECT_EQ(clean.verdict, Verdict::holds);
     EXPECT_TRUE(clean.proven);
     EXPECT_EQ(clean.risk, 0);
     EXPECT_EQ(within(seeds_and(60, 1), {}, each, 0.9, 1.1).verdict, Verdict::fails);
-    EXPECT_TRUE((Finding(true, "") && clean).proven);
+    EXPECT_TRUE((Judgement(true, "") && clean).proven);
     EXPECT_FALSE(within(seeds(60, 1), {}, greatest("x"), 0.9, 1.1).proven);
 }
 TEST(Saboteurs, SeedsThatAreAllEqualGiveAMedianAndNothingElse) {
@@ -194,7 +194,7 @@ TEST(Saboteurs, SeedsThatAreAllEqualGiveAMedianAndNothingElse) {
     EXPECT_EQ(within(t, {}, mean("x"), 0, 0.05).verdict, Verdict::holds);
     for (Estimate const estimate : {Estimate::mean, Estimate::geometric, Estimate::quadratic})
         EXPECT_EQ(within(t, {}, mean("x").as(estimate), -0.05, 0.05).verdict, Verdict::undecided) << int(estimate);
-    Finding const share = within(t, {}, mean("x").as(Estimate::share), 0, 0.05);
+    Judgement const share = within(t, {}, mean("x").as(Estimate::share), 0, 0.05);
     EXPECT_EQ(share.verdict, Verdict::undecided) << "twenty seeds exclude 0.32 and more, not 0.05";
     EXPECT_EQ(share.measured, "0 [0, 0.3162], 20 seeds");
     t.add({20.0, 1.5});
@@ -232,7 +232,7 @@ TEST(Saboteurs, AGroupThatIsOutsideMakesTheClaimFail) {
     for (int i = 0; i < 20; ++i)
         for (int form = 0; form < 10; ++form)
             t.add({double(i), std::string(1, char('a' + form)), (form == 4 ? 2 : 1) + 0.01 * seed.bell()});
-    Finding const f = within(t, {"form"}, mean("x"), 0.9, 1.1);
+    Judgement const f = within(t, {"form"}, mean("x"), 0.9, 1.1);
     EXPECT_EQ(f.verdict, Verdict::fails) << f.measured;
     EXPECT_NE(f.measured.find("(e)"), f.measured.npos) << f.measured;
     EXPECT_TRUE(within(t.where("form", {"a", "b", "c"}), {"form"}, mean("x"), 0.9, 1.1).holds());
@@ -244,13 +244,13 @@ TEST(Saboteurs, AnotherColumnMayTellTheSeedsApart) {
 }
 
 TEST(Saboteurs, ANumberIsAskedOfOneSeedAtATime) {
-    Number const of_one_row([](Table const& t) { return t.where("k", 1.0).number("x"); });
+    Statistic const of_one_row([](Table const& t) { return t.where("k", 1.0).number("x"); });
     EXPECT_TRUE(within(seeds(20, 1), {}, of_one_row, 0.95, 1.05).holds());
     EXPECT_THROW(within(seeds(20, 1), {}, of_one_row.as(Estimate::fixed), 0.95, 1.05), std::logic_error);
 }
 TEST(Saboteurs, ASeedWithoutANumberLiesAnywhereAndNoneFails) {
     Table t = seeds(20, 1);
-    Number const but_one([](Table const& rows) { return rows.numbers("replicate")[0] == 3 ? nan : mean("x")(rows); });
+    Statistic const but_one([](Table const& rows) { return rows.numbers("replicate")[0] == 3 ? nan : mean("x")(rows); });
     EXPECT_EQ(within(t, {}, but_one, 0.95, 1.05).verdict, Verdict::holds) << "it may lie anywhere, and the median does not mind";
     EXPECT_EQ(within(t, {}, but_one.as(Estimate::mean), 0.95, 1.05).verdict, Verdict::undecided);
     EXPECT_EQ(within(t, {}, but_one.as(Estimate::every), 0.95, 1.05).verdict, Verdict::fails);

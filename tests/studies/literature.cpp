@@ -17,7 +17,7 @@ namespace rlslab {
 using namespace studies;
 namespace {
 
-Entry const& entry(std::string_view variant) { return *find_entry(variant); }
+CatalogueEntry const& entry(std::string_view variant) { return *find_entry(variant); }
 
 // --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2 --------------------------------
 

@@ -1,5 +1,5 @@
 // A run of studies in parts, on one machine or several: every trial once, and the bytes of one run.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/run.hpp"
 #include "studies/engine/scenarios.hpp"
@@ -14,7 +14,7 @@
 
 namespace {
 
-using rlslab::FolderLock, rlslab::Finding, rlslab::Part, rlslab::RunOptions, rlslab::Share, rlslab::Study, rlslab::Table;
+using rlslab::FolderLock, rlslab::Judgement, rlslab::Part, rlslab::RunOptions, rlslab::Share, rlslab::Study, rlslab::Table;
 using testing::HasSubstr;
 
 /// Trials that a run has measured, of all studies made here.
@@ -43,7 +43,7 @@ Study study_of(std::string name, int trials, Measured& measured) {
             .plots = {},
             .claims = {{"one row a trial",
                         [trials](Table const& t) {
-                            return Finding{t.rows().size() == size_t(trials), ""};
+                            return Judgement{t.rows().size() == size_t(trials), ""};
                         },
                         rlslab::verification("n")}}};
 }

@@ -40,7 +40,7 @@ TEST(Claims, EachIsInTheRecordOfTheQuickBudget) {
 }
 
 Study of_three(char const* name = "three") {
-    auto const any = [](Table const&) { return Finding(true, ""); };
+    auto const any = [](Table const&) { return Judgement(true, ""); };
     return {.name = name,
             .question = "?",
             .source = "s",
@@ -53,7 +53,7 @@ Study of_three(char const* name = "three") {
             .plots = {},
             .claims = {{"a <law>", any, verification("docs/theory.md 1")},
                        {"a number", any, reproduction("a table", "the table's data")},
-                       {"ours", any, finding("set before the run")}}};
+                       {"ours", any, own_result("set before the run")}}};
 }
 Outcome outcome(Study const& study, Verdict a, Verdict b, Verdict c) {
     return {&study, {}, {{a, "1"}, {b, "2", 0.001}, {c, "3", 0.001}}, {}, 0, 0};
@@ -131,8 +131,9 @@ TEST(Verdicts, AreThoseThatTheQuestionsCount) {
             ++(verdict == yes ? c.holds : verdict == no ? c.fails : c.undecided), ++claims;
         }
     std::string const text = page("/docs/questions.md");
-    EXPECT_THAT(text, HasSubstr("runs " + std::to_string(studies::studies().size()) + " studies with " + std::to_string(claims) + " claims"));
-    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding}) {
+    EXPECT_THAT(text,
+                HasSubstr("runs " + std::to_string(studies::studies().size()) + " studies with " + std::to_string(claims) + " claims"));
+    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
         Count const& c = counts[size_t(kind)];
         std::ostringstream row;
         row << "| " << name_of(kind) << " | " << c.claims() << " | " << c.holds << " | " << c.fails << " | " << c.undecided << " |";
@@ -173,7 +174,7 @@ TEST(Verdicts, ClaimsRestatedSinceTheFullRecordAreNamed) {
 TEST(Verdicts, ARecordReadsBackAndKeepsWhatWasNotRun) {
     Study const* const study = studies::studies().front();
     Outcome all{study, {}, {}, {}, 0, 0};
-    for (size_t i = 0; i < study->claims.size(); ++i) all.findings.emplace_back(i % 2 ? no : unknown, "");
+    for (size_t i = 0; i < study->claims.size(); ++i) all.judgements.emplace_back(i % 2 ? no : unknown, "");
     Study const* const other = studies::studies().back();
     Record const old{{other->name, {{other->claims[0].text, no}, {"a claim that is no more", yes}}}};
     Record const read = record_from(record_json({all}, old));

@@ -11,14 +11,14 @@
 namespace rlslab {
 
 /// For GoogleTest's messages.
-void PrintTo(Entry const& entry, std::ostream* out);
-void PrintTo(Entry const& entry, std::ostream* out) { *out << entry.variant << " in " << entry.arithmetic->name; }
+void PrintTo(CatalogueEntry const& entry, std::ostream* out);
+void PrintTo(CatalogueEntry const& entry, std::ostream* out) { *out << entry.variant << " in " << entry.arithmetic->name; }
 
 namespace {
 
 using namespace laws;
 
-class Battery : public testing::TestWithParam<Entry> {};
+class Battery : public testing::TestWithParam<CatalogueEntry> {};
 
 TEST_P(Battery, AZeroRegressorTeachesNothing) { EXPECT_TRUE(a_zero_regressor_teaches_nothing(GetParam())); }
 TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) { EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam())); }
@@ -29,27 +29,27 @@ TEST_P(Battery, HealthyDataAreReportedSound) { EXPECT_TRUE(healthy_data_are_repo
 TEST_P(Battery, ANanIsReported) { EXPECT_TRUE(a_nan_is_reported(GetParam())); }
 
 /// Budgets in epsilons of the arithmetic. A default for all; who needs more says why.
-double residual_budget(Entry const& entry) {
+double residual_budget(CatalogueEntry const& entry) {
     // theta itself carries the filter's accumulated error; the information form squares the condition number.
     return entry.variant == "information" || entry.variant == "cholesky_sparse" ? 60 : 30;
 }
 TEST_P(Battery, ResidualIsGammaTimesInnovation) { EXPECT_LE(residual_error(GetParam()), residual_budget(GetParam())); }
 
-double gain_budget(Entry const& entry) {
+double gain_budget(CatalogueEntry const& entry) {
     if (entry.variant == "conventional" || entry.variant == "kalman") return 400;  // the antisymmetric part of P grows as lambda^-k
     if (entry.variant == "extended_qr") return 100;                                // K comes from the rotations, P from W: they drift apart
     return 60;
 }
 TEST_P(Battery, TheGainIsPTimesPsi) { EXPECT_LE(gain_error(GetParam()), gain_budget(GetParam())); }
 
-double solution_budget(Entry const& entry) {
+double solution_budget(CatalogueEntry const& entry) {
     if (entry.variant == "conventional" || entry.variant == "kalman") return 600;              // as above
     if (entry.variant.starts_with("joseph") || entry.variant.starts_with("conv")) return 300;  // c^2 = 256 enters squared
     if (entry.variant == "information" || entry.variant == "symmetric") return 300;
     return 60;
 }
 TEST_P(Battery, AgreesWithTheCertifiedSolution) {
-    Entry const& entry = GetParam();
+    CatalogueEntry const& entry = GetParam();
     for (double forgetting : {1.0, 0.96875}) {
         Errors const e = errors(entry, problem(4, forgetting), noise_records(4, 60, Seed{31}));
         EXPECT_LE(e.theta, solution_budget(entry)) << "lambda = " << forgetting;
@@ -65,7 +65,7 @@ TEST_P(Battery, AgreesFromAFullPriorToo) {
     EXPECT_LE(e.covariance, solution_budget(GetParam()));
 }
 TEST_P(Battery, StartsFromNothingWhereItSaysSo) {
-    Entry const& entry = GetParam();
+    CatalogueEntry const& entry = GetParam();
     Problem<double> p = problem(3, 0.96875);
     p.prior.reset();
     if (!entry.starts_without_prior) {
@@ -93,7 +93,7 @@ TEST_P(Battery, MisuseThrowsAtTheDoor) {
     EXPECT_THROW(make(problem(2))->update(Vector<double>(Vector<double>::Zero(3)), 1), std::invalid_argument);
 }
 
-std::string title(testing::TestParamInfo<Entry> const& info) {
+std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
     std::string name = std::string(info.param.variant) + "_" + std::string(info.param.arithmetic->name);
     std::replace(name.begin(), name.end(), '-', '_');
     return name;
@@ -164,7 +164,7 @@ public:
 };
 
 template <Fault fault>
-Entry sabotaged() {
+CatalogueEntry sabotaged() {
     static Arithmetic const in_double = arithmetic_of<double>();
     return entry_of<Saboteur<fault>>(&in_double);
 }
@@ -184,7 +184,7 @@ TEST(BatterySaboteur, EveryLawCanFail) {
 }
 TEST(BatterySaboteur, AndTheHonestTwinPasses) {
     constexpr auto none = static_cast<Fault>(-1);
-    Entry const honest = sabotaged<none>();
+    CatalogueEntry const honest = sabotaged<none>();
     EXPECT_TRUE(a_zero_regressor_teaches_nothing(honest));
     EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(honest));
     EXPECT_TRUE(rows_without_report_leave_the_same_bits(honest));

@@ -199,7 +199,7 @@ TEST(DefaultPrior, IsExactInEveryArithmeticAndTakenByEveryVariant) {
         EXPECT_EQ((exponent - 1) % 2, 0);
         EXPECT_EQ(P0(i, i), p.c / p.s[i] * (p.c / p.s[i]));
     }
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         auto const f = entry.make({.size = 2, .prior = p.prior()}, Seed{1});
         for (Index i = 0; i < 2; ++i) EXPECT_EQ(entry.arithmetic->round(P0(i, i)), P0(i, i)) << entry.arithmetic->name;
         Stored<Reference> const stored = f->stored();

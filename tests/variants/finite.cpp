@@ -107,7 +107,7 @@ TEST(Finite, OrdinaryDataAreProven) {
 /// A square that overflows once was a step of gamma 0, theta 0, sound; the next had theta NaN, and was sound.
 TEST(Finite, AnOverflowIsReportedAtOnce) {
     for (auto const& [arithmetic, large] : {std::pair{"double", 1e200}, std::pair{"binary16", 1024.0}, std::pair{"float", 1e30}})
-        for (Entry const& entry : catalogue()) {
+        for (CatalogueEntry const& entry : catalogue()) {
             if (entry.arithmetic->name != arithmetic) continue;
             auto const f = entry.make(laws::problem(2), Seed{1});
             for (int k = 0; k < 3; ++k) {

@@ -18,7 +18,7 @@ namespace {
 
 using Row = Vector<double>;
 
-Entry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
+CatalogueEntry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
 
 /// Rows whose s leaves double's range while its root does not: gamma underflows, and nothing is wrong with the factors.
 TEST(Health, AnUnderflowOfGammaIsSound) {
@@ -26,7 +26,7 @@ TEST(Health, AnUnderflowOfGammaIsSound) {
     for (char const* variant : {"inverse_qr", "extended_qr", "qr", "gentleman"}) {
         auto const f = entry_of(variant, "double").make(p, Seed{1});
         Step<double> const step = f->update(Row{{1e90, 0.0}}, 1.0);
-        EXPECT_EQ(definiteness(f->stored()), Definiteness::positive) << variant;
+        EXPECT_EQ(definiteness(f->stored()), Health::sound) << variant;
         EXPECT_EQ(name_of(step.health), "sound") << variant;
     }
     auto const conventional = entry_of("conventional", "double").make(p, Seed{1});
@@ -51,7 +51,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
             bool definite = true;
             for (Index k = 0; k < r.breakdown->step; ++k) {
                 f->update(rounded.sample(k), rounded.y[k]);
-                definite = definite && definiteness(f->stored()) == Definiteness::positive;
+                definite = definite && definiteness(f->stored()) == Health::sound;
             }
             EXPECT_FALSE(definite) << r.entry->variant;
         }
@@ -66,7 +66,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
 TEST(Health, DependentAndZeroFirstRowsAreUndetermined) {
     Problem<double> p = laws::problem(2);
     p.prior.reset();
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{0.0, 0.0}}, 1.0).health), "undetermined") << entry.variant << ": a zero row";
@@ -81,7 +81,7 @@ TEST(Health, DependentAndZeroFirstRowsAreUndetermined) {
 TEST(Health, ANanIsNotALackOfRows) {
     Problem<double> p = laws::problem(2);
     p.prior.reset();
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{std::nan(""), 1.0}}, 1.0).health), "nonfinite") << entry.variant;
@@ -101,7 +101,7 @@ TEST(Health, AWeightThatVanishesIsNotALackOfRows) {
 
 /// s_{j-1} s_j leaves float's range long before s does.
 TEST(Health, CarlsonKeepsItsFactorUnderALargePrior) {
-    Entry const& entry = entry_of("carlson", "float");
+    CatalogueEntry const& entry = entry_of("carlson", "float");
     laws::Errors const e = laws::errors(entry, laws::problem(3, 1, 0x1p80), laws::noise_records(3, 30, Seed{3}));
     EXPECT_LE(e.theta, 1e4);
     EXPECT_LE(e.covariance, 1e4);
@@ -147,7 +147,7 @@ TEST(Health, ANormOfTinyNumbersKeepsItsDigits) {
 
 /// A full P0 that is no covariance is misuse in every variant.
 TEST(Health, AnIndefiniteOrAsymmetricPriorIsRefused) {
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         Problem<double> p = laws::problem(2);
         p.prior->covariance = Matrix<double>{{1.0, 2.0}, {2.0, 1.0}};
         EXPECT_THROW(entry.make(p, Seed{1}), std::invalid_argument) << entry.variant;

@@ -21,7 +21,7 @@ namespace {
 /// One case is a function of its seed: `HOSTILE_SEED=0x... test_hostile` repeats a failure alone.
 struct Case {
     Seed seed;
-    Entry const& entry;
+    CatalogueEntry const& entry;
     Index size;
     bool clamped;  // to the exponents of the arithmetic, half of the cases: short formats are then hit inside of their range
 
@@ -111,7 +111,7 @@ std::string breach(AnyFilter const& f, Health health, bool was_finite) {
 /// Runs the case; "" or what was broken, and where.
 std::string run(Seed seed) {
     Case c(seed);
-    Entry const& entry = c.entry;
+    CatalogueEntry const& entry = c.entry;
     std::ostringstream told;
     told.precision(17);
     told << "HOSTILE_SEED=0x" << std::hex << seed.state << std::dec << ": " << entry.variant << " in " << entry.arithmetic->name << ", "

@@ -12,7 +12,7 @@ struct Answer {
     std::vector<double> numbers;
     std::string refusal;
 };
-Answer after(Entry const& entry, double relative) {
+Answer after(CatalogueEntry const& entry, double relative) {
     auto const f = entry.make(laws::problem(2), Seed{1});
     std::vector<double> const row{1.0, 2.0};
     Answer out;
@@ -32,7 +32,7 @@ Answer after(Entry const& entry, double relative) {
 
 TEST(GainError, ReachesTheFilterOrIsRefused) {
     int taken = 0, refused = 0;
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (entry.arithmetic->name != "double") continue;
         Answer const exact = after(entry, 0), off = after(entry, 0.25);
         if (entry.gain_perturbable) {
@@ -53,7 +53,7 @@ TEST(GainError, OfTheLastColumnReachesPOnlyWhereTheGainIsComputedAtOnce) {
     Matrix<double> relative = Matrix<double>::Zero(2, 2);
     relative.col(1) << 0.25, -0.25;
     int nothing = 0;
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (entry.arithmetic->name != "double" || !entry.gain_perturbable) continue;
         auto const right = entry.make(laws::problem(2), Seed{1}), wrong = entry.make(laws::problem(2), Seed{1});
         std::vector<double> const row{2.0, -1.0};
@@ -66,7 +66,7 @@ TEST(GainError, OfTheLastColumnReachesPOnlyWhereTheGainIsComputedAtOnce) {
 }
 
 TEST(GainError, OfAnotherShapeIsRefused) {
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         if (entry.arithmetic->name != "double" || !entry.gain_perturbable) continue;
         auto const f = entry.make(laws::problem(3), Seed{1});
         for (auto const& [rows, columns] : {std::pair<Index, Index>{2, 1}, {4, 1}, {3, 2}, {3, 0}, {0, 0}, {1, 3}})

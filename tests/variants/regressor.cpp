@@ -82,7 +82,7 @@ TEST(Regressor, NumbersInBracesAreNumbers) {
     EXPECT_EQ(name_of(short_word.update({Half(0), Half(2)}, Half(6)).health), "sound");
 }
 TEST(Regressor, AnotherSizeIsRefusedBeforeItIsRead) {
-    for (Entry const& entry : catalogue()) {
+    for (CatalogueEntry const& entry : catalogue()) {
         auto const f = entry.make(laws::problem(3), Seed{1}), untouched = f->clone();
         for (Index size : {0, 1, 2, 4, 100}) {
             std::vector<double> const psi(size_t(size), 1.0);

@@ -1,5 +1,5 @@
 // What claims measure, and the verdicts on it.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -20,14 +20,14 @@ double fitted(std::vector<double> const& x, std::vector<double> const& y) {
     return xy / xx;
 }
 
-Number of_column(std::string column, double (*of)(std::vector<double>), Estimate estimate) {
+Statistic of_column(std::string column, double (*of)(std::vector<double>), Estimate estimate) {
     return {[=](Table const& table) { return of(table.numbers(column)); }, estimate};
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Interval anywhere{-infinity, infinity};
 
-/// The rows' numbers on their scales, where x is finite. NaN is worse than any number.
+/// The scaled x and y of the rows with finite scaled x. NaN counts as infinity.
 struct Line {
     std::vector<double> x, y;
 
@@ -64,7 +64,7 @@ struct Line {
         return out;
     }
 };
-Number fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(double)) {
+Statistic fit(std::string x, double (*of_x)(double), std::string y, double (*of_y)(double)) {
     return {[=](Table const& table) { return Line(table, x, of_x, y, of_y).slope(); },
             [=](Table const& table) { return Line(table, x, of_x, y, of_y).bounds(); }};
 }
@@ -77,9 +77,9 @@ double log_e(double x) { return correctly::log(x); }
 
 }  // namespace
 
-Number slope(std::string x, std::string y) { return fit(std::move(x), &log_10, std::move(y), &log_10); }
-Number rate(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &log_e); }
-Number linear_slope(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &as_it_is); }
+Statistic slope(std::string x, std::string y) { return fit(std::move(x), &log_10, std::move(y), &log_10); }
+Statistic rate(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &log_e); }
+Statistic linear_slope(std::string x, std::string y) { return fit(std::move(x), &as_it_is, std::move(y), &as_it_is); }
 
 double median(std::vector<double> values) {
     if (values.empty()) return std::nan("");
@@ -89,7 +89,7 @@ double median(std::vector<double> values) {
     return values.size() % 2 ? values[middle] : values[middle - 1] / 2 + values[middle] / 2;
 }
 
-Number mean(std::string column) {
+Statistic mean(std::string column) {
     return of_column(
         std::move(column),
         [](std::vector<double> v) {
@@ -99,18 +99,18 @@ Number mean(std::string column) {
         },
         Estimate::middle);
 }
-Number median(std::string column) { return of_column(std::move(column), &median, Estimate::middle); }
-Number least(std::string column) {
+Statistic median(std::string column) { return of_column(std::move(column), &median, Estimate::middle); }
+Statistic least(std::string column) {
     return of_column(
         std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
         Estimate::most);
 }
-Number greatest(std::string column) {
+Statistic greatest(std::string column) {
     return of_column(
         std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
         Estimate::most);
 }
-Number ratio_of_errors(std::string variant, std::string other) {
+Statistic ratio_of_errors(std::string variant, std::string other) {
     auto const mean_log = [](Table const& table, std::string const& of) {
         std::vector<double> const errors = table.where("variant", of).numbers("error");
         double sum = 0;
@@ -119,7 +119,7 @@ Number ratio_of_errors(std::string variant, std::string other) {
     };
     return [=](Table const& table) { return correctly::pow(10, mean_log(table, variant) - mean_log(table, other)); };
 }
-Number root_mean_square(std::string column) {
+Statistic root_mean_square(std::string column) {
     return of_column(
         std::move(column),
         [](std::vector<double> v) {
@@ -130,18 +130,18 @@ Number root_mean_square(std::string column) {
         Estimate::quadratic);
 }
 
-Interval Number::bounds(Table const& table) const {
+Interval Statistic::bounds(Table const& table) const {
     if (bounds_) return bounds_(table);
     double const itself = of_(table);
     return itself != itself ? anywhere : Interval{itself, itself};
 }
-Number Number::as(Estimate estimate) const {
-    Number out = *this;
+Statistic Statistic::as(Estimate estimate) const {
+    Statistic out = *this;
     out.estimate_ = estimate;
     return out;
 }
-Number Number::over(std::string replicate) const {
-    Number out = *this;
+Statistic Statistic::over(std::string replicate) const {
+    Statistic out = *this;
     out.replicate_ = std::move(replicate);
     return out;
 }
@@ -193,17 +193,17 @@ double in_one(std::vector<double> x, Estimate estimate) {
     return logarithmic ? power_of_10(sum) : square ? root(sum) : sum;
 }
 
-/// What a group gives: its number, the interval printed, and the verdict.
+/// The statistic of a group, the interval that is printed, and the verdict.
 struct Part {
     double point;
     Interval shown;
     Verdict verdict;
     size_t seeds;        ///< 0: none matters
-    size_t outside = 0;  ///< how many of them lie outside, for claims about each
+    size_t outside = 0;  ///< how many seeds lie outside, for claims about each
     size_t broken = 0;   ///< how many have rows that broke down
 };
 
-/// P(Bin(n, 1/2) <= k): where half of all seeds lie outside, that at most k of n do.
+/// P(Bin(n, 1/2) <= k): if half of all seeds lie outside, the probability that at most k of n do.
 double at_most_of_half(size_t k, size_t n) {
     double term = std::ldexp(1.0, -int(std::min<size_t>(n, 1000))), sum = 0;
     for (size_t i = 0; i <= k; ++i) {
@@ -213,7 +213,7 @@ double at_most_of_half(size_t k, size_t n) {
     return sum;
 }
 
-/// The verdict on a claim about each seed, of which so many fail it.
+/// The verdict on a claim about each seed, if `outside` of them fail it.
 Verdict of_seeds(size_t outside, size_t seeds, Estimate estimate, size_t groups) {
     if (estimate == Estimate::proven) return outside == 0 ? Verdict::holds : Verdict::fails;
     if (estimate == Estimate::every) return outside == 0 ? Verdict::undecided : Verdict::fails;
@@ -222,8 +222,8 @@ Verdict of_seeds(size_t outside, size_t seeds, Estimate estimate, size_t groups)
                                                                                     : Verdict::undecided;
 }
 
-/// `number` is asked of each seed's rows; of all rows only where no seed matters.
-Part part(Table const& rows, Number const& number, Interval const& band, size_t groups) {
+/// Computes `number` from the rows of each seed, or from all rows if it depends on no seed.
+Part part(Table const& rows, Statistic const& number, Interval const& band, size_t groups) {
     if (number.estimate() == Estimate::fixed || !rows.has(number.replicate())) {
         double const point = number(rows);
         Interval const itself{point, point};
@@ -273,7 +273,7 @@ std::string seeds_text(size_t fewest, size_t most) {
 
 }  // namespace
 
-Finding within(Table const& table, std::vector<std::string> const& by, Number const& number, double from, double to) {
+Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from, double to) {
     auto const groups = table.groups(by);
     if (groups.empty()) return {Verdict::fails, "nothing was measured"};
     std::vector<std::pair<Part, std::string>> parts;
@@ -289,7 +289,7 @@ Finding within(Table const& table, std::vector<std::string> const& by, Number co
     std::string said = text(*smallest);
     if (groups.size() > 1) said += " ... " + text(*largest);
     Verdict const verdict = worst->first.verdict;
-    // What decided, where it is neither end.
+    // The group that decided, if it is neither end.
     if (verdict != Verdict::holds && worst != smallest && worst != largest)
         said += fmt::format("; {}: {}", verdict == Verdict::fails ? "fails" : "undecided", text(*worst));
     size_t const seeds = most.first.seeds;
@@ -302,26 +302,26 @@ Finding within(Table const& table, std::vector<std::string> const& by, Number co
     if (random && groups.size() > 1) said += ", each by itself";
     size_t const broken = std::ranges::max(parts, {}, [](auto const& p) { return p.first.broken; }).first.broken;
     if (broken > 0 && !of_each_seed(estimate)) said += fmt::format("; with rows that broke down up to {}", broken);
-    Finding out{verdict, said, random ? claim_risk : 0};
+    Judgement out{verdict, said, random ? claim_risk : 0};
     out.proven = estimate == Estimate::proven;
     return out;
 }
 
-Finding everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds) {
+Judgement everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds) {
     size_t const at = table.index(column), rows = table.rows().size();
     auto const good = [&](Table const& of) {
         return size_t(std::ranges::count_if(of.rows(), [&](auto const& row) { return row[at] == value; }));
     };
     if (rows == 0) return {Verdict::fails, "nothing was measured"};
-    Number const all([&](Table const& of) { return good(of) == of.rows().size() ? 1.0 : 0.0; }, seeds);
-    Finding out = within(table, {}, all, 1, 1);
+    Statistic const all([&](Table const& of) { return good(of) == of.rows().size() ? 1.0 : 0.0; }, seeds);
+    Judgement out = within(table, {}, all, 1, 1);
     size_t const comma = out.measured.find(',');
     out.measured = fmt::format("{} of {} are \"{}\"{}", good(table), rows, as_text(value),
                                comma == std::string::npos ? "" : out.measured.substr(comma));
     return out;
 }
 
-Finding proportion(size_t hits, size_t runs, double from, double to) {
+Judgement proportion(size_t hits, size_t runs, double from, double to) {
     Interval const shown = proportion_interval(double(hits), double(runs), claim_risk), band{from, to};
     return {runs == 0 || shown.outside(band) ? Verdict::fails
             : shown.inside(band)             ? Verdict::holds
@@ -329,18 +329,18 @@ Finding proportion(size_t hits, size_t runs, double from, double to) {
             fmt::format("{} of {}: [{:.3g}, {:.3g}]", hits, runs, shown.low, shown.high), claim_risk};
 }
 
-Finding operator&&(Finding const& a, Finding const& b) {
-    Finding out{std::min(a.verdict, b.verdict), a.measured + "; " + b.measured, a.risk + b.risk};
+Judgement operator&&(Judgement const& a, Judgement const& b) {
+    Judgement out{std::min(a.verdict, b.verdict), a.measured + "; " + b.measured, a.risk + b.risk};
     out.proven = a.proven || b.proven;
     return out;
 }
-Finding together(std::vector<Finding> const& parts) {
+Judgement together(std::vector<Judgement> const& parts) {
     if (parts.empty()) return {Verdict::fails, "nothing was measured"};
-    Finding out = parts[0];
+    Judgement out = parts[0];
     for (size_t i = 1; i < parts.size(); ++i) out = out && parts[i];
     return out;
 }
-Finding labelled(std::string const& label, Finding of) {
+Judgement labelled(std::string const& label, Judgement of) {
     of.measured = label + ": " + of.measured;
     return of;
 }
