@@ -8,8 +8,8 @@
 namespace rlslab::studies {
 
 // --- families of variants ---------------------------------------------------------------------------------------------
-// Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
-// about these variants and no others. Without `kalman`: its random walk aside it is `conventional`.
+// Dense variants that take one row at a time, by what they store, in the order of the list: a new variant takes part in the studies of
+// its family. Without `kalman`: its random walk aside it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
