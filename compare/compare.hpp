@@ -57,7 +57,7 @@ struct Breakdown {
 
 /// One row of the table.
 struct Result {
-    Entry const* entry;
+    CatalogueEntry const* entry;
     Digits last = {};                               ///< at the last row, in the record's order
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
     int runs = 0, broken = 0;                       ///< orders of rows (or draws) tried, and in how many the variant broke down

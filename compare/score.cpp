@@ -88,7 +88,7 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
     return out;
 }
 
-Result result_of(Entry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
     Run const& first = runs.front();
     Result out{.entry = &entry,
                .runs = int(runs.size()),
@@ -113,7 +113,7 @@ Result result_of(Entry const& entry, RoundedProblem const& rounded, std::vector<
     return out;
 }
 
-Result score(Entry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
     // Not in range: a zero where something positive should stand, or an infinity.
     if (!rounded.in_range) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
     Arithmetic const& arithmetic = *entry.arithmetic;

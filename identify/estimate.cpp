@@ -18,10 +18,10 @@
 namespace rlslab::identify {
 using namespace report;
 
-Entry const& entry_of(std::string const& variant) {
-    if (Entry const* const entry = find_entry(variant)) return *entry;
+CatalogueEntry const& entry_of(std::string const& variant) {
+    if (CatalogueEntry const* const entry = find_entry(variant)) return *entry;
     std::vector<std::string_view> known;
-    for (Entry const* const e : one_entry_each()) known.push_back(e->variant);  // each is in double
+    for (CatalogueEntry const* const e : one_entry_each()) known.push_back(e->variant);  // each is in double
     expect_one_of(known, variant, "--variant", "variant");
     throw std::logic_error("a variant without double");
 }
@@ -88,7 +88,7 @@ struct Run {
 };
 
 /// Runs the variant over the rows; its stored P is tested after every step.
-Run run(Entry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
+Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
     auto const filter = entry.make(problem, Seed{1});
     Run out;
     Index k = 0;
