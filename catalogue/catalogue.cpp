@@ -60,4 +60,26 @@ std::optional<Family> family_of_variant(std::string_view name) {
     return name == OrderRecursive<double>::name ? std::optional(OrderRecursive<double>::family) : std::nullopt;
 }
 
+std::vector<VariantForm> const& variant_forms() {
+    static std::vector<VariantForm> const all = [] {
+        constexpr Index size = 3, rows = 10;
+        Records records{.psi = Matrix<double>(size, rows), .y = Vector<double>(rows), .names = {}};
+        Seed seed{1};
+        for (double& x : records.psi.reshaped()) x = seed.bell();
+        for (double& y : records.y) y = seed.bell();
+        std::vector<VariantForm> out;
+        for (CatalogueEntry const* const entry : one_entry_each()) {
+            CatalogueEntry const* const in_double = find_entry(entry->variant);
+            if (!in_double || !find_entry(entry->variant, "float")) continue;
+            auto const filter = in_double->make({.size = size}, Seed{1});
+            filter->update_block(records, 0, rows);
+            Stored<double> const stored = filter->stored_in_double();
+            bool const triangle = stored.F.isUpperTriangular(0) || stored.F.isLowerTriangular(0);
+            out.push_back({entry->variant, stored.quantity, stored.form, triangle, entry->block == 1});
+        }
+        return out;
+    }();
+    return all;
+}
+
 }  // namespace rlslab

@@ -3,6 +3,8 @@
 
 #include <rlslab/catalogue/any_filter.hpp>
 
+#include <optional>
+
 namespace rlslab {
 
 /// The operations of one update, counted by the Counted scalar.
@@ -31,6 +33,16 @@ std::vector<CatalogueEntry const*> one_entry_each();
 std::optional<Family> family_of_variant(std::string_view name);
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
+/// What a dense variant stores, as seen on a filter in double after some rows. Sparse ones, in double alone, are not there.
+struct VariantForm {
+    std::string_view variant;
+    Stored<double>::Quantity quantity;
+    Stored<double>::Form form;
+    bool triangle;     ///< F is one
+    bool single_rows;  ///< takes rows one by one
+};
+/// In the order of the list.
+std::vector<VariantForm> const& variant_forms();
 /// The operations per row of a variant with `size` parameters in steady state (lambda = 0.99). A variant that takes blocks solves for theta
 /// once for each block. nullopt for a variant whose arithmetic is in another library.
 std::optional<Cost> cost(std::string_view variant, Index size);

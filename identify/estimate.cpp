@@ -8,6 +8,8 @@
 #include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
+#include <rlslab/variants/qr.hpp>
+#include <rlslab/variants/ud.hpp>
 
 #include <algorithm>
 #include <array>
@@ -106,10 +108,24 @@ Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records con
     return out;
 }
 
+/// The factored variants as they are tried: ud and qr, the other triangles, full factors, those that take blocks.
+std::vector<std::string_view> sound_variants() {
+    std::array<std::vector<std::string_view>, 4> ranked;
+    for (VariantForm const& f : variant_forms()) {
+        if (f.form != Stored<double>::Form::factor) continue;
+        bool const first = f.variant == Ud<double>::name || f.variant == Qr<double>::name;
+        ranked[first ? 0 : !f.single_rows ? 3 : f.triangle ? 1 : 2].push_back(f.variant);
+    }
+    std::vector<std::string_view> out;
+    for (auto const& rank : ranked) out.insert(out.end(), rank.begin(), rank.end());
+    return out;
+}
+
 /// The variant to use instead: the first that does not break down and whose error does not matter; "" if there is none.
 std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best,
                            Vector<double> const& allowed, std::string const& than) {
-    for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {
+    for (std::string_view const variant : sound_variants()) {
+        std::string const name(variant);
         if (name == than) continue;
         Run const tried = run(entry_of(name), problem, records, {records.rows()});
         if (!tried.failure && largest_difference(tried.theta.back(), best, allowed) <= 1) return name;

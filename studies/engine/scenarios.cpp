@@ -4,6 +4,8 @@
 #include "studies/engine/spectra.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/variants/kalman.hpp>
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -11,16 +13,46 @@
 
 namespace rlslab::studies {
 
-std::vector<Cell> covariance_forms() { return {"conventional", "conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}; }
-std::vector<Cell> subtracting_forms() { return without(covariance_forms(), {"joseph"}); }
-std::vector<Cell> factor_forms() { return {"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}; }
-std::vector<Cell> triangular_forms() { return without(factor_forms(), {"potter"}); }
-std::vector<Cell> corrected_forms() {
-    return joined(without(covariance_forms(), {"conventional"}), {"potter", "carlson", "ud", "inverse_qr"});
-}
-std::vector<Cell> row_forms() { return joined(covariance_forms(), joined(factor_forms(), {"information"})); }
+namespace {
 
-std::vector<Cell> gain_forms() { return joined(covariance_forms(), {"kalman", "potter", "carlson", "ud", "inverse_qr", "extended_qr"}); }
+using Quantity = Stored<double>::Quantity;
+using Form = Stored<double>::Form;
+
+/// Those that take rows one by one and of which this holds, in the order of the list.
+std::vector<Cell> forms(bool (*holds)(VariantForm const&)) {
+    std::vector<Cell> out;
+    for (VariantForm const& f : variant_forms())
+        if (f.single_rows && holds(f) && f.variant != Kalman<double>::name) out.emplace_back(std::string(f.variant));
+    return out;
+}
+
+}  // namespace
+
+std::vector<Cell> covariance_forms() {
+    return forms([](VariantForm const& f) { return f.quantity == Quantity::covariance && f.form == Form::plain; });
+}
+std::vector<Cell> subtracting_forms() { return without(covariance_forms(), {"joseph"}); }
+std::vector<Cell> factor_forms() {
+    return forms([](VariantForm const& f) { return f.form == Form::factor; });
+}
+std::vector<Cell> triangular_forms() {
+    return forms([](VariantForm const& f) { return f.form == Form::factor && f.triangle; });
+}
+std::vector<Cell> corrected_forms() {
+    std::vector<Cell> const factors =
+        forms([](VariantForm const& f) { return f.quantity == Quantity::covariance && f.form == Form::factor; });
+    return joined(without(covariance_forms(), {"conventional"}), without(factors, {"extended_qr"}));  // it adds eta v
+}
+std::vector<Cell> row_forms() {
+    return joined(joined(covariance_forms(), factor_forms()),
+                  forms([](VariantForm const& f) { return f.quantity == Quantity::information && f.form == Form::plain; }));
+}
+
+std::vector<Cell> gain_forms() {
+    std::vector<Cell> const factors =
+        forms([](VariantForm const& f) { return f.form == Form::factor && find_entry(f.variant)->gain_perturbable; });
+    return joined(joined(covariance_forms(), {std::string(Kalman<double>::name)}), factors);
+}
 
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b) {
     a.insert(a.end(), b.begin(), b.end());

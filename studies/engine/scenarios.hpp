@@ -8,8 +8,8 @@
 namespace rlslab::studies {
 
 // --- families of variants ---------------------------------------------------------------------------------------------
-// Dense variants that take one row at a time. The lists are fixed and not found in the catalogue, because the claims of a study are
-// about these variants and no others. `kalman` is not among them: without its random walk it is `conventional`.
+// Dense variants that take one row at a time, by what they store, in the order of the list: a new variant takes part in the studies of
+// its family. Without `kalman`: its random walk aside it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace rlslab {
@@ -57,6 +58,14 @@ TEST(Families, AreOfEveryArithmeticAndTakeRowsOneByOne) {
     }
     EXPECT_EQ(find_entry("qr_sparse", "float"), nullptr);
     EXPECT_EQ(find_entry("no such variant"), nullptr);
+}
+TEST(Families, NoDenseVariantIsMissing) {
+    std::vector<std::string> const all = words(row_forms());
+    for (VariantForm const& f : variant_forms())
+        EXPECT_EQ(std::ranges::count(all, f.variant), f.single_rows && f.variant != "kalman") << f.variant;
+    std::set<std::pair<int, int>> looks;
+    for (auto const* const entry : one_entry_each())
+        EXPECT_TRUE(looks.insert({entry->family.kind, entry->family.place}).second) << entry->variant << " looks like another";
 }
 TEST(Families, LessSomeIsTheRestInItsOrder) {
     EXPECT_EQ(without({"c", "a", "b"}, {"a", "z"}), (std::vector<Cell>{"c", "b"}));
