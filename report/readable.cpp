@@ -6,78 +6,30 @@
 namespace rlslab::report {
 namespace {
 
+/// Commands by their names, as text.
 std::map<std::string_view, std::string_view> const& words() {
-    static std::map<std::string_view, std::string_view> const list{{"alpha", "α"},
-                                                                   {"beta", "β"},
-                                                                   {"gamma", "γ"},
-                                                                   {"delta", "δ"},
-                                                                   {"epsilon", "ε"},
-                                                                   {"varepsilon", "ε"},
-                                                                   {"zeta", "ζ"},
-                                                                   {"eta", "η"},
-                                                                   {"theta", "θ"},
-                                                                   {"kappa", "κ"},
-                                                                   {"lambda", "λ"},
-                                                                   {"mu", "μ"},
-                                                                   {"nu", "ν"},
-                                                                   {"xi", "ξ"},
-                                                                   {"pi", "π"},
-                                                                   {"rho", "ρ"},
-                                                                   {"sigma", "σ"},
-                                                                   {"tau", "τ"},
-                                                                   {"phi", "φ"},
-                                                                   {"psi", "ψ"},
-                                                                   {"omega", "ω"},
-                                                                   {"Phi", "Φ"},
-                                                                   {"Psi", "Ψ"},
-                                                                   {"Sigma", "Σ"},
-                                                                   {"Delta", "Δ"},
-                                                                   {"Lambda", "Λ"},
-                                                                   {"Theta", "Θ"},
-                                                                   {"top", "ᵀ"},
-                                                                   {"infty", "∞"},
-                                                                   {"le", "≤"},
-                                                                   {"leq", "≤"},
-                                                                   {"ge", "≥"},
-                                                                   {"geq", "≥"},
-                                                                   {"ne", "≠"},
-                                                                   {"neq", "≠"},
-                                                                   {"ll", "≪"},
-                                                                   {"gg", "≫"},
-                                                                   {"approx", "≈"},
-                                                                   {"sim", "~"},
-                                                                   {"lesssim", "≲"},
-                                                                   {"gtrsim", "≳"},
-                                                                   {"propto", "∝"},
-                                                                   {"pm", "±"},
-                                                                   {"cdot", "·"},
-                                                                   {"times", "×"},
-                                                                   {"to", "→"},
-                                                                   {"rightarrow", "→"},
-                                                                   {"Rightarrow", "⇒"},
-                                                                   {"Longrightarrow", "⟹"},
-                                                                   {"in", "∈"},
-                                                                   {"sum", "Σ"},
-                                                                   {"prod", "Π"},
-                                                                   {"sqrt", "√"},
-                                                                   {"ldots", "…"},
-                                                                   {"dots", "…"},
-                                                                   {"cdots", "…"},
-                                                                   {"quad", "  "},
-                                                                   {"qquad", "    "},
-                                                                   {"|", "‖"},
-                                                                   {"\\", ";  "},
-                                                                   {",", " "},
-                                                                   {";", " "},
-                                                                   {":", " "},
-                                                                   {" ", " "},
-                                                                   {"!", ""},
-                                                                   {"{", "{"},
-                                                                   {"}", "}"},
-                                                                   {"lfloor", "⌊"},
-                                                                   {"rfloor", "⌋"},
-                                                                   {"ell", "ℓ"},
-                                                                   {"partial", "∂"}};
+    static auto const list = [] {
+        std::map<std::string_view, std::string_view> out{{"quad", "  "}, {"qquad", "    "}, {"|", "‖"}, {"\\", ";  "},
+                                                         {",", " "},     {";", " "},        {":", " "}, {" ", " "},
+                                                         {"!", ""},      {"{", "{"},        {"}", "}"}};
+        std::string_view left =
+            "alpha α beta β gamma γ delta δ epsilon ε varepsilon ε zeta ζ eta η theta θ kappa κ lambda λ mu μ "
+            "nu ν xi ξ pi π rho ρ sigma σ tau τ phi φ psi ψ omega ω Phi Φ Psi Ψ Sigma Σ Delta Δ Lambda Λ Theta Θ "
+            "top ᵀ infty ∞ le ≤ leq ≤ ge ≥ geq ≥ ne ≠ neq ≠ ll ≪ gg ≫ approx ≈ sim ~ lesssim ≲ gtrsim ≳ propto ∝ "
+            "pm ± cdot · times × to → rightarrow → Rightarrow ⇒ Longrightarrow ⟹ in ∈ sum Σ prod Π sqrt √ "
+            "ldots … dots … cdots … lfloor ⌊ rfloor ⌋ ell ℓ partial ∂ ";
+        auto const word = [&] {
+            size_t const end = left.find(' ');
+            std::string_view const found = left.substr(0, end);
+            left.remove_prefix(end + 1);
+            return found;
+        };
+        while (!left.empty()) {
+            std::string_view const name = word();
+            out[name] = word();
+        }
+        return out;
+    }();
     return list;
 }
 
