@@ -69,6 +69,7 @@ struct Entry {
     Index block;                  ///< rows processed at once; 1 for most
     std::string_view propagates;  ///< "covariance" or "information"
     bool gain_perturbable;        ///< takes an error in what plays the gain in its update of P
+    Family family;                ///< F::family: its colour and mark in figures
     /// Makes the filter for a problem given in binary64. The seed is for stochastic rounding; other arithmetics ignore it.
     /// Throws std::invalid_argument for a problem that is not well posed.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);

@@ -176,6 +176,7 @@ Entry entry_of(Arithmetic const* arithmetic) {
             block,
             ReportsCovariance<F> ? "covariance" : "information",
             GainPerturbable<F>,
+            F::family,
             &Erased<F>::make,
             &nanoseconds<F>};
 }

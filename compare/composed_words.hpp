@@ -10,7 +10,7 @@ namespace rlslab::compare {
 std::string against_text(Comparison const& comparison);
 
 /// What happened to one of the filters: "factored anew 3 times, 2 outliers"; "".
-std::string happened_text(Comparison const& comparison, Result const& result);
+std::string counts_text(Comparison const& comparison, Result const& result);
 
 /// What may not be as it was meant.
 std::vector<std::string> composition_warnings(Comparison const& comparison);

@@ -11,7 +11,7 @@ namespace rlslab::identify {
 using namespace report;
 
 std::string as_table(Identified const& m, size_t columns) {
-    size_t const width = columns > 0 ? std::clamp<size_t>(columns, 40, 120) : 120;
+    size_t const width = line_width(columns, 120);
     auto const in_lines = [width](std::string const& text) { return wrapped(text, 0, 4, width) + '\n'; };
     auto const on_a_terminal = [&](std::string const& text) { return columns > 0 ? in_lines(text) : text + '\n'; };
     std::string out, file = printable(m.file, 200) + ": ";

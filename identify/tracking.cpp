@@ -26,7 +26,7 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
               std::vector<Index> const& samples, double mean, double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
-    composition = settled(composition, problem, noise);
+    composition = completed(composition, problem, noise);
     Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
     out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
@@ -40,11 +40,11 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
         Interval<double> const expected = filter->prediction(records.sample(k), out.quantile);
         double const y = records.y[k];
         if (std::isfinite(expected.deviation)) ++known, within += expected.low <= y && y <= expected.high;
-        Index const outliers = filter->happened().outliers;
+        Index const outliers = filter->counts().outliers;
         filter->update(records.sample(k), y);
-        if (filter->happened().outliers == outliers) measured.push_back(y), predicted.push_back(expected.value);
+        if (filter->counts().outliers == outliers) measured.push_back(y), predicted.push_back(expected.value);
         TrackedRow row{samples[size_t(k)] + 1,   y + mean,          expected.value + mean, expected.deviation,
-                       filter->noise_variance(), Vector<double>(d), Vector<double>(d),     filter->happened()};
+                       filter->noise_variance(), Vector<double>(d), Vector<double>(d),     filter->counts()};
         for (Index j = 0; j < d; ++j) {
             Interval<double> const at = filter->interval(j, out.quantile);
             row.theta[j] = at.value, row.theta_sd[j] = at.deviation;
@@ -64,7 +64,7 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
 
 std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string> const& names, double confidence) {
     TrackedRow const& last = t.rows.back();
-    std::string const happened = happened_text(last.happened);
+    std::string const happened = counts_text(last.happened);
     std::vector<std::string> out{fmt::format(
         "tracked over all rows by {}: one-step fit {} %{}, {} % of the outputs within their {:g} % interval; noise variance at the end "
         "{}{}",
@@ -92,7 +92,7 @@ std::string tracked_csv(Tracked const& t, std::vector<std::string> const& names)
     for (TrackedRow const& r : t.rows) {
         out += fmt::format("{},{},{},{},{}", r.row, cell(r.y), cell(r.predicted), cell(r.sd), cell(r.noise_variance));
         for (Index j = 0; j < r.theta.size(); ++j) out += fmt::format(",{},{}", cell(r.theta[j]), cell(r.theta_sd[j]));
-        Happened const& h = r.happened;
+        CompositionCounts const& h = r.happened;
         out += fmt::format(",{},{},{},{},{},{}\n", h.refactored, h.unusable, h.outliers, h.changes, h.windups, h.breakdowns);
     }
     return out;

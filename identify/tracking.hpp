@@ -16,7 +16,7 @@ struct TrackedRow {
     double y, predicted, sd;         ///< prediction from the rows before, and its standard deviation; NaN: not known yet
     double noise_variance;           ///< after the row
     Vector<double> theta, theta_sd;  ///< after the row
-    Happened happened;
+    CompositionCounts happened;
 };
 
 /// The composition around a variant in double, over all rows: the fitted ones and those held out. Formulas: Assessed.

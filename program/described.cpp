@@ -49,7 +49,7 @@ std::vector<Meaning> const& exit_codes() {
         {"0", "Answered."},
         {"1",
          "Answered, and the answer is no: a verdict changed or a verification failed (study), no arithmetic that was shown keeps "
-         "enough digits (compare, advise), the variant broke down (identify), the input identifies no model (excitation)."},
+         "enough digits (compare), the variant broke down (identify), the input identifies no model (excitation)."},
         {"2",
          "Not answered: words or data that make no sense, a file that cannot be read or written. One line on standard error says "
          "what was expected."},

@@ -245,16 +245,16 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     Made m;
     m.add("it", {13, 14, 15});
     Comparison c = m.comparison();
-    Storage const good{"double", 1, 3, true, 5.0, 0.01, 0};
-    c.storage = {{"other", 0, 1, false, {}, 1, 1}, good};
+    RoundingEffect const good{"double", 1, 3, true, 5.0, 0.01, 0};
+    c.rounding = {{"other", 0, 1, false, {}, 1, 1}, good};
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    auto const why = [&](Storage const& s) {
-        c.storage.back() = s;
+    auto const why = [&](RoundingEffect const& s) {
+        c.rounding.back() = s;
         EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
         EXPECT_TRUE(recommend(m.arithmetic, c).too_short);
         return recommend(m.arithmetic, c).why;
     };
-    Storage s = good;
+    RoundingEffect s = good;
     s.rank = 2;
     EXPECT_EQ(why(s), "as stored there the regressors have rank 2 of 3");
     s = good, s.in_range = false;
@@ -303,13 +303,14 @@ TEST(Compare, TellsOfTheReferenceThenOfTheVariants) {
     Records r{.psi = Matrix<double>{{1, 2, 3, 5}}, .y = Vector<double>{{9, 11, 9, 12}}, .names = {"x"}};
     std::vector<std::string> stages;
     double last = 0;
-    compare::compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false}, [&](std::string_view stage, double part) {
-        if (stages.empty() || stages.back() != stage) stages.emplace_back(stage), last = 0;
-        EXPECT_GT(part, last) << stage;
-        last = part;
-        if (stage == "comparing") return;
-        EXPECT_EQ(stage, "reference");
-    });
+    compare::compare(r, {.arithmetics = {"bfloat16", "float", "double", "quad"}, .timings = false},
+                     [&](std::string_view stage, double part) {
+                         if (stages.empty() || stages.back() != stage) stages.emplace_back(stage), last = 0;
+                         EXPECT_GT(part, last) << stage;
+                         last = part;
+                         if (stage == "comparing") return;
+                         EXPECT_EQ(stage, "reference");
+                     });
     EXPECT_EQ(stages, (std::vector<std::string>{"reference", "comparing"}));
     EXPECT_EQ(last, 1);
 }

@@ -1,6 +1,6 @@
 // Nothing is forgotten: how the errors of theta and P grow with the number of rows.
+#include "studies/engine/checkpoints.hpp"
 #include "studies/engine/findings.hpp"
-#include "studies/engine/scenarios.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -20,13 +20,10 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Index k = 1; k <= (trial.full() ? Index{1} << 20 : Index{1} << 14); k *= 2) steps.push_back(k);
     Records const records = as_stored(white(size, steps.back(), trial.seed({"replicate"}), 1.0), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
-    Index at = 0;
-    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        process_rows(*filter, records, at, exact.step());
-        at = exact.step();
+    at_each(certified(problem, records, steps), *filter, records, [&](CertifiedSolution const& exact) {
         Errors const error = errors(*filter, exact);
-        out({double(at), error.theta / u, error.covariance / u});
-    }
+        out({double(exact.step()), error.theta / u, error.covariance / u});
+    });
 }
 
 std::vector<std::string> const corrected = words(corrected_forms());

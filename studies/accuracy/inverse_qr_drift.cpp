@@ -1,6 +1,6 @@
 // Without forgetting, float's inverse QR drifts: at which step of the array form, and what removes it.
+#include "studies/engine/checkpoints.hpp"
 #include "studies/engine/findings.hpp"
-#include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -77,16 +77,17 @@ void measure(Trial const& trial, TrialOutput& out) {
         double const error = correctly::pow(10, -e.covariance_digits(stored)) / u;
         out({double(e.step()), error, error / double(e.step()), relative(0), relative(size - 1)});
     };
+    if (std::ranges::find(steps_of_array, form) == steps_of_array.end()) {
+        auto const filter = trial.entry(form, "float").make(problem, Seed{1});
+        at_each(exact, *filter, records, [&](CertifiedSolution const& e) { row(e, filter->stored()); });
+        return;
+    }
     Array array{form};
     for (Index i = 0; i < size; ++i) array.S[i][i] = std::sqrt(float(variance));
-    bool const local = std::ranges::find(steps_of_array, form) != steps_of_array.end();
-    std::unique_ptr<AnyFilter> const filter = local ? nullptr : trial.entry(form, "float").make(problem, Seed{1});
     Index at = 0;
     for (CertifiedSolution const& e : exact) {
-        if (filter) process_rows(*filter, records, at, e.step());
-        for (; at < e.step(); ++at)
-            if (!filter) array.update(records.sample(at));
-        row(e, filter ? filter->stored() : array.stored());
+        for (; at < e.step(); ++at) array.update(records.sample(at));
+        row(e, array.stored());
     }
 }
 

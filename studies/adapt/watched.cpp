@@ -37,7 +37,7 @@ double operations_of_a_row(std::string_view variant, std::string_view policy, In
         }
     };
     take_rows(20 * size + 200);  // armed after 10 d + 20
-    return double(counted([&] { take_rows(20 * size); }).total()) / double(20 * size);
+    return double(rlslab::counted([&] { take_rows(20 * size); }).total()) / double(20 * size);
 }
 
 }  // namespace rlslab::studies

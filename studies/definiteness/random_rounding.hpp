@@ -114,7 +114,7 @@ struct RoundingSeedScope<RandomlyRounded> : StochasticStream {
 };
 /// The draws of what is no part of the algorithm are taken back.
 template <>
-struct Aside<RandomlyRounded> : Aside<Chopped<binary16, Rounding::stochastic>> {};
+struct UncountedScope<RandomlyRounded> : UncountedScope<Chopped<binary16, Rounding::stochastic>> {};
 template <>
 struct Encoding<RandomlyRounded> : EncodingInDouble<RandomlyRounded, detail::AnyDouble> {};
 

@@ -1,6 +1,6 @@
 // Forms that multiply by the square root of lambda forget with another lambda than they were given.
+#include "studies/engine/checkpoints.hpp"
 #include "studies/engine/findings.hpp"
-#include "studies/engine/scenarios.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,16 +30,13 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int i = 0; i < samples; ++i) steps.push_back(Index(std::lround((10 + i) / (1 - lambda))));
     Records const records = as_stored(white(size, steps.back(), trial.seed({"lambda", "replicate"})), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
-    Index at = 0;
     Reference bias = 0;
-    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        process_rows(*filter, records, at, exact.step());
-        at = exact.step();
+    at_each(certified(problem, records, steps), *filter, records, [&](CertifiedSolution const& exact) {
         Matrix<Reference> const P = covariance_of(filter->stored()), true_P = exact.covariance();
         Reference trace = 0, true_trace = 0;
         for (Index i = 0; i < size; ++i) trace += P(i, i), true_trace += true_P(i, i);
         bias += (trace / true_trace - 1) / samples;
-    }
+    });
     double const law = predicted(lambda, *entry.arithmetic), measured = static_cast<double>(bias) / u;
     out({1 / (1 - lambda), law, measured, measured - law});
 }

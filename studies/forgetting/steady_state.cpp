@@ -1,6 +1,6 @@
 // With forgetting the errors of theta and P stop growing: where they stand, in units of u.
+#include "studies/engine/checkpoints.hpp"
 #include "studies/engine/findings.hpp"
-#include "studies/engine/scenarios.hpp"
 
 #include <cmath>
 
@@ -21,15 +21,12 @@ void measure(Trial const& trial, TrialOutput& out) {
     Seed const seed = trial.seed({"lambda", "pole", "replicate"});
     Records const records = as_stored(delay_line(size, steps.back(), trial.number("pole"), seed, noise), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
-    Index at = 0;
     double theta = 0, covariance = 0;
-    for (CertifiedSolution const& exact : certified(problem, records, steps)) {
-        process_rows(*filter, records, at, exact.step());
-        at = exact.step();
+    at_each(certified(problem, records, steps), *filter, records, [&](CertifiedSolution const& exact) {
         Errors const error = errors(*filter, exact);
         theta += error.theta * error.theta / double(steps.size());
         covariance += error.covariance * error.covariance / double(steps.size());
-    }
+    });
     double const lambda = problem.forgetting;
     out({memory, std::sqrt(theta) / u, std::sqrt(theta * (1 - lambda * lambda)) / u, std::sqrt(covariance) / u});
 }

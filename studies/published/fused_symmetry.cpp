@@ -1,6 +1,6 @@
 // What fused products do to the symmetry of P: under unchanged texts.
+#include "studies/engine/checkpoints.hpp"
 #include "studies/engine/findings.hpp"
-#include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_filters.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -20,18 +20,16 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = evaluated(trial.text("variant"), trial.text("evaluation")).make(problem, Seed{1});
     std::vector<Index> looks;
     for (Index k = every; k <= rows; k += every) looks.push_back(k);
-    std::vector<CertifiedSolution> const exact = certified(problem, records, looks, 20);
-    for (size_t n = 0; n < looks.size(); ++n) {
-        process_rows(*filter, records, looks[n] - every, looks[n]);
+    at_each(certified(problem, records, looks, 20), *filter, records, [&](CertifiedSolution const& exact) {
         Matrix<double> const P = filter->stored_in_double().F;
-        double apart = 0, largest = 0;
+        double asymmetry = 0, largest = 0;
         for (Index i = 0; i < size; ++i)
             for (Index j = 0; j < size; ++j) {
-                apart = std::max(apart, std::abs(P(i, j) - P(j, i)));
+                asymmetry = std::max(asymmetry, std::abs(P(i, j) - P(j, i)));
                 largest = std::max(largest, std::abs(P(i, j)));
             }
-        out({double(looks[n]), apart / largest, errors(*filter, exact[n]).covariance});
-    }
+        out({double(exact.step()), asymmetry / largest, errors(*filter, exact).covariance});
+    });
 }
 
 Table of(Table const& t, char const* variant, char const* evaluation) {

@@ -123,13 +123,13 @@ Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
     return step;
 }
 
-/// The health after rows that were processed without a step. taken: the rows were finite; determined: they determine theta; finite: theta
-/// and the gain are finite. Not taken is nonfinite, not determined is undetermined, not finite is nonfinite, in this order.
+/// The health after rows that were processed without a step. rows_finite: the rows were finite; determined: they determine theta;
+/// finite: theta and the gain are finite. The first of these that fails decides: nonfinite, undetermined, nonfinite.
 template <Scalar T>
-PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, Truth<T> const& finite) {
+PerLane<T, Health> health_of(Truth<T> const& rows_finite, Truth<T> const& determined, Truth<T> const& finite) {
     using H = PerLane<T, Health>;
     H const answered = select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
-    return select(taken, answered, H(Health::nonfinite));
+    return select(rows_finite, answered, H(Health::nonfinite));
 }
 
 /// The value of a result that is not defined: NaN, or 0 in a scalar that has no NaN (the rationals).

@@ -92,7 +92,7 @@ void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVe
     run_kernel<T, N>(kernels::AddProduct<T>{{out.size(), x.data(), out.data()}, y.data(), z.data()});
 }
 template <Real T, int N>
-void take_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
+void square_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
