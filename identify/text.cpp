@@ -80,12 +80,12 @@ std::vector<std::string> input_lines(Identified const& m) {
 }
 
 std::vector<std::string> order_lines(Identified const& m) {
-    std::string const said = m.choice.fits.empty() || structure_given(m.options)
-                                 ? ""
-                                 : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", m.choice.aic, m.choice.bic, m.choice.fpe,
-                                               m.choice.f_test > 0 ? fmt::format("{}", m.choice.f_test) : "none");
+    std::string const suggested = m.choice.fits.empty() || structure_given(m.options)
+                                      ? ""
+                                      : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", m.choice.aic, m.choice.bic, m.choice.fpe,
+                                                    m.choice.f_test > 0 ? fmt::format("{}", m.choice.f_test) : "none");
     std::string const how = structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
-    return {fmt::format("{} ({}{}){}", m.structure, m.why, how, said), equation_text(m.terms, m.options.output)};
+    return {fmt::format("{} ({}{}){}", m.structure, m.why, how, suggested), equation_text(m.terms, m.options.output)};
 }
 
 std::vector<std::string> parameter_names(Identified const& m) {
