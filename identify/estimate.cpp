@@ -1,4 +1,4 @@
-// The variant's recursion beside the certified minimiser.
+// Runs the variant, and compares its estimate with the certified minimiser.
 #include "identify/estimate.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
@@ -36,7 +36,7 @@ Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& thet
     return (sd.array().isNaN().select(0, 0.1 * sd.array()) + least * largest / s.array()).matrix();
 }
 
-/// The largest |a - b| / tolerance; NaN where one is.
+/// The largest |a - b| / tolerance; NaN if any is.
 double largest_difference(Vector<Reference> const& a, Vector<Reference> const& b, Vector<double> const& tolerance) {
     double most = 0;
     for (Index i = 0; i < a.size(); ++i) {
@@ -47,14 +47,18 @@ double largest_difference(Vector<Reference> const& a, Vector<Reference> const& b
     return most;
 }
 
-/// The default prior, weakened further until it moves no parameter by more than its tolerance, 1e-12 of theta where there is no noise.
-Problem<double> with_prior(Identified& out, Records const& records, Scattered const& free) {
-    Problem<double> problem{.size = records.parameters(), .forgetting = out.options.forgetting};
-    if (out.options.p0) {
-        problem.prior = Prior<double>{.variance = *out.options.p0};
-        out.c = std::sqrt(*out.options.p0);
-        out.scales.assign(size_t(records.parameters()), 1.0);
-        return problem;
+struct ScaledProblem {
+    Problem<double> problem;
+    double c;  ///< of the prior, P0_ii = (c / s_i)^2
+    std::vector<double> scales;
+};
+/// The problem with the prior of the options, or with the default prior. The default prior is weakened until it moves no parameter by more
+/// than its tolerance, 1e-12 of theta where there is no noise.
+ScaledProblem with_prior(IdentifyOptions const& options, Records const& records, Scattered const& free) {
+    Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting};
+    if (options.p0) {
+        problem.prior = Prior<double>{.variance = *options.p0};
+        return {problem, std::sqrt(*options.p0), std::vector<double>(size_t(records.parameters()), 1.0)};
     }
     DefaultPrior prior = default_prior(records, problem.forgetting);
     Vector<Reference> const theta = free.exact.theta();
@@ -68,9 +72,7 @@ Problem<double> with_prior(Identified& out, Records const& records, Scattered co
         // The bias falls at least as 1/c^2 along each axis of the scaled data.
         prior.c = std::min(largest_c, prior.c * correctly::exp2(std::ceil(correctly::log2(by) / 2)));
     }
-    out.c = prior.c;
-    out.scales.assign(prior.s.data(), prior.s.data() + prior.s.size());
-    return problem;
+    return {problem, prior.c, {prior.s.data(), prior.s.data() + prior.s.size()}};
 }
 
 std::vector<Index> checkpoints_of(Records const& records) {
@@ -135,10 +137,11 @@ std::string better_variant(Problem<double> const& problem, Records const& record
 
 using Rank = Remark::Rank;
 
-/// G = (Phi'Phi)^-1. What is left of a regressor i after the others have explained it, x_i + sum_j w_j x_j with w_j = G_ij / G_ii, has the
-/// mean square 1 / (N G_ii). Numbers rounded to q_j leave sum_j w_j^2 q_j^2 / 12 by themselves: below four times that the regressors
-/// depend on one another but for rounding. The one of which least is left, in its own units, is looked at.
-bool warn_of_dependence(Identified& out, Records const& records, Scatter const& free, Vector<double> const& resolution) {
+/// G = (Phi'Phi)^-1. The part of regressor i that the others do not explain, x_i + sum_j w_j x_j with w_j = G_ij / G_ii, has the mean
+/// square 1 / (N G_ii). Numbers rounded to q_j cause sum_j w_j^2 q_j^2 / 12 by themselves. If the mean square is below four times that, the
+/// regressors depend on one another but for rounding. Tests the regressor with the smallest such part, relative to its scale.
+std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::vector<Term> const& terms, Records const& records,
+                                           Scatter const& free, Vector<double> const& resolution) {
     Index const d = records.parameters();
     Vector<double> const s = regressor_scales(records);
     Index i = 0;
@@ -151,103 +154,143 @@ bool warn_of_dependence(Identified& out, Records const& records, Scatter const& 
         rounding += w[j] * w[j] * resolution[j] * resolution[j] / 12;
         largest = std::max(largest, std::abs(w[j]) * s[j]);
     }
-    double const left = 1 / (free.freedom + double(d)) / free.sd[i] / free.sd[i];
-    if (!(left < 4 * rounding)) return false;
-    std::vector<std::string> of;
-    bool outputs = false;
+    double const unexplained = 1 / (free.freedom + double(d)) / free.sd[i] / free.sd[i];
+    if (!(unexplained < 4 * rounding)) return {};
+    std::vector<std::string> dependent;
     for (Index j = 0; j < d; ++j)
-        if (std::abs(w[j]) * s[j] > 1e-3 * largest)
-            of.push_back(out.terms[size_t(j)].of), outputs = outputs || out.terms[size_t(j)].input == -1;
-    std::string const names = of.size() > 8 ? fmt::format("{} of the {} regressors", of.size(), d) : fmt::format("{}", fmt::join(of, ", ")),
-                      instead = !out.options.regressors.empty() || out.options.inputs.size() > 1 ? "leave out one of " + names
-                                                                                                 : "a lower order, or a richer input";
-    out.remarks.push_back(
-        {Rank::dependence,
-         fmt::format("{} depend on one another but for the rounding of their numbers: this record does not determine their parameters, in "
-                     "whatever arithmetic: {}",
-                     names, instead),
-         instead});
-    return true;
+        if (std::abs(w[j]) * s[j] > 1e-3 * largest) dependent.push_back(terms[size_t(j)].regressor);
+    std::string const names = dependent.size() > 8 ? fmt::format("{} of the {} regressors", dependent.size(), d)
+                                                   : fmt::format("{}", fmt::join(dependent, ", ")),
+                      instead = !options.regressors.empty() || options.inputs.size() > 1 ? "leave out one of " + names
+                                                                                         : "a lower order, or a richer input";
+    return Remark{Rank::dependence,
+                  fmt::format("{} depend on one another but for the rounding of their numbers: this record does not determine their "
+                              "parameters, in whatever arithmetic: {}",
+                              names, instead),
+                  instead};
 }
 
-void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records const& records, Vector<Reference> const& theta,
-                        Vector<Reference> const& best, Vector<Reference> const& free, Vector<double> const& sd, bool dependent) {
-    std::string const& variant = out.options.variant;
-    Vector<double> const allowed = tolerance(sd, best, regressor_scales(records), 1e-9);
-    bool const rounded = !dependent && !(largest_difference(theta, best, allowed) <= 1),
-               biased = !dependent && !(largest_difference(best, free, allowed) <= 1);
+/// Remarks about breakdown, rounding and prior. rounded, biased: rounding, or the prior, moves theta by more than its tolerance. dependent:
+/// the record does not determine theta. better: the variant to use instead, or "".
+std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estimate const& estimate, Index parameters, bool rounded,
+                                          bool biased, bool dependent, std::string const& better) {
+    std::vector<Remark> out;
+    std::string const& variant = options.variant;
     std::string const remedy = "a lower order, fewer samples a second, or a richer input",
-                      hardly = fmt::format("{} ({})", remedy,
-                                           std::isfinite(out.condition) ? fmt::format("kappa = {:.2g}", out.condition) : "kappa > 1e308");
-    std::string const better = rounded || (out.failure && !dependent) ? better_variant(problem, records, best, allowed, variant) : "",
-                      next = better.empty() ? remedy : "--variant " + better;
-    std::string const instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
+                      hardly = fmt::format(
+                          "{} ({})", remedy,
+                          std::isfinite(estimate.condition) ? fmt::format("kappa = {:.2g}", estimate.condition) : "kappa > 1e308"),
+                      next = better.empty() ? remedy : "--variant " + better,
+                      instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
                                                : fmt::format("--variant {} keeps enough of them on this record", better);
-    if (out.failure)
-        out.remarks.push_back({Rank::breakdown,
-                               fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, out.failure->row,
-                                           out.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
-                                                                                   : "its numbers are no longer finite",
-                                           dependent        ? ""
-                                           : better.empty() ? ": " + instead
-                                                            : fmt::format(": --variant {} does not break down on this record", better)),
-                               next});
-    else if (rounded && biased && better.empty())
-        out.remarks.push_back({Rank::arithmetic,
-                               fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them "
-                                           "by more than a tenth of what noise does: {}",
-                                           records.parameters(), hardly),
-                               next});
+    bool const undetermined = rounded && biased && better.empty();
+    if (estimate.failure)
+        out.push_back({Rank::breakdown,
+                       fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
+                                   estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
+                                                                          : "its numbers are no longer finite",
+                                   dependent        ? ""
+                                   : better.empty() ? ": " + instead
+                                                    : fmt::format(": --variant {} does not break down on this record", better)),
+                       next});
+    else if (undetermined)
+        out.push_back({Rank::arithmetic,
+                       fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them by more "
+                                   "than a tenth of what noise does: {}",
+                                   parameters, hardly),
+                       next});
     else if (rounded)
-        out.remarks.push_back({Rank::arithmetic,
-                               fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead),
-                               next});
-    if (biased && !(rounded && better.empty())) {
-        std::string const weaker = out.options.p0 ? "a larger --p0, or none given" : remedy;
-        out.remarks.push_back(
+        out.push_back({Rank::arithmetic,
+                       fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead), next});
+    if (biased && !undetermined) {
+        std::string const weaker = options.p0 ? "a larger --p0, or none given" : remedy;
+        out.push_back(
             {Rank::arithmetic,
-             fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", out.options.p0 ? weaker : hardly),
+             fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", options.p0 ? weaker : hardly),
              weaker});
     }
+    return out;
+}
+
+void expect_independent(std::string const& file, Structure const& structure, Records const& records) {
+    Problem<double> const problem{.size = records.parameters(), .prior = std::nullopt};
+    CertifiedSolution const exact = certified(problem, records, {records.rows()}).front();
+    if (exact.status() != Status::certified)
+        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, structure.structure,
+                                     exact.rank(), records.parameters()));
+}
+
+/// The minimiser without prior.
+Scattered without_prior(IdentifyOptions const& options, Records const& records) {
+    Index const d = records.parameters();
+    Problem<double> const problem{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
+    Scattered out = scattered(problem, records, {records.rows()}).front();
+    if (!(out.scatter.freedom >= 1))
+        throw InputError(
+            fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
+                        options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
+    return out;
+}
+
+std::vector<TrajectoryPoint> trajectory_of(std::vector<Index> const& checkpoints, Run const& variant, std::vector<Scattered> const& exact,
+                                           double sigma2) {
+    std::vector<TrajectoryPoint> out;
+    for (size_t i = 0; i < exact.size(); ++i)
+        out.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
+                       std::sqrt(sigma2) * exact[i].scatter.sd});
+    return out;
+}
+
+std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryPoint const& last, double quantile) {
+    std::vector<Parameter> out;
+    for (size_t i = 0; i < terms.size(); ++i) {
+        double const theta = last.theta[Index(i)], sd = last.sd[Index(i)], value = std::isfinite(theta) ? theta : NAN,
+                     reach = quantile * sd;
+        out.push_back({terms[i].name, terms[i].regressor, value, sd, value - reach, value + reach});
+    }
+    return out;
 }
 
 }  // namespace
 
-Estimation estimate(Identified& out, Records const& records, Vector<double> const& resolution) {
-    IdentifyOptions const& options = out.options;
-    Index const d = records.parameters(), rows = records.rows();
-    Problem<double> without{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
-    Scattered const free = scattered(without, records, {rows}).front();
-    if (!(free.scatter.freedom >= 1))
-        throw InputError(
-            fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
-                        options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
-    Problem<double> const problem = with_prior(out, records, free);
+Estimation estimate(std::string const& file, IdentifyOptions const& options, Structure const& structure, Records const& records,
+                    Vector<double> const& resolution) {
+    expect_independent(file, structure, records);
+    Scattered const free = without_prior(options, records);
+    auto const [problem, c, scales] = with_prior(options, records, free);
     std::vector<Index> const checkpoints = checkpoints_of(records);
     std::vector<Scattered> const exact = scattered(problem, records, checkpoints);
     CertifiedSolution const& last = exact.back().exact;
-    Run const variant = run(entry_of(options.variant), problem, records, checkpoints);
-    Vector<Reference> const& theta = variant.theta.back();
-    out.failure = variant.failure;
     Scatter const& scatter = exact.back().scatter;
+    Run const variant = run(entry_of(options.variant), problem, records, checkpoints);
+    Vector<Reference> const &theta = variant.theta.back(), best = last.theta(), unbiased = free.exact.theta();
+
+    Estimate out{.c = c, .scales = scales, .failure = variant.failure};
     out.condition = condition(records, options.forgetting);
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
-    out.noise_free = free.scatter.J <= rounding_alone(rows, records.y.cwiseAbs().maxCoeff());
-    out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : std::nan("");
-    for (size_t i = 0; i < exact.size(); ++i)
-        out.trajectory.push_back({checkpoints[i],
-                                  variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
-                                  std::sqrt(out.sigma2) * exact[i].scatter.sd});
-    Estimation const result{out.trajectory.back().sd, scatter.correlation};
-    out.prior_move = largest_difference(last.theta(), free.exact.theta(), result.sd);
-    bool const dependent = warn_of_dependence(out, records, free.scatter, resolution);
-    warn_of_arithmetic(out, problem, records, theta, last.theta(), free.exact.theta(), result.sd, dependent);
-    if (!(result.sd.array() >= 0).all())
-        out.remarks.push_back({Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
+    out.noise_free = free.scatter.J <= rounding_alone(records.rows(), records.y.cwiseAbs().maxCoeff());
+    out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
+    out.trajectory = trajectory_of(checkpoints, variant, exact, out.sigma2);
+    out.parameters = parameters_of(structure.terms, out.trajectory.back(), out.quantile);
+    Vector<double> const& sd = out.trajectory.back().sd;
+    out.prior_effect = largest_difference(best, unbiased, sd);
     out.digits = std::min(last.theta_digits(theta), 15.95);
     out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
-    return result;
+
+    std::vector<Remark> remarks;
+    std::optional<Remark> const dependence = remark_on_dependence(options, structure.terms, records, free.scatter, resolution);
+    if (dependence) remarks.push_back(*dependence);
+    Vector<double> const allowed = tolerance(sd, best, regressor_scales(records), 1e-9);
+    bool const rounded = !dependence && !(largest_difference(theta, best, allowed) <= 1),
+               biased = !dependence && !(largest_difference(best, unbiased, allowed) <= 1);
+    std::string const better =
+        rounded || (out.failure && !dependence) ? better_variant(problem, records, best, allowed, options.variant) : "";
+    for (Remark& remark : remarks_on_arithmetic(options, out, records.parameters(), rounded, biased, dependence.has_value(), better))
+        remarks.push_back(std::move(remark));
+    if (!(sd.array() >= 0).all())
+        remarks.push_back({Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
+    return {out, {sd, scatter.correlation}, remarks};
 }
 
 }  // namespace rlslab::identify

@@ -1,4 +1,4 @@
-// The recursion itself: the variant processes the fitted rows, and its numbers are compared with the certified ones.
+// The variant's estimate and its uncertainty.
 #pragma once
 
 #include "identify/identify.hpp"
@@ -9,14 +9,20 @@ namespace rlslab::identify {
 CatalogueEntry const& entry_of(std::string const& variant);
 
 /// Statistics of an estimate that the variant does not report.
-struct Estimation {
+struct Uncertainty {
     Vector<double> sd;           ///< of the certified minimiser
     Matrix<double> correlation;  ///< of its components
 };
 
-/// Fills in c, scales, trajectory, failure, sigma2, freedom, quantile, condition, digits, and warnings of arithmetic. The standard
-/// deviations are those of the certified minimiser (scatter.hpp); the estimates are the variant's.
-/// resolution (d): the numbers of each regressor are rounded to about this. Throws InputError where lambda remembers too few rows.
-Estimation estimate(Identified& out, Records const& records, Vector<double> const& resolution);
+struct Estimation {
+    Estimate estimate;
+    Uncertainty uncertainty;
+    std::vector<Remark> remarks;  ///< about dependence, breakdown and rounding
+};
+/// The variant's estimate from the fitted rows. The standard deviations are those of the certified minimiser (scatter.hpp).
+/// resolution (d): the unit to which each regressor's numbers are rounded. Throws InputError for linearly dependent regressors, naming
+/// `file` and the structure, and for a lambda that remembers too few rows.
+Estimation estimate(std::string const& file, IdentifyOptions const& options, Structure const& structure, Records const& records,
+                    Vector<double> const& resolution);
 
 }  // namespace rlslab::identify

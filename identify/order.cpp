@@ -1,4 +1,4 @@
-// One factorisation serves every order; the criteria are one line each.
+// Fits all orders with one factorisation, then chooses one.
 #include "identify/order.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -46,15 +46,15 @@ LjungBox ljung_box(Vector<double> const& residuals, Index lags, Index fitted) {
         return out;
     };
     LjungBox out{0, 1, lags, 0};
-    auto const [power, there] = sum(0);
+    auto const [power, present] = sum(0);
     Index seen = 0;
-    if (!std::isfinite(power) || there == 0) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(power) || present == 0) out.Q = out.p = std::numeric_limits<double>::quiet_NaN();
     for (Index lag = 1; lag <= lags; ++lag) {
         Sum const s = sum(lag);
         seen += s.pairs > 0;
-        if (!(power > 0) || s.pairs == 0) continue;  // nothing is left: nothing is correlated
+        if (!(power > 0) || s.pairs == 0) continue;  // residuals of zeros are not correlated
         double const r = s.products / power;
-        out.Q += there * (there + 2) * r * r / s.pairs;
+        out.Q += present * (present + 2) * r * r / s.pairs;
     }
     out.freedom = std::max<Index>(1, seen - fitted);
     if (power > 0 && std::isfinite(power)) out.p = correctly::chi_squared_tail(double(out.freedom), out.Q);
@@ -71,68 +71,95 @@ Criteria criteria(double J, Index N, Index d) {
             mean * (n + parameters) / (n - parameters)};
 }
 
-OrderChoice choose_order(OrderColumns const& all, int most, Index held_out) {
+namespace {
+
+struct OrderFits {
+    std::vector<OrderFit> fits;
+    double static_p = 1;  ///< as in OrderChoice
+};
+
+/// F-test of d parameters over N rows with J against fewer parameters with a larger J: the tail probability of the improvement.
+double improvement(double larger_J, Index fewer, double J, Index d, Index N) {
+    double const more = double(d - fewer), left = double(N - d), F = (larger_J - J) / more / (J / left);
+    return J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
+}
+
+/// X theta for rows from ... from + count - 1.
+Vector<double> predicted(Matrix<double> const& X, Vector<double> const& theta, Index from, Index count) {
+    Vector<double> p(count);
+    for (Index k = 0; k < count; ++k) {
+        double sum = 0;
+        for (Index i = 0; i < theta.size(); ++i) sum += X(from + k, i) * theta[i];
+        p[k] = sum;
+    }
+    return p;
+}
+
+/// The sum of squares of y about its mean, or about 0 without an intercept.
+double squares_about_mean(Vector<double> const& y, Index rows, bool intercept) {
+    double mean = 0, out = 0;
+    for (Index k = 0; k < rows && intercept; ++k) mean += y[k] / double(rows);
+    for (Index k = 0; k < rows; ++k) out += (y[k] - mean) * (y[k] - mean);
+    return out;
+}
+
+OrderFits fit_orders(OrderColumns const& all, int most, Index held_out) {
     Index const rows = all.y.size(), fitted = rows - held_out;
     expects(fitted > all.columns(most), "more rows to fit than parameters of the largest order");
     // Residuals of rounding alone are none: without noise every order from the true one on fits alike.
     double const nothing = rounding_alone(fitted, all.y.head(fitted).cwiseAbs().maxCoeff());
-    double constant = 0, about_constant = 0;
-    for (Index k = 0; k < fitted && all.intercept; ++k) constant += all.y[k] / double(fitted);
-    for (Index k = 0; k < fitted; ++k) about_constant += (all.y[k] - constant) * (all.y[k] - constant);
     OrderRecursiveQr<double> recursion(Vector<double>(all.y.head(fitted)), all.columns(most));
-    OrderChoice out{.rows = fitted};
+    OrderFits out;
     for (int order = 0; order <= most; ++order) {
         Index const d = all.columns(order);
         bool sound = true;
         while (recursion.size() < d && sound) sound = recursion.append(all.X.col(recursion.size()).head(fitted)).relative > 0x1p-90;
         if (!sound) break;
         Vector<double> const theta = recursion.theta();
-        auto const predicted = [&](Index from, Index count) {
-            Vector<double> p(count);
-            for (Index k = 0; k < count; ++k) {
-                double sum = 0;
-                for (Index i = 0; i < d; ++i) sum += all.X(from + k, i) * theta[i];
-                p[k] = sum;
-            }
-            return p;
-        };
         double const J = std::max(recursion.J(), nothing);
         auto const [aic, bic, fpe] = criteria(J, fitted, d);
         OrderFit fit{order, d, J, aic, bic, fpe, 1, 0, std::numeric_limits<double>::quiet_NaN()};
-        auto const improvement = [&](double from, Index parameters) {
-            double const more = double(d - parameters), left = double(fitted - d), F = (from - J) / more / (J / left);
-            return J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
-        };
-        if (!out.fits.empty()) fit.p = improvement(out.fits.back().J, out.fits.back().parameters);
-        else out.static_p = improvement(about_constant, all.intercept);
-        Vector<double> residuals = all.y.head(fitted);
-        Vector<double> const p = predicted(0, fitted);
-        for (Index k = 0; k < fitted; ++k) residuals[k] -= p[k];
+        if (!out.fits.empty()) fit.p = improvement(out.fits.back().J, out.fits.back().parameters, J, d, fitted);
+        else out.static_p = improvement(squares_about_mean(all.y, fitted, all.intercept), all.intercept, J, d, fitted);
+        Vector<double> const residuals = all.y.head(fitted) - predicted(all.X, theta, 0, fitted);
         fit.ljung_box = recursion.J() <= nothing ? 1 : ljung_box(residuals, ljung_box_lags(fitted, order), order).p;
-        if (fitted < rows) fit.held_out = fit_percent(all.y.tail(rows - fitted), predicted(fitted, rows - fitted));
+        if (held_out > 0) fit.held_out = fit_percent(all.y.tail(held_out), predicted(all.X, theta, fitted, held_out));
         out.fits.push_back(fit);
     }
-    auto const least = [&](double OrderFit::*criterion, auto const& keeps) {
-        OrderFit const* best = nullptr;
-        for (OrderFit const& fit : out.fits)
-            if (keeps(fit) && (!best || fit.*criterion < best->*criterion)) best = &fit;
-        return best ? best->order : -1;
-    };
+    return out;
+}
+
+/// The order with the least criterion among the fits that satisfy `allowed`; -1 if none does.
+template <class Allowed>
+int least(std::vector<OrderFit> const& fits, double OrderFit::*criterion, Allowed allowed) {
+    OrderFit const* best = nullptr;
+    for (OrderFit const& fit : fits)
+        if (allowed(fit) && (!best || fit.*criterion < best->*criterion)) best = &fit;
+    return best ? best->order : -1;
+}
+
+}  // namespace
+
+OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out) {
+    auto [fits, static_p] = fit_orders(columns, most, held_out);
     auto const any = [](OrderFit const&) { return true; };
-    out.aic = least(&OrderFit::aic, any);
-    out.bic = least(&OrderFit::bic, any);
-    out.fpe = least(&OrderFit::fpe, any);
-    int const best = least(&OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
-    for (OrderFit const& fit : out.fits)
+    OrderChoice out{.rows = columns.y.size() - held_out,
+                    .aic = least(fits, &OrderFit::aic, any),
+                    .bic = least(fits, &OrderFit::bic, any),
+                    .fpe = least(fits, &OrderFit::fpe, any),
+                    .static_p = static_p};
+    for (OrderFit const& fit : fits)
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
-    // Below the order of the least BIC the residuals may pass only because what is missing makes them large.
+    int const best = least(fits, &OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
+    // Below the order of the least BIC the residuals may pass only because missing terms make them large.
     int const white =
-        least(&OrderFit::bic, [&](OrderFit const& fit) { return best > 0 && fit.order >= best && fit.ljung_box >= white_level; });
+        least(fits, &OrderFit::bic, [&](OrderFit const& fit) { return best > 0 && fit.order >= best && fit.ljung_box >= white_level; });
     std::string const of = out.bic == 0 ? "the least BIC above order 0" : "the least BIC";
     out.order = white > 0 ? white : best;
     out.why = white == best ? of + ", and its residuals pass for white"
               : white > 0   ? fmt::format("{} among orders whose residuals pass for white (without that: {})", of, best)
                             : of + "; neither there nor above do the residuals pass for white";
+    out.fits = std::move(fits);
     return out;
 }
 

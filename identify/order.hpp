@@ -1,4 +1,4 @@
-// Which order: all of them fitted in one pass over the columns, and what the usual criteria say.
+// The choice of an order: fits of all orders in one pass over the columns, and the usual criteria.
 #pragma once
 
 #include <rlslab/model/fit.hpp>
@@ -24,13 +24,13 @@ struct OrderFit {
     double J;              ///< sum of squared residuals
     double aic, bic, fpe;  ///< Criteria
     double p;              ///< F-test against the order before: the tail probability of its improvement
-    double ljung_box;      ///< the tail probability of Ljung and Box's Q of the residuals
-    double held_out;       ///< percent of one-step fit on the rows held out; NaN where none are
+    double ljung_box;      ///< tail probability of Ljung and Box's Q of the residuals
+    double held_out;       ///< percent of one-step fit on the held-out rows; NaN without such rows
 };
 
-/// What each criterion suggests, order 0 included, and the choice: from the order of the least BIC on, 1 at least, the least BIC of those
-/// whose residuals pass for white; if none does, the least BIC from order 1 on. `why` says which. Below that order residuals may pass for
-/// white only because what the model lacks makes them large.
+/// The order that each criterion suggests, order 0 included, and the choice. Candidates are the orders from that of the least BIC on, at
+/// least 1, whose residuals pass for white: the one of least BIC is chosen. Without a candidate it is the least BIC from order 1 on. `why`
+/// names the case. Below the order of the least BIC residuals may pass only because missing terms make them large.
 struct OrderChoice {
     Index rows = 0;
     std::vector<OrderFit> fits = {};
@@ -59,14 +59,14 @@ OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, i
 /// Source: Söderström & Stoica 1989, 11.5; Ljung & Box 1978.
 OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out);
 
-/// How many lags are looked at for an order.
+/// Number of lags of the whiteness test for an order.
 Index ljung_box_lags(Index rows, int order);
-/// J of residuals that are rounding alone, of so many rows with outputs up to y.
+/// Largest J that rounding alone causes, for this number of rows with outputs up to y.
 double rounding_alone(Index rows, double y);
 
 /// Ljung and Box: Q = N (N + 2) sum over tau = 1 ... lags of r_tau^2 / (N - tau), of N residuals after so many parameters of past outputs
-/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least. Where residuals are missing (NaN),
-/// N - tau is the number of pairs that are there, and lags without a pair do not count.
+/// were fitted; p is its tail probability, chi-squared with `freedom` = lags - fitted, 1 at least. If residuals are missing (NaN), N - tau
+/// is the number of complete pairs, and lags without a pair do not count.
 struct LjungBox {
     double Q, p;
     Index lags, freedom;

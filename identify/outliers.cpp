@@ -1,4 +1,4 @@
-// Against the others: a value does not count among those that it is compared with.
+// Each value is compared with statistics of the others, without itself.
 #include "identify/outliers.hpp"
 
 #include <rlslab/reference/distributions.hpp>
@@ -7,7 +7,7 @@
 
 namespace rlslab::identify {
 
-std::optional<Largest> too_large(Signal const& residuals, Index lags) {
+std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags) {
     double J = 0, count = 0;
     Index at = 0;
     for (size_t k = 0; k < residuals.size(); ++k) {
@@ -23,23 +23,23 @@ std::optional<Largest> too_large(Signal const& residuals, Index lags) {
     for (Index before = at; before >= std::max<Index>(0, at - lags); --before)
         if (std::abs(residuals[size_t(before)]) >= std::abs(e) / 2) at = before;
     double const square = residuals[size_t(at)] * residuals[size_t(at)];
-    return Largest{at, std::sqrt(square / (J / count)), square / J};
+    return LargestResidual{at, std::sqrt(square / (J / count)), square / J};
 }
 
-Spike largest_spike(Signal const& u, Index first) {
-    double sum = 0, count = 0;
-    for (Index k = 0; k < first; ++k)
-        if (double const x = u[size_t(k)]; !std::isnan(x)) sum += x, ++count;
+Spike largest_spike(Signal const& u, Index count) {
+    double sum = 0, n = 0;
+    for (Index k = 0; k < count; ++k)
+        if (double const x = u[size_t(k)]; !std::isnan(x)) sum += x, ++n;
     Spike out;
     double most = 0, squares = 0;
-    for (Index k = 0; k < first; ++k)
-        if (double const off = u[size_t(k)] - sum / count; !std::isnan(off)) {
+    for (Index k = 0; k < count; ++k)
+        if (double const off = u[size_t(k)] - sum / n; !std::isnan(off)) {
             squares += off * off;
             if (std::abs(off) > most) most = std::abs(off), out.row = k + 1;
         }
-    // Without it the mean moves by most / (count - 1), and the squares lose it.
-    double const others = squares - most * most * count / (count - 1);
-    if (count > 2) out.deviations = others > 0 ? most * count / (count - 1) / std::sqrt(others / (count - 2)) : 0;
+    // Without it the mean moves by most / (n - 1), and the squares lose it.
+    double const others = squares - most * most * n / (n - 1);
+    if (n > 2) out.deviations = others > 0 ? most * n / (n - 1) / std::sqrt(others / (n - 2)) : 0;
     return out;
 }
 

@@ -1,4 +1,4 @@
-// Residuals and values that are too large to be like the others.
+// Outliers: residuals that are too large for a normal distribution, and values far from the others.
 #pragma once
 
 #include <rlslab/model/signals.hpp>
@@ -7,19 +7,19 @@
 
 namespace rlslab::identify {
 
-/// The largest |e| over the root mean square of these residuals, if so large a one is found among as many normal ones with probability
-/// 0.1 % at most; or the first of half its size in the `lags` rows before it. NaN: no residual.
-struct Largest {
+/// The largest |e| of the residuals, if as many normal ones contain one as large with probability 0.1 % at most; or the first residual of
+/// half its size in the `lags` rows before it. NaN: no residual.
+struct LargestResidual {
     Index at;
-    double deviations, share;  ///< share: of the sum of squares
+    double deviations, share;  ///< |e| in root mean squares of the residuals; share of their sum of squares
 };
-std::optional<Largest> too_large(Signal const& residuals, Index lags = 0);
+std::optional<LargestResidual> outlier_in(Signal const& residuals, Index lags = 0);
 
-/// The value farthest from the others' mean, among the `first` ones; NaN: no value.
+/// The value farthest from the mean of the others, among the first `count`; NaN: no value.
 struct Spike {
     Index row = 0;          ///< of the record, from 1
     double deviations = 0;  ///< in standard deviations of the others
 };
-Spike largest_spike(Signal const& u, Index first);
+Spike largest_spike(Signal const& u, Index count);
 
 }  // namespace rlslab::identify

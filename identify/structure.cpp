@@ -1,6 +1,8 @@
 // Options to terms; terms to rows, words and an equation.
 #include "identify/structure.hpp"
 
+#include "identify/record.hpp"
+
 #include <rlslab/core/input_error.hpp>
 #include <rlslab/model/lags.hpp>
 
@@ -11,7 +13,7 @@ namespace rlslab::identify {
 using namespace report;
 namespace {
 
-constexpr int longest = 200;  // poles and zeros are found at a cost of its third power
+constexpr int longest = 200;  // the cost of poles and zeros grows with its third power
 
 /// One for each input, where one or as many were given.
 std::vector<int> for_each_input(char const* option, std::vector<int> const& given, size_t inputs, int otherwise) {
@@ -32,6 +34,35 @@ std::string joined(std::vector<int> const& numbers) {
 }  // namespace
 
 bool structure_given(IdentifyOptions const& o) { return o.order > 0 || o.na || !o.regressors.empty(); }
+
+int widest_order(IdentifyOptions const& o) { return structure_given(o) ? 0 : o.max_order; }
+
+Structure choose_structure(Record const& record, IdentifyOptions const& options, Index supported) {
+    int const widest = widest_order(options);
+    std::vector<Term> const terms = terms_of(options, widest);
+    Records const rows = rows_of(terms, record.inputs, record.y).before(record.fitted).records;
+    if (rows.rows() <= rows.parameters())
+        throw InputError(
+            fmt::format("{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, or a lower order",
+                        record.file, structure_text(options, widest), terms.size(), rows.rows()));
+    Structure out;
+    bool const given = structure_given(options);
+    if (!given) out.largest_order = int(std::min<Index>(widest, supported));
+    if (options.regressors.empty() && !options.na) {
+        int const most = given ? options.order : out.largest_order;
+        OrderColumns const columns = order_columns(record.inputs, record.y, most, options.delay, options.intercept);
+        Index const held_out = columns.samples.end() - std::ranges::lower_bound(columns.samples, record.fitted);
+        out.choice = choose_order(columns, most, held_out);
+        if (out.choice.fits.size() < 2)
+            throw InputError(
+                fmt::format("{}: the output, the inputs and their past are linearly dependent already at order 1", record.file));
+    }
+    out.terms = given ? terms : terms_of(options, out.choice.order);
+    out.order = given ? order_of(terms, options.delay) : out.choice.order;
+    out.structure = structure_text(options, given ? 0 : out.order);
+    out.why = given ? "given" : out.choice.why;
+    return out;
+}
 
 IdentifyOptions completed(IdentifyOptions o) {
     if (o.output.empty()) throw InputError("--output: expected the name of the output column");
@@ -64,7 +95,7 @@ IdentifyOptions completed(IdentifyOptions o) {
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
     o.delay = for_each_input("--delay", o.delay, o.inputs.size(), 0);
     if (!o.max_order) o.max_order = 10;
-    // Means of a window are not the equation's means: what taking them off leaves is a constant.
+    // The means of a window are not those of the equation: without them a constant remains.
     o.intercept = o.intercept || o.detrend;
     return o;
 }
@@ -153,7 +184,7 @@ std::string equation_text(std::vector<Term> const& terms, std::string const& out
     for (size_t i = 0; i < terms.size();) {
         size_t end = i + 1;  // of a run of neighbouring lags of one signal
         while (end < terms.size() && terms[end].input == terms[i].input && terms[end].lag == terms[end - 1].lag + 1) ++end;
-        auto const term = [&](size_t at) { return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].of; };
+        auto const term = [&](size_t at) { return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].regressor; };
         std::string part = term(i);
         if (end - i > 3) part += " + ... + " + term(end - 1);
         else

@@ -5,13 +5,21 @@
 
 namespace rlslab::identify {
 
-/// The options complete: inputs and a delay for each, max_order set. Throws InputError for options that do not go together.
+struct Record;
+
+/// The options with all inputs, a delay for each, and max_order. Throws InputError for options that contradict one another.
 IdentifyOptions completed(IdentifyOptions options);
 
-/// Whether options name one structure, so that no order is chosen.
+/// Whether the options name one structure. Otherwise an order is chosen.
 bool structure_given(IdentifyOptions const& options);
+/// The largest order to choose from; 0 if the structure is given.
+int widest_order(IdentifyOptions const& options);
 
-/// The terms of an order; of the structure given where order is 0. Outputs first, then each input, then the constant.
+/// The structure that the options give, or that of the order which choose_order chooses up to `supported`. Throws InputError if too few rows
+/// miss no value, or if the columns of order 1 are linearly dependent.
+Structure choose_structure(Record const& record, IdentifyOptions const& options, Index supported);
+
+/// The terms of an order, or of the given structure if `order` is 0: outputs first, then each input, then the constant.
 std::vector<Term> terms_of(IdentifyOptions const& options, int order);
 /// "order 4", "na = 2, nb = 3, delay 1", "4 regressors".
 std::string structure_text(IdentifyOptions const& options, int order);
@@ -21,7 +29,7 @@ Index presample(std::vector<Term> const& terms);
 int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
 Index past_outputs(std::vector<Term> const& terms);
 
-/// y[k] = psi' theta, one row for each sample from the longest lag on that misses no value (NaN).
+/// y[k] = psi' theta: one row for each sample from the longest lag on, without the rows in which a value is missing (NaN).
 struct Rows {
     Records records;
     std::vector<Index> samples;  ///< k of each row

@@ -5,15 +5,17 @@
 
 namespace rlslab::identify {
 
-/// A number to so many significant digits; "-" where there is none.
+/// "12.34 %"; "-" for an unknown number.
+std::string percent_text(double x);
+/// A number to so many significant digits; "-" for an unknown one.
 std::string number_text(double x, int digits);
 /// a1, b0, b0[u2], c.
 std::vector<std::string> parameter_names(Identified const& model);
 /// The record, how it was estimated, with which prior.
 std::vector<std::string> data_lines(Identified const& model);
-/// What each input excites.
+/// The order of excitation of each input.
 std::vector<std::string> input_lines(Identified const& model);
-/// The structure, which criterion says what, and the equation with its signs.
+/// The structure, the order that each criterion suggests, and the equation with its signs.
 std::vector<std::string> order_lines(Identified const& model);
 /// Poles, zeros, gain, fit, residuals, arithmetic, and what may make the model better.
 std::vector<std::string> result_lines(Identified const& model);

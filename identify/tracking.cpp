@@ -1,10 +1,10 @@
-// The composition takes the rows one by one; before each it says what it expects.
+// The composition processes the rows one by one, and predicts each before its update.
 #include "identify/tracking.hpp"
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include <rlslab/catalogue/composition_text.hpp>
-#include "identify/checks.hpp"
+#include "identify/roots.hpp"
 #include "identify/text.hpp"
 
 #include <rlslab/catalogue/breakdown.hpp>

@@ -13,7 +13,7 @@ namespace rlslab::identify {
 
 struct TrackedRow {
     Index row;                       ///< of the record, from 1
-    double y, predicted, sd;         ///< the prediction from the rows before, and its standard deviation; NaN where there is none yet
+    double y, predicted, sd;         ///< prediction from the rows before, and its standard deviation; NaN: not known yet
     double noise_variance;           ///< after the row
     Vector<double> theta, theta_sd;  ///< after the row
     CompositionCounts happened;
@@ -23,23 +23,23 @@ struct TrackedRow {
 struct Tracked {
     std::string text;  ///< "window of 60 rows; guard reset"
     std::vector<TrackedRow> rows;
-    double fit;        ///< of the predictions, in percent of the outputs, those apart that the guard took for outliers; NaN: not known
+    double fit;        ///< of the predictions, percent, without the guard's outliers; NaN: not known
     double covered;    ///< share of the outputs within their interval
     double quantile;   ///< of the intervals: the normal distribution's
-    Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
+    Index broken = 0;  ///< first row after which the stored P was not positive definite, or a number not finite; 0: none
     Health kind = Health::sound;  ///< what broke
     std::vector<std::string> warnings = {};
 };
 
 /// Numbers of the composition that are NaN follow from the data: fortescue's VARIANCE is `noise`, reset's VARIANCE the largest of P0.
-/// `mean` was taken off the output and is put back; samples: k of each row, from 0.
-/// Throws InputError where the variant cannot be composed so.
+/// `mean` is added to the output again; samples: k of each row, from 0.
+/// Throws InputError if the variant does not allow the composition.
 Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
               std::vector<Index> const& samples, double mean, double noise, double confidence);
 
 /// Lines for the text and the page.
 std::vector<std::string> tracked_lines(Tracked const& tracked, std::vector<std::string> const& names, double confidence);
-/// A line a row: row, y, predicted, sd, noise_variance, then each theta and its standard deviation, then what happened.
+/// A line for each row: row, y, predicted, sd, noise_variance, each theta and its standard deviation, and the events.
 std::string tracked_csv(Tracked const& tracked, std::vector<std::string> const& names);
 
 }  // namespace rlslab::identify

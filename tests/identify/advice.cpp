@@ -1,6 +1,7 @@
 // Warnings and what they tell a person to do: each appears where it should, and only there.
-#include "identify/checks.hpp"
+#include "identify/roots.hpp"
 #include "identify/outliers.hpp"
+#include "identify/remarks.hpp"
 #include "identify/text.hpp"
 #include "tests/common/files.hpp"
 
@@ -128,19 +129,19 @@ TEST_F(Advice, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
     for (double const p : {0.5, 1e-4}) {
         Identified m = of_two_lags();
         m.ljung_box.p = p;
-        m.followed = {{0, 3, -0.5, 0.4, 1}};
-        advise(m, 0);
+        m.past_inputs = {{0, 3, -0.5, 0.4, 1}};
+        m.remarks = remarks_on(m);
         ASSERT_EQ(m.warnings().size(), p < 0.01 ? 2u : 1u);
         EXPECT_THAT(m.warnings()[0], HasSubstr("the residuals follow past u: correlation -0.5 at lag 3, where those of independent ones "
                                                "stay within 0.4"));
         EXPECT_EQ(m.next(), "--order 2");
         m = of_two_lags();
-        m.followed = {{0, 3, -0.5, 0.4, 2}};
-        advise(m, 0);
+        m.past_inputs = {{0, 3, -0.5, 0.4, 2}};
+        m.remarks = remarks_on(m);
         EXPECT_EQ(m.next(), "--delay 2");
         m = of_two_lags();
         m.ljung_box.p = p;
-        advise(m, 0);
+        m.remarks = remarks_on(m);
         EXPECT_THAT(m.warnings(),
                     testing::Conditional(p < 0.01, testing::ElementsAre(HasSubstr("they do not follow the inputs")), IsEmpty()));
     }
@@ -152,11 +153,11 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
         Seed seed{k};
         Signal e(100);
         for (double& x : e) x = std::sqrt(-2 * std::log(1 - seed.uniform())) * std::cos(6.283185307179586 * seed.uniform());
-        found += too_large(e).has_value();
+        found += outlier_in(e).has_value();
     }
     EXPECT_GT(found, 0);
     EXPECT_LT(found, 12);
-    auto const of = [](double size) { return too_large({1, -1, NAN, size, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}); };
+    auto const of = [](double size) { return outlier_in({1, -1, NAN, size, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}); };
     EXPECT_FALSE(of(3));
     ASSERT_TRUE(of(-40));
     EXPECT_EQ(of(-40)->at, 3);
@@ -164,18 +165,18 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     EXPECT_NEAR(of(-40)->deviations, 40 / std::sqrt(1618.0 / 19), 1e-14);
     Signal two(100, 1);
     two[40] = 20, two[41] = -30;
-    EXPECT_EQ(too_large(two)->at, 41);
-    EXPECT_EQ(too_large(two, 1)->at, 40) << "whose past output is in the next row";
-    EXPECT_FALSE(too_large({}));
-    EXPECT_FALSE(too_large({0, 0}));
-    EXPECT_TRUE(too_large({0, 0, 1})) << "nothing but this row";
+    EXPECT_EQ(outlier_in(two)->at, 41);
+    EXPECT_EQ(outlier_in(two, 1)->at, 40) << "whose past output is in the next row";
+    EXPECT_FALSE(outlier_in({}));
+    EXPECT_FALSE(outlier_in({0, 0}));
+    EXPECT_TRUE(outlier_in({0, 0, 1})) << "nothing but this row";
 }
 TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
     for (std::complex<double> const pole :
          {std::complex<double>(1, 0), {-1, 0}, {0, 1}, {1.001, 0}, {std::nextafter(1, 0), 0}, {-0.999, 0}}) {
         Identified m = unremarkable();
         m.poles = {pole, {0.5, 0}};
-        advise(m, 0);
+        m.remarks = remarks_on(m);
         if (std::abs(pole) >= 1) EXPECT_THAT(m.warnings(), Contains(HasSubstr("a pole lies on or outside the unit circle"))) << pole;
         else EXPECT_THAT(m.warnings(), IsEmpty()) << pole;
     }
@@ -204,7 +205,7 @@ TEST_F(Advice, ADelayIsFound) {
     EXPECT_THAT(then.hints(), Not(Contains(HasSubstr("--delay"))));
     EXPECT_THAT(then.warnings(), IsEmpty());
     EXPECT_NEAR(then.parameters[1].value, 1, 5 * then.parameters[1].sd);
-    EXPECT_EQ(then.parameters[1].of, "u[k-3]");
+    EXPECT_EQ(then.parameters[1].regressor, "u[k-3]");
     Identified const once = identified(u, y, {.order = 2, .delay = {2}});
     EXPECT_THAT(once.hints(), Contains(HasSubstr("the first coefficient of u cannot be told from 0: the delay may be longer: --delay 3")));
 }
@@ -218,7 +219,7 @@ TEST(Cancellations, OfRealRootsAreJudgedByTheirStandardDeviations) {
     constexpr double quantile = 3.841458820694124;  // 95 %
     for (double const off : {0.999, 1.001}) {
         double const S = 0.01 / quantile * off, sd_a = std::sqrt(0.36 * S), sd_b1 = 2 * std::sqrt(0.64 * S);
-        Estimation const e{Vector<double>{{sd_a, 0, sd_b1, 7}}, Matrix<double>::Identity(4, 4)};
+        Uncertainty const e{Vector<double>{{sd_a, 0, sd_b1, 7}}, Matrix<double>::Identity(4, 4)};
         auto const found = cancellations(model, terms, e, 0.95);
         ASSERT_EQ(found.size(), off > 1 ? 1u : 0u) << off;
         if (off < 1) continue;
@@ -244,7 +245,7 @@ TEST(Cancellations, OfComplexRootsAreJudgedInTwoDimensions) {
     Vector<double> const theta{{-1.2, 0.7, 0.5, -0.62, 0.37}};
     Matrix<double> correlation = Matrix<double>::Identity(5, 5);
     correlation(0, 1) = correlation(1, 0) = -0.7, correlation(0, 3) = correlation(3, 0) = 0.3;
-    Estimation const e{Vector<double>{{0.02, 0.03, 0.01, 0.03, 0.02}}, correlation};
+    Uncertainty const e{Vector<double>{{0.02, 0.03, 0.01, 0.03, 0.02}}, correlation};
     auto const difference = [](Vector<double> const& t) {
         DifferenceEquation const m{.a = {t[0], t[1]}, .b = {{t[2], t[3], t[4]}}, .delay = 2, .c = 0};
         return poles(m)[0] - zeros(m)[0];
@@ -275,13 +276,13 @@ TEST(Cancellations, AreJudgedOnlyWhereTheRootsAreKnown) {
     double const g = 0.2;
     DifferenceEquation const model{.a = {-(1 + g), 0.5 * (0.5 + g)}, .b = {{1, -0.5}}, .delay = 0, .c = 0};
     for (double const off : {0.99, 1.01}) {
-        Estimation const e{Vector<double>{{0, g * g / 2 * off, 0, 0.01}}, Matrix<double>::Identity(4, 4)};
+        Uncertainty const e{Vector<double>{{0, g * g / 2 * off, 0, 0.01}}, Matrix<double>::Identity(4, 4)};
         EXPECT_EQ(cancellations(model, terms, e, 0.95).size(), off < 1 ? 1u : 0u) << off;
     }
 }
 TEST(Cancellations, OfSeveralInputsAreThoseOfAll) {
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"b0", "", 1, 0}, {"b1", "", 1, 1}};
-    Estimation const e{Vector<double>::Constant(5, 0.01), Matrix<double>::Identity(5, 5)};
+    Uncertainty const e{Vector<double>::Constant(5, 0.01), Matrix<double>::Identity(5, 5)};
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{1, -0.5}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 1u);
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{1, -0.5}, {2, 1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u);
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{0, 1}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u) << "no zero at all";

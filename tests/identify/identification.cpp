@@ -257,8 +257,9 @@ TEST(Identify, StandardDeviationsHoldWithForgetting) {
         Signal const u = white_noise(400, Seed{std::uint64_t(k)});
         Signal xi = white_noise(400, Seed{std::uint64_t(5000 + k)});
         for (double& x : xi) x *= 0.5;
-        Identified const m = identify::identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
-                                      {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
+        Identified const m =
+            identify::identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
+                               {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
         inside += m.parameters[2].lower <= 1 && 1 <= m.parameters[2].upper;
     }
     EXPECT_NEAR(inside / double(records), 0.95, 0.06);  // four standard deviations of 200 draws

@@ -1,5 +1,5 @@
 // Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate loops.
-#include "identify/checks.hpp"
+#include "identify/roots.hpp"
 #include "identify/structure.hpp"
 #include "tests/common/exact_fit.hpp"
 #include "tests/common/files.hpp"
@@ -88,7 +88,7 @@ TEST_F(IdentifyNumbers, Sizes) {
     EXPECT_EQ(m.order, 2);
     ASSERT_EQ(m.parameters.size(), size_t(d));
     std::vector<std::string> names, of;
-    for (Parameter const& p : m.parameters) names.push_back(p.name), of.push_back(p.of);
+    for (Parameter const& p : m.parameters) names.push_back(p.name), of.push_back(p.regressor);
     EXPECT_EQ(names, (std::vector<std::string>{"a1", "a2", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "b2[v]", "c"}));
     EXPECT_EQ(of, (std::vector<std::string>{"y[k-1]", "y[k-2]", "u[k-1]", "u[k-2]", "v[k]", "v[k-1]", "v[k-2]", "1"}));
     for (size_t j : {0u, 1u, 2u}) {
@@ -279,7 +279,7 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
             return most;
         };
         EXPECT_LE(moved(f.c), 0.1);
-        EXPECT_NEAR(f.prior_move / moved(f.c), 1, 1e-2) << "in units of the standard deviations with the prior";
+        EXPECT_NEAR(f.prior_effect / moved(f.c), 1, 1e-2) << "in units of the standard deviations with the prior";
         EXPECT_GE(f.c, shared);
         if (f.c > shared) {
             EXPECT_GT(moved(f.c / 2), 0.1);

@@ -87,7 +87,7 @@ TEST_F(Options, NbAndDelayAreForAllInputsOrForEach) {
     Identified const list = run({.regressors = {"u[k-2..k-3]", "y[k-1..k-2]", "v[k..k-1]"}});
     EXPECT_EQ(values(each), values(list)) << "outputs first, then each input in the order of its first mention";
     std::vector<std::string> of;
-    for (Parameter const& p : each.parameters) of.push_back(p.of);
+    for (Parameter const& p : each.parameters) of.push_back(p.regressor);
     EXPECT_EQ(of, (std::vector<std::string>{"y[k-1]", "y[k-2]", "u[k-2]", "u[k-3]", "v[k]", "v[k-1]", "1"}));
     EXPECT_EQ(each.parameters[2].name, "b0[u]") << "counted from the delay";
     EXPECT_EQ(list.parameters[2].name, "b2[u]") << "counted by its lag";
@@ -102,8 +102,8 @@ TEST_F(Options, NbAndDelayAreForAllInputsOrForEach) {
     EXPECT_EQ(fir.parameters.size(), 13u);
     EXPECT_NEAR(fir.parameters[2].value, 1, 6 * fir.parameters[2].sd) << "the impulse response";
     EXPECT_NEAR(fir.parameters[3].value, 1.1 + 0.4, 6 * fir.parameters[3].sd);
-    EXPECT_EQ(run({.order = 3, .delay = {2}}).parameters[3].of, "u[k-2]");
-    EXPECT_EQ(run({.max_order = 3, .delay = {2}}).parameters.back().of, "1");
+    EXPECT_EQ(run({.order = 3, .delay = {2}}).parameters[3].regressor, "u[k-2]");
+    EXPECT_EQ(run({.max_order = 3, .delay = {2}}).parameters.back().regressor, "1");
 }
 TEST_F(Options, TheEquationIsPrintedWithItsSigns) {
     auto const equation = [&](IdentifyOptions options) {
@@ -243,9 +243,9 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
     std::string const text = as_table(m);
     for (Parameter const& p : m.parameters) {
         std::string const line = line_of(text, "  " + p.name + " ");
-        auto const at = line.find(p.of, p.name.size() + 2);
+        auto const at = line.find(p.regressor, p.name.size() + 2);
         ASSERT_NE(at, line.npos) << text;
-        std::vector<double> const n = numbers_in(line.substr(at + p.of.size()));
+        std::vector<double> const n = numbers_in(line.substr(at + p.regressor.size()));
         ASSERT_EQ(n.size(), 4u) << line;
         expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.lower, 5, p.name),
             expect_printed(n[3], p.upper, 5, p.name);
@@ -318,7 +318,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["condition"], m.condition);
     EXPECT_EQ(out["bound"], m.bound);
     EXPECT_EQ(out["prior"]["c"], m.c);
-    EXPECT_EQ(out["prior"]["moves_by_sd"], m.prior_move);
+    EXPECT_EQ(out["prior"]["moves_by_sd"], m.prior_effect);
     EXPECT_EQ(out["prior"]["scales"].size(), m.parameters.size());
     EXPECT_EQ(out["residual_correlation"], json(m.auto_correlation));
     EXPECT_EQ(out["output_mean"], m.means[2]);
@@ -327,7 +327,7 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     for (size_t i = 0; i < m.parameters.size(); ++i) {
         Parameter const& p = m.parameters[i];
         EXPECT_EQ(out["parameters"][i],
-                  (json{{"name", p.name}, {"of", p.of}, {"value", p.value}, {"sd", p.sd}, {"low", p.lower}, {"high", p.upper}}));
+                  (json{{"name", p.name}, {"of", p.regressor}, {"value", p.value}, {"sd", p.sd}, {"low", p.lower}, {"high", p.upper}}));
     }
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];

@@ -103,7 +103,7 @@ TEST_F(IdentifyRecords, UnitsChangeNothing) {
     };
     Identified const one = of(u), other = of(small);
     EXPECT_EQ(one.c, other.c);
-    EXPECT_EQ(one.prior_move, other.prior_move);
+    EXPECT_EQ(one.prior_effect, other.prior_effect);
     EXPECT_EQ(one.warnings(), other.warnings());
     for (size_t i : {0u, 1u, 2u}) EXPECT_EQ(one.parameters[i].value, other.parameters[i].value);
     for (size_t i : {3u, 4u, 5u, 6u}) EXPECT_EQ(one.parameters[i].value, 0x1p-40 * other.parameters[i].value);

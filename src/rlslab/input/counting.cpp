@@ -1,4 +1,4 @@
-// The median of the steps is the one that more than half of them are, if there is one.
+// If more than half of the steps are equal, that step is their median.
 #include <rlslab/input/counting.hpp>
 
 #include <fmt/format.h>

@@ -81,7 +81,7 @@ struct CsvFile::State {
     void split_row(std::string_view text);
     bool first_row();
     bool next_row();
-    void use_numbers_as_names(std::vector<std::string> const& asked);
+    void use_numbers_as_names(std::vector<std::string> const& requested);
     void pass(std::optional<Marks::Fault> const& fault) const {
         if (fault) fail(fault->at.line, fault->at.column, fault->message);
     }
@@ -185,13 +185,13 @@ bool CsvFile::State::next_row() {
     return text.has_value();
 }
 
-/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are asked for by number.
-void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& asked) {
+/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are requested by number.
+void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& requested) {
     std::vector<std::string> numbers;
     for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(std::to_string(i + 1));
     auto const number_of = [&](std::string const& name) { return std::ranges::find(numbers, name) - numbers.begin(); };
     std::ptrdiff_t const none = std::ssize(numbers);
-    if (std::ranges::any_of(asked, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
+    if (std::ranges::any_of(requested, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
     Row under;
     if (under.split(below, format.separator) != Row::Result::whole || under.size() != names.size()) return;
     bool number = false, text = false;
@@ -202,7 +202,7 @@ void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& asked)
         text |= here == Kind::text && there == Kind::text;
     }
     if (!number || !text) return;
-    for (auto const& name : asked)
+    for (auto const& name : requested)
         if (auto const found = std::ranges::find(names, name); found != names.end())
             fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this row, which is like the "
                                     "row below",
@@ -240,18 +240,18 @@ std::string const& CsvFile::file() const { return state_->lines.name(); }
 bool CsvFile::has_header() const { return state_->header; }
 std::vector<std::string> const& CsvFile::names() const { return state_->names; }
 
-Columns CsvFile::read(std::vector<std::string> const& asked) {
+Columns CsvFile::read(std::vector<std::string> const& requested) {
     State& s = *state_;
-    expects(!asked.empty(), "the name of a column at least");
+    expects(!requested.empty(), "the name of a column at least");
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
-    if (s.header) s.use_numbers_as_names(asked);
+    if (s.header) s.use_numbers_as_names(requested);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
-    for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
-    Columns data{.file = s.lines.name(), .header = s.header, .names = asked};
-    data.values.resize(asked.size());
-    long const most_rows = s.most / long(asked.size() + 1);  // one more for the line on which each row begins
+    for (auto const& name : requested) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
+    Columns data{.file = s.lines.name(), .header = s.header, .names = requested};
+    data.values.resize(requested.size());
+    long const most_rows = s.most / long(requested.size() + 1);  // one more for the line on which each row begins
     for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();
@@ -274,21 +274,21 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     return data;
 }
 
-Columns read_columns(std::string const& path, std::vector<std::string> const& asked, CsvFormat format) {
-    return CsvFile(path, format).read(asked);
+Columns read_columns(std::string const& path, std::vector<std::string> const& requested, CsvFormat format) {
+    return CsvFile(path, format).read(requested);
 }
 
-std::size_t column_called(std::string const& asked, std::vector<std::string> const& names, bool header, std::string const& file,
+std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header, std::string const& file,
                           std::string const& at) {
-    if (asked.empty()) throw InputError(file + ": expected the name of a column, found \"\"");
-    auto const found = std::ranges::find(names, asked);
+    if (requested.empty()) throw InputError(file + ": expected the name of a column, found \"\"");
+    auto const found = std::ranges::find(names, requested);
     if (found == names.end())
-        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, in_quotes(asked),
-                                     header ? did_you_mean(asked, {names.begin(), names.end()}) : "",
+        throw InputError(fmt::format("{}: no column {}{}; {} {}", file, in_quotes(requested),
+                                     header ? did_you_mean(requested, {names.begin(), names.end()}) : "",
                                      header ? "the columns are" : "without a header they are", listed(names)));
-    auto const again = std::find(found + 1, names.end(), asked);
+    auto const again = std::find(found + 1, names.end(), requested);
     if (again != names.end())
-        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, in_quotes(asked),
+        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, in_quotes(requested),
                                      found - names.begin() + 1, again - names.begin() + 1));
     return std::size_t(found - names.begin());
 }

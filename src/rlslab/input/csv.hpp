@@ -27,17 +27,17 @@ inline constexpr double largest_value = 0x1p500;
 /// More numbers are refused (2 GiB): a few compressed bytes may unpack to any amount.
 inline constexpr long most_numbers = 1L << 28;
 
-/// How a text is to be read. 0: found out from the text.
+/// The format of a text. 0: found out from the text.
 struct CsvFormat {
     char separator = 0;  ///< ',', ';', '\t', '|', or ' ' for runs of blanks and tabs
     char decimal = 0;    ///< '.' or ','
 };
 
-/// A CSV file; the constructor opens it and reads its first row. What the format does not give is found out:
+/// A CSV file; the constructor opens it and reads its first row. The rest of the format is found out:
 ///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else comma, else
 ///               blanks if the next row has as many cells as the first
 ///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers); not where all
-///               columns are asked for by number, and it is text and numbers over text and numbers in the same columns
+///               columns are requested by number, and it is text and numbers over text and numbers in the same columns
 ///   rows        LF, CRLF or CR; '#' lines above the first row and blank lines are skipped, but a blank line between rows of one cell is
 ///               a missing value; all have equally many cells
 ///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
@@ -61,22 +61,22 @@ public:
     bool has_header() const;                        ///< `read` may find out that there is none
     std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
-    /// Reads the columns named in `asked` to the end of the data; other columns may contain anything. May be called once.
+    /// Reads the columns named in `requested` to the end of the data; other columns may contain anything. May be called once.
     /// Throws InputError for a name that does not exist or is not unique, a cell that is not a number, a row of another length,
-    /// a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `asked` is empty or the file was read before.
-    Columns read(std::vector<std::string> const& asked);
+    /// a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `requested` is empty or the file was read before.
+    Columns read(std::vector<std::string> const& requested);
 
 private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
-/// CsvFile(path, format).read(asked).
-Columns read_columns(std::string const& path, std::vector<std::string> const& asked, CsvFormat format = {});
+/// CsvFile(path, format).read(requested).
+Columns read_columns(std::string const& path, std::vector<std::string> const& requested, CsvFormat format = {});
 
-/// The place among `names` of the column `asked`. file, at: the file and the place of its names, for messages. Throws InputError when no
+/// The place among `names` of the column `requested`. file, at: the file and the place of its names, for messages. Throws InputError when no
 /// column, or more than one, has that name.
-std::size_t column_called(std::string const& asked, std::vector<std::string> const& names, bool header, std::string const& file,
+std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header, std::string const& file,
                           std::string const& at);
 
 }  // namespace rlslab

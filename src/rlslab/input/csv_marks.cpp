@@ -1,4 +1,4 @@
-// Cells of columns that are not asked for are read only where they contain a mark.
+// Cells of columns that are not requested are read only where they contain a mark.
 #include <rlslab/input/csv_marks.hpp>
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 namespace rlslab::csv {
 
 /// The mark is given, or that of the first number that can be read in one way alone. "1,234" and "1.234" may have a mark between thousands
-/// instead: the other numbers say which, also those in columns that are not asked for.
+/// instead: the other numbers decide, also those in columns that are not requested.
 class Marks {
 public:
     struct Cell {
@@ -22,7 +22,7 @@ public:
     };
 
     explicit Marks(char given) : given_(given != 0), mark_(given) {}
-    /// A number that is asked for.
+    /// A number that is requested.
     std::optional<Fault> number(Kind kind, long line, std::size_t column, std::string_view text);
     /// All cells of a row.
     void row(Row const& row, long line);

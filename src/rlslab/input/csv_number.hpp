@@ -19,7 +19,7 @@ Reading reading_of(std::string_view cell);
 
 /// Whether the cell has a value or is missing.
 bool is_value(Kind kind);
-/// "expected a number, found ...", for a cell that has no value.
+/// "expected a number, found ...", for a cell without a value.
 std::string complaint(Kind kind, std::string_view cell);
 
 }  // namespace rlslab::csv

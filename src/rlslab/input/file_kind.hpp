@@ -1,4 +1,4 @@
-// What a file is that is no table of text, by its first bytes.
+// Recognises files that are no table of text by their first bytes.
 #pragma once
 
 #include <string_view>

@@ -29,35 +29,35 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string_view nearest(std::string_view asked, std::vector<std::string_view> const& names) {
+std::string_view nearest(std::string_view requested, std::vector<std::string_view> const& names) {
     constexpr std::size_t longest = 64;  // a longer word is no mistyped name
-    if (asked.size() > longest) return {};
-    std::size_t least = 1 + asked.size() / 3;
+    if (requested.size() > longest) return {};
+    std::size_t least = 1 + requested.size() / 3;
     std::string_view found;
     for (std::string_view const name : names) {
         if (name.size() > longest) continue;
-        std::size_t const distance = edit_distance(asked, name);
-        if (distance >= std::max(name.size(), asked.size()) || distance >= least) continue;
+        std::size_t const distance = edit_distance(requested, name);
+        if (distance >= std::max(name.size(), requested.size()) || distance >= least) continue;
         least = distance;
         found = name;
     }
-    if (!found.empty() || asked.size() < 2) return found;
+    if (!found.empty() || requested.size() < 2) return found;
     auto const begins = [&](std::string_view name) {
-        return name.size() > asked.size() && std::ranges::equal(name.substr(0, asked.size()), asked, same);
+        return name.size() > requested.size() && std::ranges::equal(name.substr(0, requested.size()), requested, same);
     };
     auto const first = std::ranges::find_if(names, begins);
     return std::ranges::count_if(names, begins) == 1 ? *first : std::string_view();
 }
 
-std::string did_you_mean(std::string_view asked, std::vector<std::string_view> const& names) {
-    std::string_view const name = nearest(asked, names);
+std::string did_you_mean(std::string_view requested, std::vector<std::string_view> const& names) {
+    std::string_view const name = nearest(requested, names);
     return name.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", printable(name));
 }
 
-void expect_one_of(std::vector<std::string_view> const& names, std::string_view asked, std::string_view where, std::string_view what) {
-    if (std::ranges::find(names, asked) != names.end()) return;
-    std::string const meant = did_you_mean(asked, names);
-    throw InputError(fmt::format("{}no {} \"{}\"{}", where.empty() ? "" : fmt::format("{}: ", where), what, printable(asked),
+void expect_one_of(std::vector<std::string_view> const& names, std::string_view requested, std::string_view where, std::string_view what) {
+    if (std::ranges::find(names, requested) != names.end()) return;
+    std::string const meant = did_you_mean(requested, names);
+    throw InputError(fmt::format("{}no {} \"{}\"{}", where.empty() ? "" : fmt::format("{}: ", where), what, printable(requested),
                                  meant.empty() ? fmt::format("; expected one of {}", fmt::join(names, ", ")) : meant));
 }
 

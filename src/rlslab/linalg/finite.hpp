@@ -100,11 +100,39 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
     if (all(solved_in_range<T>(
             x.size(), [&](Index j) { return Bound(real_part(X(j, j))); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
         return kept;
-    UncountedScope<T> const aside;
+    UncountedScope<T> const uncounted;
     x = psi;
     solve_outer(L, D, x);
     return kept && all_finite(x);
 }
+
+namespace detail {
+/// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (UncountedScope).
+template <Scalar T, int N, class Solve>
+Truth<T> finite_solution(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
+    UncountedScope<T> const uncounted;
+    x = right;
+    solve(x);
+    return all_finite(x);
+}
+/// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten. determined: whether R
+/// has no zero on its diagonal.
+template <Scalar T, int N>
+[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                                            StateVector<T, N>& x, Truth<T>& determined) {
+    determined = nonsingular(L);
+    Truth<T> out = finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
+    out = out && finite_solution<T, N>(psi, x, [&](auto& b) { solve_outer(L, b); });
+    for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
+    return out;
+}
+template <Scalar T, int N>
+[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z,
+                                            StateVector<T, N> const& psi, StateVector<T, N>& x) {
+    Truth<T> out = all_finite(D) && finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
+    return out && finite_solution<T, N>(psi, x, [&](auto& b) { solve_outer(L, D, b); });
+}
+}  // namespace detail
 
 /// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, updated
 /// with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d), or O(d^2) where the proof fails.
@@ -121,7 +149,7 @@ class ColumnLengths {
     }
 
     /// Updates n_j^2 to lambda n_j^2 + psi_j^2 and returns it: one, or two side by side.
-    struct With {
+    struct Updated {
         Bound* squares;
         T const* psi;
         Bound weight;
@@ -135,31 +163,10 @@ class ColumnLengths {
         }
     };
     /// Updates right_ at once.
-    With with(RealOf<T> const& lambda, T const* psi, T const& y) {
+    Updated update(RealOf<T> const& lambda, T const* psi, T const& y) {
         Bound const weight(lambda);
         right_ = weight * right_ + square(y);
         return {squares_.data(), psi, weight};
-    }
-    /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (UncountedScope).
-    template <class Solve>
-    static Truth<T> solved_finitely(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
-        UncountedScope<T> const aside;
-        x = right;
-        solve(x);
-        return all_finite(x);
-    }
-    [[gnu::noinline]] Truth<T> solved(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
-                                      StateVector<T, N>& x) {
-        determined_ = nonsingular(L);
-        Truth<T> out = solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
-        out = out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, b); });
-        for (Index j = 0; j < x.size(); ++j) out = out && is_finite(L(j, j));
-        return out;
-    }
-    [[gnu::noinline]] static Truth<T> solved(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z,
-                                             StateVector<T, N> const& psi, StateVector<T, N>& x) {
-        Truth<T> out = all_finite(D) && solved_finitely(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
-        return out && solved_finitely(psi, x, [&](auto& b) { solve_outer(L, D, b); });
     }
 
 public:
@@ -205,19 +212,19 @@ public:
     Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
                      StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
-            x.size(), with(lambda, psi.data(), y), [&](Index j) { return square(L(j, j)); }, right_);
-        if (!all(proven)) return solved(L, z, psi, x);
+            x.size(), update(lambda, psi.data(), y), [&](Index j) { return square(L(j, j)); }, right_);
+        if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
         return determined_ = proven;
     }
     Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
                      StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
-            x.size(), with(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
-        return all(proven) ? proven : solved(L, D, z, psi, x);
+            x.size(), update(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
+        return all(proven) ? proven : detail::finite_solutions<T, N>(L, D, z, psi, x);
     }
     /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d numbers.
     void add(RealOf<T> const& lambda, T const* psi, T const& y, StateMatrix<T, N> const& L) {
-        auto const square_of = with(lambda, psi, y);
+        auto const square_of = update(lambda, psi, y);
         for (Index j = 0; j < squares_.size(); ++j) square_of(j);
         determined_ = nonsingular(L);
     }
@@ -242,7 +249,7 @@ public:
     Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
-        if (!all(proven)) return solved(L, z, psi, x);
+        if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
         return determined_ = proven;
     }
     /// Whether R has no zero on its diagonal; only for R = L'.

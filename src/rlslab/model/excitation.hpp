@@ -46,14 +46,14 @@ struct Excitation {
 };
 
 struct ExcitationOptions {
-    bool constant = false;                           ///< the model has a constant regressor: the v_k are taken less their mean
+    bool constant = false;                           ///< the model has a constant regressor: the mean of the v_k is subtracted
     std::function<void(double)> progress = nullptr;  ///< called with the fraction that is done
 };
 
 /// Tests the orders 1 ... most. u is exciting of order n if R_u (n x n) is positive definite; a model of order m with input terms
 /// u_k ... u_{k-m} needs n = m + 1. With a constant regressor besides, [v_k; 1] must have full rank: the R_u of v_k less their mean.
 /// Number k of a record is rounded to a unit q_k, which by itself adds about the mean of q_k^2/12 to every eigenvalue: a least eigenvalue
-/// below 4 times that says nothing about the input. An input that changes once is exciting of every order, by the n - 1 rows at its change:
+/// below 4 times that may be rounding alone. An input that changes once is exciting of every order, by the n - 1 rows at its change:
 /// one noise sample there decides. It is not persistent beyond order 1. Throws std::invalid_argument for an empty record. Time grows as
 /// most^2 N + most^4. Source: Söderström & Stoica 1989, 5.4; docs/theory.md 4.
 Excitation excitation(Signal const& u, Index most, ExcitationOptions const& options = {});

@@ -140,16 +140,16 @@ double widened(Reader const& r, Type type, std::span<char const> at) {
 }
 
 /// The numbers of the columns that are needed.
-void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& asked) {
-    std::vector<std::size_t> const asked_for = columns_asked(v, asked);
-    if (asked_for.empty()) return;
+void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& requested) {
+    std::vector<std::size_t> const requested_columns = columns_requested(v, requested);
+    if (requested_columns.empty()) return;
     Tag const tag = tag_within(r, "numbers");
     std::size_t const size = size_of(tag.type);
     if (size == 0 || tag.bytes != size * v.rows * v.cols)
         r.fail(fmt::format("{}: {} bytes of numbers for {} x {}", printable(v.name), tag.bytes, v.rows, v.cols));
     std::array<char, 4096> chunk;
     for (std::size_t j = 0; j < v.cols; ++j) {
-        bool const skipped = std::ranges::count(asked_for, j) == 0;
+        bool const skipped = std::ranges::count(requested_columns, j) == 0;
         for (std::size_t i = 0, count = 0; i < v.rows; i += count) {
             count = std::min(v.rows - i, chunk.size() / size);
             std::span<char> const raw = std::span(chunk).first(count * size);
@@ -160,12 +160,12 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& ask
     }
 }
 
-MatVariable read_matrix(Reader& r, std::vector<std::string> const& asked) {
+MatVariable read_matrix(Reader& r, std::vector<std::string> const& requested) {
     std::string const flags = contents(r, "flags", 8);
     if (flags.empty()) r.fail("a variable has no flags");
     std::uint32_t const first = r.number<std::uint32_t>(flags);
     auto const is = MatClass(first & 0xff);
-    if (is == MatClass::opaque) return {contents(r, "name", 1), is, false, {}};  // which has no dimensions
+    if (is == MatClass::opaque) return {contents(r, "name", 1), is, false, {}};  // it has no dimensions
     std::string const dimensions = contents(r, "dimensions", 4);
     std::vector<std::size_t> sizes;
     for (std::size_t i = 0; i < dimensions.size(); i += 4) {
@@ -174,7 +174,7 @@ MatVariable read_matrix(Reader& r, std::vector<std::string> const& asked) {
         sizes.push_back(std::size_t(size));
     }
     MatVariable out(contents(r, "name", 1), is, first & flag_complex, sizes);
-    read_numbers(r, out, asked);
+    read_numbers(r, out, requested);
     return out;
 }
 
@@ -190,7 +190,7 @@ ByteSource part_of(Reader& r, std::size_t count) {
 
 }  // namespace
 
-Columns read_mat5(ByteSource bytes, std::string const& file, std::vector<std::string> const& asked) {
+Columns read_mat5(ByteSource bytes, std::string const& file, std::vector<std::string> const& requested) {
     std::array<char, mat_begin> header;
     constexpr std::size_t no_end = std::numeric_limits<std::size_t>::max();
     std::vector<MatVariable> variables;
@@ -211,13 +211,13 @@ Columns read_mat5(ByteSource bytes, std::string const& file, std::vector<std::st
             inner = packed->bytes;
         }
         Reader element(part, file, r.swapped, inner);
-        if (type == Type::matrix && !tag->small && inner > 0) variables.push_back(read_matrix(element, asked));
+        if (type == Type::matrix && !tag->small && inner > 0) variables.push_back(read_matrix(element, requested));
         element.skip(element.left);
         std::array<char, 1> more;
-        if (compressed && part(more) > 0) r.fail("a compressed variable is longer than it says");  // and its checksum was right
+        if (compressed && part(more) > 0) r.fail("a compressed variable is longer than it says");  // with a correct checksum
         if (!compressed && !tag->small) r.skip(tag->padding());
     }
-    return columns_of(variables, file, asked);
+    return columns_of(variables, file, requested);
 }
 
 }  // namespace rlslab

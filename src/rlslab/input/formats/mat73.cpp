@@ -38,7 +38,7 @@ double (*reading(matio_types type))(void const*, std::size_t) {
 
 }  // namespace
 
-Columns read_mat73(std::string const& path, std::vector<std::string> const& asked) {
+Columns read_mat73(std::string const& path, std::vector<std::string> const& requested) {
     std::string const file = name_of_file(path);
     auto const fail = [&](std::string const& what) { throw InputError(file + ": " + what); };
     Mat_LogInitFunc("rlslab", [](int, char*) {});  // matio's own would print, and abort
@@ -52,16 +52,16 @@ Columns read_mat73(std::string const& path, std::vector<std::string> const& aske
         variables.emplace_back(v->name ? v->name : "", MatClass(v->class_type), v->isComplex != 0, sizes);
     }
     for (MatVariable& variable : variables) {
-        auto const asked_for = columns_asked(variable, asked);
-        if (asked_for.empty()) continue;
+        auto const requested_columns = columns_requested(variable, requested);
+        if (requested_columns.empty()) continue;
         Variable const v{Mat_VarRead(mat.get(), variable.name.c_str())};
         auto const read = v ? reading(v->data_type) : nullptr;
         if (!read || !v->data || v->data_size < 1 || v->nbytes / std::size_t(v->data_size) < variable.rows * variable.cols)
             fail(printable(variable.name) + ": its numbers cannot be read: the file is damaged");
-        for (std::size_t const j : asked_for)
+        for (std::size_t const j : requested_columns)
             for (std::size_t i = 0; i < variable.rows; ++i) variable.values[j].push_back(read(v->data, j * variable.rows + i));
     }
-    return columns_of(variables, file, asked);
+    return columns_of(variables, file, requested);
 }
 
 }  // namespace rlslab

@@ -43,22 +43,22 @@ MatVariable::MatVariable(std::string called, MatClass is, bool complex, std::vec
 
 std::string MatVariable::column_name(std::size_t j) const { return cols == 1 ? name : fmt::format("{}_{}", name, j + 1); }
 
-bool MatVariable::is_column(std::size_t j, std::string const& asked) const {
-    if (asked == column_name(j)) return true;
-    std::string plain = asked;
+bool MatVariable::is_column(std::size_t j, std::string const& requested) const {
+    if (requested == column_name(j)) return true;
+    std::string plain = requested;
     std::erase(plain, ' ');
     return plain == fmt::format("{}(:,{})", name, j + 1);
 }
 
-std::vector<std::size_t> columns_asked(MatVariable const& variable, std::vector<std::string> const& asked) {
+std::vector<std::size_t> columns_requested(MatVariable const& variable, std::vector<std::string> const& requested) {
     std::vector<std::size_t> out;
     for (std::size_t j = 0; j < variable.cols; ++j)
-        if (std::ranges::any_of(asked, [&](auto const& name) { return variable.is_column(j, name); })) out.push_back(j);
+        if (std::ranges::any_of(requested, [&](auto const& name) { return variable.is_column(j, name); })) out.push_back(j);
     return out;
 }
 
-Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& asked) {
-    expects(!asked.empty(), "the name of a column at least");
+Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& requested) {
+    expects(!requested.empty(), "the name of a column at least");
     auto const fail = [&](std::string const& what) { throw InputError(file + ": " + what); };
     if (variables.empty()) fail("expected variables, found none");
     std::vector<std::string> names;
@@ -69,8 +69,8 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
             auto const found = v.values.find(j);
             values.push_back(found == v.values.end() ? nullptr : &found->second);
         }
-    Columns data{.file = file, .names = asked};
-    for (std::string const& name : asked) {
+    Columns data{.file = file, .names = requested};
+    for (std::string const& name : requested) {
         auto const v = std::ranges::find(variables, name, &MatVariable::name);
         std::string const shown = printable(name);
         if (v != variables.end() && !v->why.empty())
@@ -79,7 +79,7 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
             fail(fmt::format("{} is a matrix: its columns are called {}_1 ... {}_{}", shown, shown, shown, v->cols));
         std::string called = name;
         for (MatVariable const& of : variables)
-            for (std::size_t const j : columns_asked(of, {name})) called = of.column_name(j);
+            for (std::size_t const j : columns_requested(of, {name})) called = of.column_name(j);
         std::vector<double> const& column = *values[column_called(called, names, true, file, file)];
         for (std::size_t i = 0; i < column.size(); ++i)
             if (std::abs(column[i]) > largest_value)
@@ -88,7 +88,7 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
         data.values.push_back(column);
         std::size_t const rows = data.values.front().size();
         if (column.size() != rows)
-            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows, printable(asked.front()),
+            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows, printable(requested.front()),
                              column.size(), shown));
     }
     data.lines.resize(data.values.front().size());

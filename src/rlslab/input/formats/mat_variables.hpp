@@ -36,14 +36,14 @@ struct MatVariable {
 
     MatVariable(std::string called, MatClass is, bool complex, std::vector<std::size_t> const& sizes);
     std::string column_name(std::size_t j) const;  ///< "x_2", or "x" if it is the only one
-    /// Whether `asked` is that name, or "x(:,2)".
-    bool is_column(std::size_t j, std::string const& asked) const;
+    /// Whether `requested` is that name, or "x(:,2)".
+    bool is_column(std::size_t j, std::string const& requested) const;
 };
 
-/// The numbers of those columns of the variable that are asked for.
-std::vector<std::size_t> columns_asked(MatVariable const& variable, std::vector<std::string> const& asked);
+/// The numbers of those columns of the variable that are requested.
+std::vector<std::size_t> columns_requested(MatVariable const& variable, std::vector<std::string> const& requested);
 
-/// The columns named in `asked`, from variables that hold their values. Throws InputError as read_mat5.
-Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& asked);
+/// The columns named in `requested`, from variables that hold their values. Throws InputError as read_mat5.
+Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& requested);
 
 }  // namespace rlslab

@@ -144,60 +144,81 @@ template <class B, int K, Sweep S>
     product.store(s.out + i0);
 }
 
-// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j.
-// `running` holds f for blocks whose diagonal is still to come and w for the others. A block multiplies its running vector by f_j if it
-// is above the diagonal of column j, by w_j if it is below. Block p holds the diagonal, in its column c: its rows up to c use the
-// product of w with f_j, the rows below use that of f with w_j.
+// A_ij = A_ji = (A_ij - w_i f_j) / lambda for i <= j, in K blocks of rows. For K = 3, the columns from left to right:
+//
+//                 columns       columns of the diagonal of      columns
+//                 before        block 0   block 1   block 2     behind
+//      block 0    below         diagonal  above     above       above
+//      block 1    below         below     diagonal  above       above
+//      block 2    below         below     below     diagonal    above
+//
+//      above      t -= w f_j            in these columns `running` is w
+//      below      t -= f w_j            in these columns `running` is f
+//      diagonal   rows up to the diagonal, in column c of the block: as above; the others: as below
+template <class B, class T>
+[[gnu::always_inline]] inline void update_above(SubtractMirrored<T> const& s, B const& w, Index j, B& t) {
+    t.subtract_product(w, s.f[j]);
+}
+template <class B, class T>
+[[gnu::always_inline]] inline void update_below(SubtractMirrored<T> const& s, B const& f, Index j, B& t) {
+    t.subtract_product(f, s.w[j]);
+}
+template <int c, class B, class T>
+[[gnu::always_inline]] inline void update_diagonal(SubtractMirrored<T> const& s, B const& f, Index i, Index j, B& t) {
+    t.template subtract_either<c + 1>(block_of<B>(s.w, i), s.f[j], f, s.w[j]);
+}
+/// The blocks from m on of column j, whose diagonal is in column c of block p; p = -1: before all blocks, p = K: behind them.
 template <int m, int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void mirrored(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0, Index j) {
+[[gnu::always_inline]] inline void update_column(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0, Index j) {
     Index const i = i0 + m * B::rows;
     T* const here = s.A + j * s.ld + i;
     B t;
     t.load(here);
-    if constexpr (m < p) t.subtract_product(running[m], s.f[j]);
-    else if constexpr (m > p) t.subtract_product(running[m], s.w[j]);
-    else t.template subtract_either<c + 1>(block_of<B>(s.w, i), s.f[j], running[m], s.w[j]);
+    if constexpr (m < p) update_above(s, running[m], j, t);
+    else if constexpr (m > p) update_below(s, running[m], j, t);
+    else update_diagonal<c>(s, running[m], i, j, t);
     t.add_product(t, s.correction);
     t.store(here);
     also.add(m, t, j);
-    if constexpr (m + 1 < K) mirrored<m + 1, p, c>(s, running, also, i0, j);
+    if constexpr (m + 1 < K) update_column<m + 1, p, c>(s, running, also, i0, j);
 }
+/// The columns whose diagonal is in block p, from its column c on.
 template <int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void on_diagonal(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0) {
+[[gnu::always_inline]] inline void update_columns_of_block(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0) {
     Index const j = i0 + p * B::rows + c;
-    mirrored<0, p, c>(s, running, also, i0, j);
+    update_column<0, p, c>(s, running, also, i0, j);
     if constexpr (c + 1 < B::rows)
-        if (j + 1 < s.d) on_diagonal<p, c + 1>(s, running, also, i0);
+        if (j + 1 < s.d) update_columns_of_block<p, c + 1>(s, running, also, i0);
 }
-/// The columns whose diagonal is in block p, then those of the next block, and last the columns behind all blocks.
+/// The columns whose diagonal is in block p, then those of the next blocks, and last the columns behind all blocks.
 template <int p, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void from_diagonal(SubtractMirrored<T> const& s, B (&running)[K], Also& also, Index i0) {
+[[gnu::always_inline]] inline void update_columns_from_block(SubtractMirrored<T> const& s, B (&running)[K], Also& also, Index i0) {
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
-        on_diagonal<p, 0>(s, running, also, i0);
+        update_columns_of_block<p, 0>(s, running, also, i0);
         running[p] = block_of<B>(s.w, j0);
-        from_diagonal<p + 1>(s, running, also, i0);
+        update_columns_from_block<p + 1>(s, running, also, i0);
     } else {
-        for (Index j = j0; j < s.d; ++j) mirrored<0, p, 0>(s, running, also, i0, j);
+        for (Index j = j0; j < s.d; ++j) update_column<0, p, 0>(s, running, also, i0, j);
     }
 }
 template <class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void mirrored_rows(SubtractMirrored<T> const& s, Also& also, Index i0) {
+[[gnu::always_inline]] inline void update_rows(SubtractMirrored<T> const& s, Also& also, Index i0) {
     B running[K];
 #pragma GCC unroll 16
     for (int m = 0; m < K; ++m) running[m] = block_of<B>(s.f, i0 + m * B::rows);
-    for (Index j = 0; j < i0; ++j) mirrored<0, -1, 0>(s, running, also, i0, j);
-    from_diagonal<0>(s, running, also, i0);
+    for (Index j = 0; j < i0; ++j) update_column<0, -1, 0>(s, running, also, i0, j);
+    update_columns_from_block<0>(s, running, also, i0);
 }
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(SubtractMirrored<T> const& s, Index i0) {
     NothingElse nothing;
-    mirrored_rows<B, K>(s, nothing, i0);
+    update_rows<B, K>(s, nothing, i0);
 }
 template <class B, int K, class T>
 [[gnu::always_inline]] inline void rows(ThenMultiply<SubtractMirrored<T>> const& s, Index i0) {
     SumOfColumns<B, K, T> product(s.x);
-    mirrored_rows<B, K>(static_cast<SubtractMirrored<T> const&>(s), product, i0);
+    update_rows<B, K>(static_cast<SubtractMirrored<T> const&>(s), product, i0);
     product.store(s.out + i0);
 }
 

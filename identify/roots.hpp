@@ -1,13 +1,11 @@
-// Checks of an identified model. Each gives warnings in words, with remedies.
+// Poles, zeros and gains with their uncertainty.
 #pragma once
 
 #include "identify/estimate.hpp"
 
-#include <optional>
-
 namespace rlslab::identify {
 
-/// Poles p and zeros z that the record cannot tell apart. To first order p and z move with theta,
+/// Poles p and zeros z that the record cannot distinguish. To first order p and z move with theta,
 ///
 ///   (1) dp/da_i = -p^(na-i) / A'(p)        dz/db_i = -z^(nb-i) / B'(z)        A(z) = z^na + a_1 z^(na-1) + ..., B likewise
 ///   (2) S = cov of (re, im) of p - z = g C g',   g its gradient,  C = cov theta
@@ -17,21 +15,15 @@ namespace rlslab::identify {
 /// where the first order holds: the errors of p and z are below half the distance to the next pole, or zero. Each pole is paired with the
 /// zero of least q. With several inputs a pole cancels if it does for each. Source: Söderström & Stoica 1989, 11.4 (pole-zero
 /// cancellation).
-std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& uncertainty,
                                         double confidence);
 
 /// Steady-state gain g = B(1)/A(1) of an input and its standard deviation, dg/db_i = 1/A(1), dg/da_i = -g/A(1). NaN where A(1) lies within
 /// t standard deviations of 0: an integrator.
-std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Estimation const& estimation,
+std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& uncertainty,
                                   size_t input, double t);
-
-/// The number of leading terms of an input whose intervals all hold 0; 0 if all of its terms' do.
-int idle_lead(std::vector<Term> const& terms, std::vector<Parameter> const& parameters, int input);
 
 /// Of the normal distribution: Student's with very many degrees of freedom.
 double normal_quantile(double p);
-
-/// Remarks about a model that is otherwise complete; `most`: the largest order that could be chosen.
-void advise(Identified& m, int most);
 
 }  // namespace rlslab::identify

@@ -12,7 +12,7 @@ namespace rlslab::identify {
 using namespace report;
 namespace {
 
-/// Without points that are not known.
+/// Leaves out NaN.
 Curve curve(std::string name, size_t place, Signal x, Signal y) {
     Look look = look_of({}, place);
     size_t known = 0;
@@ -46,7 +46,7 @@ Curve level(std::string name, double from, double to, double y) {
 void draw_outputs(std::vector<Figure>& out, Identified const& m) {
     size_t const N = m.measured.size();
     Index const presample = m.samples - Index(N), begins = m.samples - m.held_out - presample;  // of the held-out part
-    // As many samples as can be told apart in a plot: the last of the fitted part, and the first that are held out.
+    // As many samples as a plot can show: the last of the fitted part, and the first of the held-out part.
     constexpr Index before = 100, shown = 400;
     Index const last = std::min(Index(N), m.held_out > 0 ? std::max<Index>(0, begins - before) + shown : Index(N)),
                 from = std::max<Index>(0, last - shown);
@@ -112,33 +112,32 @@ void draw_outputs(std::vector<Figure>& out, Identified const& m) {
 }
 
 void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
-    // From where the record, not the prior, decides: before, a band can be a million times as wide as at the end.
-    size_t settled = 0;
+    // Starts where the record decides, not the prior: earlier bands can be a million times as wide as at the end.
+    size_t begin = 0;
     for (size_t i = 0; i < m.trajectory.size(); ++i)
-        if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any())
-            settled = i + 1;
-    if (settled >= m.trajectory.size()) settled = 0;
-    Figure on_the_way{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant),
+        if (((m.trajectory[i].sd.array() > 20 * m.trajectory.back().sd.array()) || m.trajectory[i].sd.array().isNaN()).any()) begin = i + 1;
+    if (begin >= m.trajectory.size()) begin = 0;
+    Figure trajectory{"trajectory", fmt::format("Parameters on their way ({}), with bands of +- 2 standard deviations", m.options.variant),
                       "row",        "value",
                       false,        false,
                       false,        {}};
-    on_the_way.own_y = true;
+    trajectory.own_y = true;
     for (size_t j = 0; j < m.parameters.size(); ++j) {
         Parameter const& p = m.parameters[j];
         int const input = j < m.terms.size() ? m.terms[j].input : -2;  // parameters of one signal have like sizes: a panel for each
         std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
-        auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
-        if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
+        auto panel = std::ranges::find(trajectory.panels, of, &Panel::name);
+        if (panel == trajectory.panels.end()) panel = trajectory.panels.insert(panel, {of, {}, {}});
         Curve c{.name = p.name, .look = look_of({}, j), .x = {}, .y = {}, .lower = {}, .upper = {}};  // one look a parameter
-        for (size_t i = settled; i < m.trajectory.size(); ++i) {
+        for (size_t i = begin; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];
             c.x.push_back(double(point.row)), c.y.push_back(value), c.lower.push_back(value - 2 * sd), c.upper.push_back(value + 2 * sd);
         }
-        c.marks = j >= 16;  // from there on colour and dash come again
+        c.marks = j >= 16;  // colours and dashes repeat from here on
         panel->curves.push_back(std::move(c));
     }
-    out.push_back(std::move(on_the_way));
+    out.push_back(std::move(trajectory));
 }
 
 void draw_poles(std::vector<Figure>& out, Identified const& m) {
@@ -194,8 +193,8 @@ void draw_orders(std::vector<Figure>& out, Identified const& m) {
     out.push_back(std::move(orders));
 }
 
-/// Of a variant that gave no numbers, its way there and the orders alone.
-std::vector<Figure> drawn(Identified const& m) {
+/// If the variant gave no numbers, only the orders and the trajectory.
+std::vector<Figure> figures_of(Identified const& m) {
     std::vector<Figure> out;
     bool const model = !m.measured.empty();
     if (!m.choice.fits.empty()) draw_orders(out, m);
@@ -205,22 +204,18 @@ std::vector<Figure> drawn(Identified const& m) {
     return out;
 }
 
-}  // namespace
-
-namespace {
-
-/// A box for each: "warning", "next".
+/// A box for each sentence; kind: "warning", "next".
 std::string boxes(std::string const& kind, std::string const& type, std::vector<std::string> const& sentences) {
     std::string out;
     for (std::string const& words : sentences) out += fmt::format("<li class=\"{}\"><b>{}</b> {}</li>", type, kind, escaped(words));
     return out.empty() ? "" : "<ul class=\"claims\">" + out + "</ul>";
 }
 
-/// Without what the header says already.
+/// Without the text of the header.
 std::vector<std::string> order_lines_below(Identified const& m) {
     std::vector<std::string> out = order_lines(m);
-    std::string const said = fmt::format("{} ({})", m.structure, m.why);
-    if (out.front().starts_with(said)) out.front().erase(0, said.size() + (out.front().starts_with(said + "; ") ? 2 : 0));
+    std::string const header = fmt::format("{} ({})", m.structure, m.why);
+    if (out.front().starts_with(header)) out.front().erase(0, header.size() + (out.front().starts_with(header + "; ") ? 2 : 0));
     std::erase(out, "");
     return out;
 }
@@ -228,7 +223,7 @@ std::vector<std::string> order_lines_below(Identified const& m) {
 }  // namespace
 
 std::string as_page(Identified const& m) {
-    std::vector<Figure> const figures = drawn(m);
+    std::vector<Figure> const figures = figures_of(m);
     std::string body =
         fmt::format("<header><h1>{}: {}</h1><p class=\"question\">{}</p>",
                     escaped(printable(std::filesystem::path(m.file).filename().string(), 60)), escaped(m.structure), escaped(m.why));
@@ -236,7 +231,7 @@ std::string as_page(Identified const& m) {
     for (std::string const& words : order_lines_below(m)) body += fmt::format("<p>{}</p>", escaped(words));
     std::vector<std::vector<std::string>> rows;
     for (Parameter const& p : m.parameters)
-        rows.push_back({printable(p.name), p.of, number_text(p.value, 6), number_text(p.sd, 2),
+        rows.push_back({printable(p.name), p.regressor, number_text(p.value, 6), number_text(p.sd, 2),
                         fmt::format("{} ... {}", number_text(p.lower, 5), number_text(p.upper, 5))});
     body += table_html({"parameter", "of", "estimate", "sd", fmt::format("{:g} % interval", 100 * m.options.confidence)}, rows);
     for (std::string const& words : result_lines(m))

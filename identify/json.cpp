@@ -1,0 +1,137 @@
+// An identified model as JSON. An unknown number is null.
+#include "identify/structure.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace rlslab::identify {
+using namespace report;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json numbers(std::vector<double> const& x) {
+    Json out = Json::array();
+    for (double const v : x) out.push_back(number(v));
+    return out;
+}
+Json complexes(std::vector<std::complex<double>> const& values) {
+    Json out = Json::array();
+    for (auto const& z : values) out.push_back({number(z.real()), number(z.imag())});
+    return out;
+}
+
+Json tracked_json(Tracked const& t) {
+    Json rows = Json::array();
+    for (TrackedRow const& r : t.rows)
+        rows.push_back({{"row", r.row},
+                        {"y", number(r.y)},
+                        {"predicted", number(r.predicted)},
+                        {"predicted_sd", number(r.sd)},
+                        {"noise_variance", number(r.noise_variance)},
+                        {"theta", numbers({r.theta.begin(), r.theta.end()})},
+                        {"sd", numbers({r.theta_sd.begin(), r.theta_sd.end()})}});
+    return {{"composition", t.text},
+            {"quantile", number(t.quantile)},
+            {"fit_one_step", number(t.fit)},
+            {"covered", number(t.covered)},
+            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", name_of(t.kind)}} : Json(nullptr)},
+            {"rows", rows}};
+}
+
+}  // namespace
+
+std::string as_json(Identified const& m) {
+    Json parameters = Json::array(), orders = Json::array(), inputs = Json::array(), cancelling = Json::array();
+    for (Parameter const& p : m.parameters)
+        parameters.push_back({{"name", p.name},
+                              {"of", p.regressor},
+                              {"value", number(p.value)},
+                              {"sd", number(p.sd)},
+                              {"low", number(p.lower)},
+                              {"high", number(p.upper)}});
+    for (OrderFit const& f : m.choice.fits)
+        orders.push_back({{"order", f.order},
+                          {"parameters", f.parameters},
+                          {"J", number(f.J)},
+                          {"aic", number(f.aic)},
+                          {"bic", number(f.bic)},
+                          {"fpe", number(f.fpe)},
+                          {"p", number(f.p)},
+                          {"whiteness", number(f.ljung_box)},
+                          {"held_out", number(f.held_out)}});
+    bool const model = !m.measured.empty();
+    for (size_t j = 0; j < m.excitation.size(); ++j)
+        inputs.push_back({{"name", m.options.inputs[j]},
+                          {"mean", number(m.means[j])},
+                          {"exciting_of_order", m.excitation[j].order},
+                          {"constant_at_start", m.excitation[j].constant_at_start},
+                          {"zeros", model ? complexes(m.zeros[j]) : Json(nullptr)},
+                          {"gain", model ? number(m.gain[j]) : Json(nullptr)},
+                          {"gain_sd", model ? number(m.gain_sd[j]) : Json(nullptr)},
+                          {"residual_correlation", model ? numbers(m.cross_correlation[j]) : Json(nullptr)}});
+    for (Cancellation const& c : m.cancellations)
+        cancelling.push_back({{"pole", {number(c.pole.real()), number(c.pole.imag())}},
+                              {"zero", {number(c.zero.real()), number(c.zero.imag())}},
+                              {"distance", number(c.distance)},
+                              {"sd", number(c.sd)}});
+    IdentifyOptions const& o = m.options;
+    Json const out = {
+        {"version", RLSLAB_VERSION},
+        {"file", m.file},
+        {"options",
+         {{"output", o.output},
+          {"variant", o.variant},
+          {"forgetting", o.forgetting},
+          {"p0", o.p0 ? number(*o.p0) : Json(nullptr)},
+          {"delay", o.delay},
+          {"intercept", o.intercept},
+          {"detrend", o.detrend},
+          {"validate", o.validate},
+          {"confidence", o.confidence}}},
+        {"samples", m.samples},
+        {"fitted", m.fitted},
+        {"skipped", m.skipped},
+        {"held_out", m.held_out},
+        {"warnings", m.warnings()},
+        {"hints", m.hints()},
+        {"next", m.next()},
+        {"order", m.order},
+        {"structure", m.structure},
+        {"why", m.why},
+        {"equation", equation_text(m.terms, o.output)},
+        {"suggested", m.choice.fits.empty()
+                          ? Json(nullptr)
+                          : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
+        {"orders", orders},
+        {"parameters", parameters},
+        {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", name_of(m.failure->kind)}} : Json(nullptr)},
+        {"poles", model ? complexes(m.poles) : Json(nullptr)},
+        {"cancelling", cancelling},
+        {"inputs", inputs},
+        {"output_mean", number(m.means.back())},
+        {"prior", {{"c", number(m.c)}, {"scales", numbers(m.scales)}, {"moves_by_sd", number(m.prior_effect)}}},
+        {"sigma2", number(m.sigma2)},
+        {"degrees_of_freedom", number(m.freedom)},
+        {"criteria", {{"aic", number(m.aic)}, {"bic", number(m.bic)}, {"fpe", number(m.fpe)}}},
+        {"fit",
+         {{"one_step", number(m.fit_one_step)},
+          {"held_out_one_step", number(m.held_out_one_step)},
+          {"held_out_simulated", number(m.held_out_simulated)}}},
+        {"whiteness",
+         {{"p", number(m.ljung_box.p)},
+          {"Q", number(m.ljung_box.Q)},
+          {"lags", m.ljung_box.lags},
+          {"degrees_of_freedom", m.ljung_box.freedom},
+          {"level", white_level},
+          {"white", m.ljung_box.white()}}},
+        {"residual_correlation", numbers(m.auto_correlation)},
+        {"bound", number(m.bound)},
+        {"digits", {{"theta", number(m.digits)}, {"worst", number(m.digits_worst)}}},
+        {"condition", number(m.condition)}};
+    Json all = out;
+    if (m.tracked) all["tracked"] = tracked_json(*m.tracked);
+    return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace rlslab::identify
