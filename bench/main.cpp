@@ -1,49 +1,71 @@
-// Runs the rows and prints one line for each: the time by which it is quoted, and its median if there are repetitions.
-#include <benchmark/benchmark.h>
-#include <fmt/format.h>
-#include <fstream>
-#include <string>
+// rlslab_bench: times rows, and shows what a run has. Exit code: 0; 1 where `check` finds a row that became slower; 2 no answer.
+#include "bench/limits.hpp"
+#include "bench/results.hpp"
+#include "bench/verbs.hpp"
+
+#include <rlslab/core/files.hpp>
+
+#include <csignal>
+#include <cstdio>
 
 namespace {
 
-class OneLineEach : public benchmark::BenchmarkReporter {
-public:
-    bool ReportContext(Context const&) override {
-        fmt::print("{:<44}{:>14}{:>9}{:>8}{:>12}{:>12}\n", "", "ns/update", "digits", "finite", "ns/theta", "longest");
-        return true;
-    }
-    void ReportRuns(std::vector<Run> const& runs) override {
-        for (Run const& run : runs) {
-            if (run.error_occurred) fmt::print("{:<44}{}\n", run.run_name.str(), run.error_message);
-            if (run.error_occurred || (run.repetitions > 1 && run.aggregate_name != "median")) continue;
-            auto const counter = [&](char const* name) { return run.counters.at(name).value; };
-            fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter("ns_per_update"), counter("digits"),
-                       counter("finite") != 0 ? "yes" : "no");
-            if (run.counters.contains("ns_theta")) fmt::print("{:>12.1f}{:>12.1f}", counter("ns_theta"), counter("ns_longest"));
-            fmt::print("\n");
-        }
-        std::fflush(stdout);
-    }
-};
+using namespace rlslab::bench;
 
-/// What Linux calls the processor.
-std::string processor() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos) return line.substr(line.find(": ") + 2);
-    return "unknown processor";
+constexpr char usage[] = R"(expected one of
+  run [OPTION...]             times the rows; options of Google Benchmark
+  page RUN.json PAGE.html     plots and tables of a run
+  check RUN.json BASELINE     what became slower since
+  record RUN.json BASELINE    makes the run the baseline
+  limits RUN.json             how the run stands to the limits of docs/speed.md
+  table RUN.json              nanoseconds at 4, 16 and 64 parameters beside dlib, as Markdown
+  ranks [RANKS [PARAMETERS [ROWS [GROUP]]]]
+                              rows a second of the ranks of an MPI job, which it starts by mpirun (in builds with MPI))";
+
+template <class Make>
+auto of_run(char const* path, Make make) {
+    return made_from(path, "not there (./lab bench makes it)", make);
+}
+
+int check(Baseline const& before, Baseline const& now) {
+    if (before.machine != now.machine)
+        throw std::runtime_error(
+            fmt::format("the baseline is of another machine or compiler ({}); this one is {}", before.machine, now.machine));
+    int slower = 0, rows = 0;
+    for (auto const& [name, ratio] : now.rows) rows += int(before.rows.count(name));
+    if (rows == 0) throw std::runtime_error("no row of the baseline is in the run");
+    if (size_t(rows) < before.rows.size()) fmt::print("{} rows of the baseline are not in the run\n", before.rows.size() - size_t(rows));
+    for (Moved const& m : moved(before, now)) {
+        slower += m.factor() > 1;
+        fmt::print("{:<44}{:>7.3f} x  {:.3g} ... {:.3g}, was {:.3g} ... {:.3g}\n", m.name, m.factor(), m.now.least, m.now.greatest,
+                   m.before.least, m.before.greatest);
+    }
+    fmt::print("{} of {} rows became slower, beyond what the repetitions scatter and by more than 5 %\n", slower, rows);
+    return slower > 0 ? 1 : 0;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    benchmark::Initialize(&argc, argv);
-    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    benchmark::AddCustomContext("cpu", processor());
-    benchmark::AddCustomContext("compiler", "g++ " __VERSION__);
-    // With JSON or CSV, standard output has nothing else; otherwise it has one line for each row.
-    benchmark::BenchmarkReporter* const chosen = benchmark::CreateDefaultDisplayReporter();
-    OneLineEach lines;
-    bool const for_people = dynamic_cast<benchmark::ConsoleReporter*>(chosen) != nullptr;
-    benchmark::RunSpecifiedBenchmarks(for_people ? &lines : chosen);
+int main(int argc, char** argv) try {
+    std::string const verb = argc > 1 ? argv[1] : "";
+    if (verb == "run") {
+        argv[1] = argv[0];
+        return run_rows(argc - 1, argv + 1);
+    }
+#ifdef RLSLAB_BENCH_RANKS
+    if (verb == "ranks" && argc <= 6) return run_ranks(argv);
+#endif
+    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
+    if (verb == "page" && argc == 4) return rlslab::replace_file(argv[3], page_of(of_run(argv[2], run_of))), 0;
+    if (verb == "limits" && argc == 3) return fmt::print("{}", table_of_limits(of_run(argv[2], times_of))), 0;
+    if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
+    if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(usage);
+    Baseline const now = of_run(argv[2], baseline_of);
+    if (verb == "check") return check(made_from(argv[3], "not there (./lab bench --record makes it)", read_baseline), now);
+    rlslab::replace_file(argv[3], written(now));
+    fmt::print("{} rows recorded\n", now.rows.size());
+    return 0;
+} catch (std::exception const& error) {
+    fmt::print(stderr, "rlslab_bench: {}\n", error.what());
+    return 2;
 }

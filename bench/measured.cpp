@@ -1,11 +1,13 @@
-// Takes the names apart; one unit of time for every order of magnitude.
+// Takes the names apart; one unit of time for every order of magnitude; the table of times.
 #include "bench/measured.hpp"
 #include "bench/results.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
+#include <fmt/ranges.h>
+#include <map>
 #include <sstream>
 
 namespace rlslab::bench {
@@ -47,9 +49,8 @@ BenchRow measured(json const& row) {
 
 }  // namespace
 
-Run read_run(std::string const& path) {
-    std::ifstream file(path);
-    json const all = parsed_results({std::istreambuf_iterator<char>(file), {}});
+Run run_of(std::string const& run_json) {
+    json const all = parsed_results(run_json);
     json const& context = all.at("context");
     Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
                         context.value("date", "").substr(0, 10)),
@@ -74,6 +75,26 @@ std::string time_for_people(double nanoseconds) {
     if (number.find('.') != std::string::npos) number.erase(number.find_last_not_of('0') + 1);
     if (number.back() == '.') number.pop_back();
     return number + " " + units[unit];
+}
+
+std::string table_of_times(Run const& run) {
+    static constexpr char const* sizes[] = {"4", "16", "64"};
+    std::map<std::string, std::array<std::string, std::size(sizes)>> cells;
+    std::vector<std::string> names;
+    for (BenchRow const& row : run.rows) {
+        bool const ours = row.group == "update", dlib = row.group == "peer" && row.name == "dlib";
+        size_t const column = size_t(std::ranges::find(sizes, row.what) - sizes);
+        if ((!ours && !dlib) || row.arithmetic != "double" || column == std::size(sizes)) continue;
+        std::string const name = dlib ? "dlib's `rls`" : "`" + row.name + "`";
+        if (!cells.contains(name)) names.push_back(name);
+        std::string& cell = cells[name][column] = fmt::format("{:.0f}", row.nanoseconds);
+        if (row.solves_for_theta()) cell += fmt::format(" + {:.0f}", *row.theta_nanoseconds);
+    }
+    if (names.empty()) throw std::runtime_error("expected rows update/VARIANT/double/4, 16 or 64 in the run");
+    std::ranges::stable_partition(names, [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
+    std::string out = "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n";
+    for (std::string const& name : names) out += fmt::format("| {} | {} |\n", name, fmt::join(cells[name], " | "));
+    return out + fmt::format("\n{}. After +: what `theta()` takes where it has to be solved for.\n", run.machine);
 }
 
 }  // namespace rlslab::bench

@@ -1,22 +1,21 @@
-// Writes the page of a run: rlslab_bench_page RUN.json PAGE.html. Plots and tables in one file that loads nothing.
+// The page of a run: plots and tables in one file that loads nothing.
 #include "bench/measured.hpp"
+#include "bench/verbs.hpp"
 #include "report/page.hpp"
 
-#include <rlslab/core/files.hpp>
+#include <rlslab/variants/variants.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <csignal>
-#include <cstdio>
 #include <fmt/format.h>
 #include <functional>
 #include <set>
 
+namespace rlslab::bench {
 namespace {
 
-using namespace rlslab;
-using namespace rlslab::bench;
+using namespace rlslab::report;
 
 using Rows = std::vector<BenchRow>;
 
@@ -45,7 +44,15 @@ BenchRow const* find(Rows const& rows, std::string const& name, std::string cons
 std::string sentence(BenchRow const& row) {
     std::string out = fmt::format("{}, {}: {} per row, ", row.name, row.what, time_for_people(row.nanoseconds));
     out += row.finite ? fmt::format("{:.1f} digits", row.digits) : "not finite";
-    if (row.theta_nanoseconds && *row.theta_nanoseconds > 5) out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
+    if (row.solves_for_theta()) out += fmt::format(", theta() {}", time_for_people(*row.theta_nanoseconds));
+    return out;
+}
+
+std::optional<Family> family_of_variant(std::string_view name) {
+    std::optional<Family> out;
+    for_each(Variants<double>{}, [&]<class F>() {
+        if (F::name == name) out = F::family;
+    });
     return out;
 }
 
@@ -54,7 +61,7 @@ Look look_in_bench(BenchRow const& row, size_t place) {
     constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
     if (row.family == "limit") return {"#555555", true};
     if (row.family == "peer") return {"#8c510a", true, marks[place % marks.size()]};
-    return look_of(row.name, place);
+    return look_of(family_of_variant(row.name), place);
 }
 
 /// Times against sizes; "" for a single size.
@@ -82,7 +89,6 @@ std::string drawn(Rows const& rows, std::string const& title) {
     }
     if (sizes.size() < 2) return "";
     figure.x_ticks.assign(sizes.begin(), sizes.end());
-    figure.names = true;
     return figure_html(figure);
 }
 
@@ -90,8 +96,7 @@ std::string cell(BenchRow const* row, BenchRow const* base, bool least) {
     if (!row) return "<td></td>";
     std::string out = fmt::format("<td{}><b>{}</b>", least ? " class=\"best\"" : "", time_for_people(row->nanoseconds));
     out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class=\"bad\">not finite</small>";
-    if (row->theta_nanoseconds && *row->theta_nanoseconds > 5)
-        out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
+    if (row->solves_for_theta()) out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
     if (row->longest_nanoseconds) out += fmt::format("<small>longest {}</small>", time_for_people(*row->longest_nanoseconds));
     if (base) {
         bool const alike = row->theta_nanoseconds.has_value() == base->theta_nanoseconds.has_value();
@@ -234,6 +239,8 @@ std::string others(Rows const& rows) {
     return out;
 }
 
+}  // namespace
+
 std::string page_of(Run const& run) {
     std::string const head = fmt::format(
         "<h1>The time of an update</h1>\n"
@@ -248,13 +255,4 @@ std::string page_of(Run const& run) {
     return page("rlslab: the time of an update", head + filters(run.rows) + around_filters(run.rows) + others(run.rows));
 }
 
-}  // namespace
-
-int main(int argc, char** argv) try {
-    if (argc != 3) throw std::runtime_error("usage: rlslab_bench_page RUN.json PAGE.html");
-    std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is an error like any other
-    rlslab::replace_file(argv[2], page_of(read_run(argv[1])));
-} catch (std::exception const& error) {
-    fmt::print(stderr, "rlslab_bench_page: {}\n", error.what());
-    return 1;
-}
+}  // namespace rlslab::bench

@@ -1,6 +1,7 @@
 // What each variant lets others do to its state.
 #include <rlslab/catalogue/compose.hpp>
 
+#include <rlslab/adapt/rules.hpp>
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab {
@@ -13,6 +14,9 @@ VariantAbilities abilities_of(std::string_view variant) {
         out.relays = ReportsLeastShare<F> && Downdates<F>;
         out.walks = std::constructible_from<F, Problem<double>, Matrix<double>>;
         out.abilities = abilities_by_type<F>;
+        for_each(Rules<double>{}, [&]<class Rule>() {
+            if constexpr (ForgettingRule<Rule, F>) out.rules.push_back(Rule::name);
+        });
     });
     return out;
 }

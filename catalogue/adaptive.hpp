@@ -61,23 +61,23 @@ public:
         virtual Vector<T> theta() const = 0;
         virtual Vector<T> gain() const = 0;
         virtual Stored<T> stored() const = 0;
-        virtual void forget_by(T const& lambda) = 0;
-        virtual void shrink(T const& lambda) = 0;
-        virtual void grow(T const& c, Regressor<T> a) = 0;
-        virtual void start_at(T const& variance, Regressor<T> theta) = 0;
-        virtual void start_over(T const& variance, Regressor<T> theta, T const& lambda) = 0;
-        virtual Step<T> hold_down(Regressor<T> psi, T const& y, T const& lambda) = 0;
-        virtual Removal<T> take_back(Regressor<T> psi, T const& y, T const& w) = 0;
-        virtual T variance_of(Index j) = 0;
-        virtual T variance_of(Regressor<T> psi) = 0;
-        virtual T information_of(Regressor<T> psi) = 0;
-        virtual T asymmetry_of(Index j) = 0;
+        virtual void set_forgetting(T const& lambda) = 0;
+        virtual void discount(T const& lambda) = 0;
+        virtual void inflate(T const& c, Regressor<T> a) = 0;
+        virtual void reset(T const& variance, Regressor<T> theta) = 0;
+        virtual void restart(T const& variance, Regressor<T> theta, T const& lambda) = 0;
+        virtual Step<T> cap_row(Regressor<T> psi, T const& y, T const& lambda) = 0;
+        virtual Removal<T> remove(Regressor<T> psi, T const& y, T const& w) = 0;
+        virtual T variance(Index j) = 0;
+        virtual T variance_along(Regressor<T> psi) = 0;
+        virtual T information_along(Regressor<T> psi) = 0;
+        virtual T asymmetry(Index j) = 0;
         virtual bool hand_over() = 0;
         virtual Index window_rows() const = 0;
         virtual bool follows_a_rule() const = 0;
         virtual bool set_aside() const = 0;
-        virtual bool started_over() const = 0;
-        virtual void tell(Happened& happened) const = 0;
+        virtual bool restarted() const = 0;
+        virtual CompositionCounts counts() const = 0;
     };
 
     /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for another name.
@@ -104,24 +104,20 @@ public:
 
     /// What Assessed asks for.
     Index rows() const { return filter_->window_rows(); }
-    Index refactored() const { return happened().refactored; }
+    Index refactored() const { return composition_counts().refactored; }
     bool follows_a_rule() const { return filter_->follows_a_rule(); }
     bool set_aside() const { return filter_->set_aside(); }
-    bool started_over() const { return filter_->started_over(); }
-    Happened happened() const {
-        Happened out;
-        filter_->tell(out);
-        return out;
-    }
+    bool restarted() const { return filter_->restarted(); }
+    CompositionCounts composition_counts() const { return filter_->counts(); }
 
     /// Instead of those by form: what is inside may have its own.
-    friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance_of(j); }
-    friend T variance_along(AnyAdaptive& f, Regressor<T> psi) { return f.filter_->variance_of(psi); }
-    friend T asymmetry(AnyAdaptive& f, Index j) { return f.filter_->asymmetry_of(j); }
+    friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance(j); }
+    friend T variance_along(AnyAdaptive& f, Regressor<T> psi) { return f.filter_->variance_along(psi); }
+    friend T asymmetry(AnyAdaptive& f, Index j) { return f.filter_->asymmetry(j); }
     friend void restart(AnyAdaptive& f, T const& variance, Regressor<T> theta, T const& lambda) {
-        f.filter_->start_over(variance, theta, lambda);
+        f.filter_->restart(variance, theta, lambda);
     }
-    friend Step<T> hold(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) { return f.filter_->hold_down(psi, y, lambda); }
+    friend Step<T> cap_row(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) { return f.filter_->cap_row(psi, y, lambda); }
 
 private:
     template <class F>
@@ -146,48 +142,59 @@ struct AnyAdaptive<T>::Around final : Interface {
     Vector<T> theta() const override { return f.theta(); }
     Vector<T> gain() const override { return f.gain(); }
     Stored<T> stored() const override { return f.stored(); }
-    void forget_by(T const& lambda) override {
+    void set_forgetting(T const& lambda) override {
+        using rlslab::set_forgetting;
         if constexpr (TimeUpdates<F>) set_forgetting(f, lambda);
         else cannot();
     }
-    void shrink(T const& lambda) override {
+    void discount(T const& lambda) override {
+        using rlslab::discount;
         if constexpr (TimeUpdates<F>) discount(f, lambda);
         else cannot();
     }
-    void grow(T const& c, Regressor<T> a) override {
+    void inflate(T const& c, Regressor<T> a) override {
+        using rlslab::inflate;
         if constexpr (Inflates<F>) inflate(f, c, a);
         else cannot();
     }
-    void start_at(T const& variance, Regressor<T> theta) override {
+    void reset(T const& variance, Regressor<T> theta) override {
+        using rlslab::reset;
         if constexpr (TimeUpdates<F>) reset(f, variance, theta);
         else cannot();
     }
-    void start_over(T const& variance, Regressor<T> theta, T const& lambda) override {
+    void restart(T const& variance, Regressor<T> theta, T const& lambda) override {
+        using rlslab::restart;
         if constexpr (Guardable<F>) restart(f, variance, theta, lambda);
         else cannot();
     }
-    Step<T> hold_down(Regressor<T> psi, T const& y, T const& lambda) override {
-        if constexpr (Guardable<F>) return hold(f, psi, y, lambda);
+    Step<T> cap_row(Regressor<T> psi, T const& y, T const& lambda) override {
+        using rlslab::cap_row;
+        if constexpr (Guardable<F>) return cap_row(f, psi, y, lambda);
         else cannot();
     }
-    Removal<T> take_back(Regressor<T> psi, T const& y, T const& w) override {
+    Removal<T> remove(Regressor<T> psi, T const& y, T const& w) override {
+        using rlslab::remove;
         if constexpr (Downdates<F>) return remove(f, psi, y, w);
         else cannot();
     }
-    T variance_of(Index j) override {
+    T variance(Index j) override {
+        using rlslab::variance;
         if constexpr (reports_variances<F>) return variance(f, j);
         else cannot();
     }
-    T variance_of(Regressor<T> psi) override {
+    T variance_along(Regressor<T> psi) override {
+        using rlslab::variance_along;
         if constexpr (reports_variances<F>) return variance_along(f, psi);
         else cannot();
     }
-    T information_of(Regressor<T> psi) override {
+    T information_along(Regressor<T> psi) override {
+        using rlslab::information_along;
         if constexpr (ReportsInformationAlong<F>) return information_along(f, psi);
         else cannot();
     }
     /// 0 of a form that has none: a guard then finds nothing, as where it does not look.
-    T asymmetry_of(Index j) override {
+    T asymmetry(Index j) override {
+        using rlslab::asymmetry;
         if constexpr (requires { asymmetry(f, j); }) return asymmetry(f, j);
         else return T(0);
     }
@@ -198,9 +205,10 @@ struct AnyAdaptive<T>::Around final : Interface {
     Index window_rows() const override { return detail::window_rows(f); }
     bool follows_a_rule() const override { return detail::has_a_rule(f); }
     bool set_aside() const override { return detail::guard_of(f).set_aside(); }
-    bool started_over() const override { return detail::guard_of(f).started_over(); }
-    void tell(Happened& out) const override {
-        if constexpr (requires { f.filter().happened(); }) out = f.filter().happened();
+    bool restarted() const override { return detail::guard_of(f).restarted(); }
+    CompositionCounts counts() const override {
+        CompositionCounts out;
+        if constexpr (requires { f.filter().composition_counts(); }) out = f.filter().composition_counts();
         if constexpr (requires { f.since(); }) out.refactored = f.refactored(), out.since = f.since();
         if constexpr (requires { f.counts().windups; }) {
             GuardCounts const& n = f.counts();
@@ -208,6 +216,7 @@ struct AnyAdaptive<T>::Around final : Interface {
             out.breakdowns = n.breakdowns;
         }
         if constexpr (requires { f.handed_over(); }) out.handed_over = f.handed_over();
+        return out;
     }
 };
 
@@ -223,39 +232,39 @@ std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named
 
 template <Real T>
 void set_forgetting(AnyForm<T> f, T const& lambda) {
-    f.filter.forget_by(lambda);
+    f.filter.set_forgetting(lambda);
 }
 template <Real T>
 void discount(AnyForm<T> f, T const& lambda) {
-    f.filter.shrink(lambda);
+    f.filter.discount(lambda);
 }
 template <Real T>
 void inflate(AnyForm<T> f, T const& c, Regressor<T> a) {
-    f.filter.grow(c, a);
+    f.filter.inflate(c, a);
 }
 template <Real T>
 void reset(AnyForm<T> f, T const& variance, Regressor<T> theta) {
-    f.filter.start_at(variance, theta);
+    f.filter.reset(variance, theta);
 }
 template <Real T>
 Removal<T> remove(AnyForm<T> f, Regressor<T> psi, T const& y, T const& w) {
-    return f.filter.take_back(psi, y, w);
+    return f.filter.remove(psi, y, w);
 }
 template <Real T>
 T variance(AnyForm<T> f, Index j) {
-    return f.filter.variance_of(j);
+    return f.filter.variance(j);
 }
 template <Real T>
 T variance_along(AnyForm<T> f, Regressor<T> psi) {
-    return f.filter.variance_of(psi);
+    return f.filter.variance_along(psi);
 }
 template <Real T>
 T information_along(AnyForm<T> f, Regressor<T> psi) {
-    return f.filter.information_of(psi);
+    return f.filter.information_along(psi);
 }
 template <Real T>
 T asymmetry(AnyForm<T> f, Index j) {
-    return f.filter.asymmetry_of(j);
+    return f.filter.asymmetry(j);
 }
 
 }  // namespace rlslab

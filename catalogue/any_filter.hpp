@@ -2,6 +2,8 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/family.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>
@@ -69,6 +71,7 @@ struct CatalogueEntry {
     Index block;                  ///< rows processed at once; 1 for most
     std::string_view propagates;  ///< "covariance" or "information"
     bool gain_perturbable;        ///< takes an error in what plays the gain in its update of P
+    Family family;                ///< F::family: its colour and mark in figures
     /// Makes the filter for a problem given in binary64. The seed is for stochastic rounding; other arithmetics ignore it.
     /// Throws std::invalid_argument for a problem that is not well posed.
     std::unique_ptr<AnyFilter> (*make)(Problem<double> const&, Seed);

@@ -2,6 +2,7 @@
 // list of arithmetics.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/instances.hpp>
+#include <rlslab/model/order_recursive.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -51,6 +52,12 @@ std::vector<CatalogueEntry const*> one_entry_each() {
     for (CatalogueEntry const& entry : catalogue())
         if (std::ranges::find(out, entry.variant, &CatalogueEntry::variant) == out.end()) out.push_back(&entry);
     return out;
+}
+
+std::optional<Family> family_of_variant(std::string_view name) {
+    for (CatalogueEntry const* const entry : one_entry_each())
+        if (entry->variant == name) return entry->family;
+    return name == OrderRecursive<double>::name ? std::optional(OrderRecursive<double>::family) : std::nullopt;
 }
 
 }  // namespace rlslab

@@ -27,6 +27,8 @@ CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std
 CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic = "double");
 /// An entry of each variant of the catalogue, in the order of the list.
 std::vector<CatalogueEntry const*> one_entry_each();
+/// Of a variant of the catalogue, or of OrderRecursive; nullopt for another name.
+std::optional<Family> family_of_variant(std::string_view name);
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
 /// The operations per row of a variant with `size` parameters in steady state (lambda = 0.99). A variant that takes blocks solves for theta

@@ -2,7 +2,7 @@
 #include <rlslab/catalogue/compose.hpp>
 #include <rlslab/catalogue/erase.hpp>
 
-#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/rules.hpp>
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -65,7 +65,7 @@ struct SounderThan<double> {
 /// The variant by itself, or with the sounder one that it can hand over to.
 AnyAdaptive<T> innermost(Composition const& c, std::string_view variant, Problem<T> const& problem) {
     std::optional<AnyAdaptive<T>> out;
-    if (c.guard == "hand_over")
+    if (c.policy().hands_over())
         for_each(Variants<T>{}, [&]<class F>() {
             if constexpr (ReportsLeastShare<F> && Downdates<F> && requires { typename SounderThan<typename F::scalar>::type; })
                 if (F::name == variant) out = AnyAdaptive<T>::around(Relay<F, typename SounderThan<typename F::scalar>::type>(problem));
@@ -73,27 +73,39 @@ AnyAdaptive<T> innermost(Composition const& c, std::string_view variant, Problem
     return out ? *out : AnyAdaptive<T>(problem, variant);
 }
 
+/// The rule with these numbers, in the order of its own that have a name on the command line.
+template <class Rule>
+Rule rule_of(std::vector<double> const& parameters) {
+    Rule rule;
+    [[maybe_unused]] size_t i = 0;
+    detail::for_each_number<Rule>([&]<class X>(RuleNumber<Rule, X> const& n) {
+        if (n.name.empty()) return;
+        double const x = parameters.at(i++);
+        if constexpr (std::same_as<X, T>) rule.*n.at = round_to<T>(x);
+        else rule.*n.at = X(x);
+    });
+    return rule;
+}
+
 AnyAdaptive<T> with_control(Composition const& c, AnyAdaptive<T> const& filter, Problem<T> const& problem) {
-    auto const p = [&](size_t i) { return round_to<T>(c.parameters.at(i)); };
-    auto const ruled = [&](auto const& rule) {
-        return AnyAdaptive<T>::around(Forgetting<AnyAdaptive<T>, std::remove_cvref_t<decltype(rule)>>(filter, problem, rule));
-    };
-    if (c.control == "fortescue") return ruled(Fortescue<T>{.noise_variance = p(0), .memory = p(1), .least = p(2)});
-    if (c.control == "kulhavy") return ruled(Kulhavy<T>{.forgetting = p(0), .least_excitation = p(1)});
-    if (c.control == "cao_schwartz") return ruled(CaoSchwartz<T>{.forgetting = p(0), .least_excitation = p(1)});
-    if (c.control == "ridge") return ruled(RotatingRidge<T>{.ridge = p(0)});
-    if (c.control == "reset") return ruled(CovarianceReset<T>{.period = Index(c.parameters.at(0)), .variance = p(1)});
-    if (c.control == "random_walk") return ruled(RandomWalk<T>{.variance = p(0)});
-    return filter;
+    AnyAdaptive<T> out = filter;
+    if (c.keeps_the_problem()) return out;
+    for_each(Rules<T>{}, [&]<class Rule>() {
+        if (Rule::name == c.control)
+            out = AnyAdaptive<T>::around(Forgetting<AnyAdaptive<T>, Rule>(filter, problem, rule_of<Rule>(c.parameters)));
+    });
+    return out;
 }
 
 AnyAdaptive<T> with_guard(Composition const& c, AnyAdaptive<T> const& filter, Problem<T> const& problem) {
-    auto const guarded = [&]<GuardPolicy policy>() { return AnyAdaptive<T>::around(Guarded<AnyAdaptive<T>, policy>(filter, problem)); };
-    if (c.guard == "report") return guarded.template operator()<reporting>();
-    if (c.guard == "reset") return guarded.template operator()<resetting>();
-    if (c.guard == "rebuild") return guarded.template operator()<rebuilding>();
-    if (c.guard == "hand_over") return guarded.template operator()<handing_over>();
-    return filter;
+    AnyAdaptive<T> out = filter;
+    [&]<size_t... I>(std::index_sequence<I...>) {
+        ((guard_policies[I].name == c.guard
+              ? void(out = AnyAdaptive<T>::around(Guarded<AnyAdaptive<T>, guard_policies[I].policy>(filter, problem)))
+              : void()),
+         ...);
+    }(std::make_index_sequence<std::size(guard_policies)>());
+    return out;
 }
 
 class Composed final : public ComposedFilter {
@@ -138,7 +150,7 @@ public:
     void load(std::span<std::byte const>) override {
         throw std::invalid_argument("expected a variant alone: load a composition by its type (<rlslab/state/state.hpp>)");
     }
-    Happened happened() const override { return filter_.filter().happened(); }
+    CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
     double noise_variance() const override { return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan(""); }
     Interval<double> interval(Index j, double q) override {
         if (!filter_.filter().abilities().variances) return alone(filter_.theta()[j]);
@@ -158,8 +170,9 @@ std::unique_ptr<ComposedFilter> compose<RLSLAB_ARITHMETIC>(Composition const& c,
     Problem<T> const problem = problem_as<T>(given);
     constexpr char const* in_range = "numbers of the control in the arithmetic's range";
     for (double const x : c.parameters) expects(is_finite(round_to<T>(x)) && (x == 0 || !(round_to<T>(x) == T(0))), in_range);
-    if (c.control == "kulhavy" || c.control == "cao_schwartz") expects(is_finite(T(1) / round_to<T>(c.parameters.at(0))), in_range);
-    if (c.control == "random_walk" && variant == Walking::name)
+    for (size_t i = 0; i < c.parameters.size(); ++i)
+        if (control_named(c.control).parameters.at(i).range.inverted) expects(is_finite(T(1) / round_to<T>(c.parameters[i])), in_range);
+    if (is_its_own_rule(c, variant))
         return std::make_unique<Composed>(AnyAdaptive<T>::around(Walking(problem, round_to<T>(c.parameters.at(0)))), problem.forgetting);
     AnyAdaptive<T> filter = innermost(c, variant, problem);
     if (c.window > 0) filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));

@@ -13,8 +13,9 @@ std::unique_ptr<ComposedFilter> compose(Composition const& composition, std::str
 /// What a variant can do, in double; `relays`: it knows how near to singular its P is, and can hand over.
 struct VariantAbilities {
     Abilities abilities;
-    bool single_rows = false;            ///< exists where compositions do, and takes single rows
-    bool relays = false, walks = false;  ///< walks: has a Q of its own
+    bool single_rows = false;                  ///< exists where compositions do, and takes single rows
+    bool relays = false, walks = false;        ///< walks: has a Q of its own
+    std::vector<std::string_view> rules = {};  ///< of forgetting that it can follow
 };
 VariantAbilities abilities_of(std::string_view variant);
 

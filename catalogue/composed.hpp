@@ -11,7 +11,7 @@ namespace rlslab {
 /// A composed filter behind the erased interface, with what it says of itself.
 class ComposedFilter : public AnyFilter {
 public:
-    virtual Happened happened() const = 0;
+    virtual CompositionCounts counts() const = 0;
     /// Of Assessed, rounded to binary64: the noise's variance, theta_j +- q deviations, the next output +- q deviations.
     /// Deviations are NaN until the noise is known, and of a variant that shows no state (`kalman` and `extended_qr` with `constant`).
     virtual double noise_variance() const = 0;

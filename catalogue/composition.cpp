@@ -2,43 +2,62 @@
 #include <rlslab/catalogue/composition.hpp>
 #include <rlslab/catalogue/compose.hpp>
 
+#include <rlslab/adapt/rules.hpp>
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace rlslab {
 
+namespace {
+
+template <class Rule>
+Control control_of() {
+    Control out{Rule::name, Rule::what, Rule::type, "adapt/forgetting", false, {}};
+    if constexpr (requires { Rule::header; }) out.header = Rule::header;
+    if constexpr (requires { Rule::below_one; }) out.below_one = Rule::below_one;
+    detail::for_each_number<Rule>([&]<class X>(RuleNumber<Rule, X> const& n) {
+        double const start = n.range.otherwise == RuleDefault::member ? double(Rule{}.*n.at) : std::nan("");
+        if (!n.name.empty()) out.parameters.push_back({n.name, n.member, std::same_as<X, Index>, start, n.range});
+    });
+    return out;
+}
+
+}  // namespace
+
 std::vector<Control> const& controls() {
-    constexpr double given = std::numeric_limits<double>::quiet_NaN(), any = std::numeric_limits<double>::max();
-    static std::vector<Control> const all{
-        {"constant", "lambda of --forgetting at every row, as without a control", {}},
-        {"fortescue",
-         "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below LEAST; "
-         "VARIANCE is the noise's, of the residuals where it is not given",
-         {{"VARIANCE", given, 0, any, true}, {"MEMORY", 100, 1, any, false}, {"LEAST", 0.5, 0, 1, true}}},
-        {"kulhavy",
-         "forgets along the gain alone, after the row; rows of |psi|^2 < EXCITATION forget nothing",
-         {{"LAMBDA", 0.98, 0, 1, true}, {"EXCITATION", 0, 0, any, false}}},
-        {"cao_schwartz",
-         "forgets along the regressor alone, before the row; rows of |psi|^2 < EXCITATION forget nothing",
-         {{"LAMBDA", 0.98, 0, 1, true}, {"EXCITATION", 0, 0, any, false}}},
-        {"ridge", "information that --forgetting below 1 does not wear down: P^-1 >= about RIDGE I", {{"RIDGE", 0.001, 0, any, true}}},
-        {"reset",
-         "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given",
-         {{"PERIOD", 1000, 1, 1e7, false}, {"VARIANCE", given, 0, any, true}}},
-        {"random_walk",
-         "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns (kalman: all of Q)",
-         {{"VARIANCE", given, 0, any, false}}},
-    };
+    static std::vector<Control> const all = [] {
+        std::vector<Control> out;
+        for_each(Rules<double>{}, [&]<class Rule>() { out.push_back(control_of<Rule>()); });
+        return out;
+    }();
     return all;
 }
 
+Control const& control_named(std::string_view name) {
+    auto const found = std::ranges::find(controls(), name, &Control::name);
+    expects(found != controls().end(), "the name of a rule of forgetting");
+    return *found;
+}
+
 std::vector<std::string_view> const& guard_names() {
-    static std::vector<std::string_view> const all{"report", "reset", "rebuild", "hand_over"};
+    static std::vector<std::string_view> const all = [] {
+        std::vector<std::string_view> out;
+        for (NamedPolicy const& named : guard_policies) out.push_back(named.name);
+        return out;
+    }();
     return all;
+}
+
+bool Composition::keeps_the_problem() const { return control.empty() || control == ConstantForgetting<double>::name; }
+
+GuardPolicy Composition::policy() const {
+    if (guard.empty()) return reporting;
+    NamedPolicy const* const named = find_policy(guard);
+    expects(named != nullptr, "the name of a guard's policy");
+    return named->policy;
 }
 
 std::vector<std::string_view> const& composed_arithmetics() {
@@ -48,9 +67,13 @@ std::vector<std::string_view> const& composed_arithmetics() {
 
 std::string contradiction(Composition const& c) {
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
-    if (c.guard == "hand_over" && c.window > 0) return "a window cannot take back rows from the filter that goes on";
-    if (c.guard == "hand_over" && !c.keeps_the_problem()) return "a rule of forgetting does not go along to the filter that goes on";
+    if (c.policy().hands_over() && c.window > 0) return "a window cannot take back rows from the filter that goes on";
+    if (c.policy().hands_over() && !c.keeps_the_problem()) return "a rule of forgetting does not go along to the filter that goes on";
     return "";
+}
+
+bool is_its_own_rule(Composition const& c, std::string_view variant) {
+    return c.control == RandomWalk<double>::name && c.window == 0 && c.guard.empty() && abilities_of(variant).walks;
 }
 
 std::string obstacle(Composition const& c, std::string_view variant) {
@@ -58,25 +81,34 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     Abilities const& a = can.abilities;
     bool const ruled = !c.keeps_the_problem();
     if (!ruled && c.window == 0 && c.guard.empty()) return can.single_rows ? "" : "takes rows in blocks, or is another library's";
-    if (can.walks && c.control == "random_walk" && c.guard.empty()) return "";
+    if (is_its_own_rule(c, variant)) return "";
     if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";
     if (c.window > 0 && !a.downdates) return "takes no row back";
-    if (c.guard == "hand_over" && !can.relays) return "does not tell how near to singular its P is";
-    if ((c.control == "kulhavy" || c.control == "cao_schwartz" || c.control == "random_walk") && !a.inflates)
-        return "takes no P + c a a': its square root of P is no triangle";
-    if (c.control == "cao_schwartz" && !a.information) return "has psi'P^-1 psi not at hand: it stores P, or no triangle";
+    if (c.policy().hands_over() && !can.relays) return "does not tell how near to singular its P is";
+    if (ruled && std::ranges::count(can.rules, c.control) == 0)
+        return !a.inflates      ? "takes no P + c a a': its square root of P is no triangle"
+               : !a.information ? "has psi'P^-1 psi not at hand: it stores P, or no triangle"
+                                : "cannot do what the rule asks of a variant";
     if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
     return "";
 }
 
-Composition settled(Composition composition, Problem<double> const& problem, double noise_variance) {
-    bool const fortescue = composition.control == "fortescue";
-    for (double& x : composition.parameters) {
+bool needs_noise_variance(Composition const& c) {
+    for (size_t i = 0; i < c.parameters.size(); ++i)
+        if (std::isnan(c.parameters[i]) && control_named(c.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance)
+            return true;
+    return false;
+}
+
+Composition completed(Composition composition, Problem<double> const& problem, double noise_variance) {
+    for (size_t i = 0; i < composition.parameters.size(); ++i) {
+        double& x = composition.parameters[i];
+        bool const of_noise = control_named(composition.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance;
         if (std::isnan(x))
-            x = fortescue                   ? noise_variance
+            x = of_noise                    ? noise_variance
                 : problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff()
                                             : problem.prior->variance;
-        if (!std::isfinite(x) || (fortescue && !(x > 0)))
+        if (!std::isfinite(x) || (of_noise && !(x > 0)))
             throw InputError(
                 fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or of "
                             "whose residuals double cannot hold the squares",
@@ -89,7 +121,7 @@ std::vector<std::string> warnings_of(Composition const& c, Index rows, Index par
     std::vector<std::string> out;
     if (c.window >= std::max<Index>(rows, 1))
         out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.window));
-    if (c.control == "reset" && c.parameters[0] > double(rows))
+    if (c.control == CovarianceReset<double>::name && c.parameters[0] > double(rows))
         out.emplace_back("the control resets P after the record's end: it did nothing");
     if (c.window > 0 && c.window < parameters)
         out.push_back(fmt::format("the window of {} does not determine {} parameters: the prior does",

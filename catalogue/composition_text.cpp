@@ -15,7 +15,7 @@ std::string composition_text(Composition const& c) {
     std::vector<std::string> out;
     if (!c.control.empty()) {
         std::string text = "control " + c.control;
-        Control const& control = *std::ranges::find(controls(), c.control, &Control::name);
+        Control const& control = control_named(c.control);
         for (size_t i = 0; i < c.parameters.size(); ++i)
             text += fmt::format("{} {} {}", i == 0 ? "," : " and", control.parameters[i].name, c.parameters[i]);
         out.push_back(text);
@@ -25,7 +25,7 @@ std::string composition_text(Composition const& c) {
     return fmt::format("{}", fmt::join(out, "; "));
 }
 
-std::string happened_text(Happened const& h) {
+std::string counts_text(CompositionCounts const& h) {
     std::vector<std::string> out;
     if (h.refactored > 0) out.push_back(fmt::format("factored anew {}", times(h.refactored, "time", "times")));
     if (h.unusable > 0) out.push_back(times(h.unusable, "unusable row", "unusable rows"));

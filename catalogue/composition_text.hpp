@@ -9,6 +9,6 @@ namespace rlslab {
 std::string composition_text(Composition const& composition);
 
 /// "factored anew 3 times, 2 outliers"; "" where nothing happened.
-std::string happened_text(Happened const& happened);
+std::string counts_text(CompositionCounts const& counts);
 
 }  // namespace rlslab

@@ -22,7 +22,7 @@ Cost counted_cost(Index d) {
     long rows = 1;
     if constexpr (TakesBlocks<F>) {
         rows = F::block;
-        Rows<T> psi(d, F::block);
+        Matrix<T> psi(d, F::block);
         for (Index k = 0; k < F::block; ++k) psi.col(k) = noise(d);
         Vector<T> const y = noise(F::block);
         cost.update = per_row(counted([&] { filter.update_block(psi, y); }), rows);

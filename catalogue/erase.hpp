@@ -176,6 +176,7 @@ CatalogueEntry entry_of(Arithmetic const* arithmetic) {
             block,
             ReportsCovariance<F> ? "covariance" : "information",
             GainPerturbable<F>,
+            F::family,
             &Erased<F>::make,
             &nanoseconds<F>};
 }

@@ -1,6 +1,7 @@
 // From a comparison to a sentence and a few lines of C++.
 #include "compare/answer.hpp"
 #include "compare/composed_words.hpp"
+#include "compare/digits_answer.hpp"
 #include "compare/words.hpp"
 
 #include <rlslab/core/input_error.hpp>
@@ -119,6 +120,7 @@ Recommendation const* coded(Comparison const& c) {
 }
 
 std::string code(Comparison const& c) {
+    if (c.digits) return code(*c.digits);
     Recommendation const* const r = coded(c);
     return r ? code(c, {.variant = r->variant, .arithmetic = r->arithmetic}) : "";
 }

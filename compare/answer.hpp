@@ -25,7 +25,7 @@ struct CodedFilter {
 /// A C++ file that defines it as `filter`. Comments above it give the model and the order and signs of the regressors. It compiles as it
 /// stands. "" for another arithmetic.
 std::string code(Comparison const& comparison, CodedFilter const& filter);
-/// Of the recommended one; "" when coded() is null.
+/// Of the one that keeps the wanted digits, or without them of the recommended one; "" where there is none.
 std::string code(Comparison const& comparison);
 /// Code in lines of at most `width` letters where it has blanks: a comment, with the lines that continue it, goes on as one.
 std::string folded(std::string const& code, size_t width);

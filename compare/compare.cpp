@@ -33,24 +33,25 @@ std::vector<std::string> printable_names(Records const& records) {
 }
 
 /// The effect on the exact solution of rounding the data to this arithmetic.
-Storage storage(Arithmetic const& arithmetic, StoredProblem const& stored, CertifiedSolution const& given, Vector<double> const& scales) {
-    Problem<double> problem = stored.problem;
+RoundingEffect effect_of(Arithmetic const& arithmetic, RoundedProblem const& rounded, CertifiedSolution const& given,
+                         Vector<double> const& scales) {
+    Problem<double> problem = rounded.problem;
     problem.prior.reset();
-    Storage out{arithmetic.name,
-                problem.forgetting,
-                0,
-                stored.in_range,
-                {},
-                std::numeric_limits<double>::quiet_NaN(),
-                std::numeric_limits<double>::quiet_NaN()};
-    CertifiedSolution const* const exact = stored.orders.front().exact.empty() ? nullptr : &stored.orders.front().exact.back();
-    out.data_in_range = stored.records.psi.allFinite() && stored.records.y.allFinite();
-    Prior<double> const& prior = *stored.problem.prior;
+    RoundingEffect out{arithmetic.name,
+                       problem.forgetting,
+                       0,
+                       rounded.in_range,
+                       {},
+                       std::numeric_limits<double>::quiet_NaN(),
+                       std::numeric_limits<double>::quiet_NaN()};
+    CertifiedSolution const* const exact = rounded.orders.front().exact.empty() ? nullptr : &rounded.orders.front().exact.back();
+    out.data_in_range = rounded.records.psi.allFinite() && rounded.records.y.allFinite();
+    Prior<double> const& prior = *rounded.problem.prior;
     double const least = std::ldexp(1.0, arithmetic.min_exp),
                  P0 = prior.covariance ? prior.covariance->diagonal().minCoeff() : prior.variance;
-    out.prior_subnormal = stored.in_range && P0 < least;
+    out.prior_subnormal = rounded.in_range && P0 < least;
     if (is_forgetting_factor(problem.forgetting) && out.data_in_range) {
-        CertifiedSolution const without = certified(problem, stored.records, {stored.records.rows()}).front();
+        CertifiedSolution const without = certified(problem, rounded.records, {rounded.records.rows()}).front();
         out.rank = without.rank();
         if (exact)
             out.prior_bias = relative_change(*exact, without, scales),
@@ -88,11 +89,7 @@ std::vector<double> agreement(CertifiedSolution const& a, CertifiedSolution cons
     constexpr double most = 30;  // to which they are certified
     std::vector<double> out;
     Vector<Reference> const x = a.theta(), y = b.theta();
-    for (Index i = 0; i < x.size(); ++i) {
-        Reference const difference = absolute(Reference(x[i] - y[i]));
-        out.push_back(difference == 0 ? most
-                                      : std::min(most, -correctly::log10(static_cast<double>(Reference(difference / absolute(y[i]))))));
-    }
+    for (Index i = 0; i < x.size(); ++i) out.push_back(std::min(most, digits_of(Reference(x[i] - y[i]), y[i])));
     return out;
 }
 
@@ -114,8 +111,8 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
         if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
             throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
                                          fmt::join(composed_arithmetics(), " and "), name));
-    auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
-        return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+    auto const selected = [](std::vector<std::string> const& names, std::string_view name) {
+        return names.empty() || std::ranges::find(names, name) != names.end();
     };
     std::vector<CatalogueEntry const*> out;
     for (CatalogueEntry const& entry : catalogue())
@@ -155,109 +152,156 @@ Composition as_stored(Composition composition, double (*round)(double)) {
     return composition;
 }
 
-}  // namespace
+// --- the steps of a comparison --------------------------------------------------------------------------------------------------
 
-Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
-    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);
-    bool const plain = options.composition.empty();
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+/// The ways in which the chosen arithmetics round the data: those that hold binary64 share one.
+std::string_view rounding_of(Arithmetic const& a) { return a.digits >= 53 ? std::string_view("double") : a.name; }
 
-    // One stored problem for each way of rounding the data: arithmetics that hold binary64 share one.
-    auto const rounding_of = [&](Arithmetic const* a) { return a->digits >= 53 ? std::string_view("double") : a->name; };
-    std::vector<Arithmetic const*> used;
-    std::set<std::string_view> roundings;
-    int most_digits = 0;
-    for (CatalogueEntry const* entry : entries) {
-        if (used.empty() || used.back() != entry->arithmetic) used.push_back(entry->arithmetic);
-        roundings.insert(rounding_of(entry->arithmetic));
-        most_digits = std::max(most_digits, int(entry->arithmetic->decimal_digits()));
-    }
+std::vector<Arithmetic const*> arithmetics_of(std::vector<CatalogueEntry const*> const& entries) {
+    std::vector<Arithmetic const*> out;
+    for (CatalogueEntry const* const entry : entries)
+        if (out.empty() || out.back() != entry->arithmetic) out.push_back(entry->arithmetic);
+    return out;
+}
 
-    // The data as they are: the solution that is shown, and whether they determine theta at all.
-    Index const rows = records.rows();
-    auto const orders = plain ? row_orders(rows, options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
-    size_t solved = 0;
-    auto const one_more_solved = [&] {  // of three for the data as they are, and one for each order in each rounding
-        if (progress) progress("reference", double(++solved) / double(3 + orders.size() * roundings.size()));
-    };
+/// The data as they are: the problem with its prior, and its solutions with it and without.
+struct Solved {
+    Problem<double> problem;
+    std::optional<DefaultPrior> scaled;  ///< the prior; absent: the options give one
+    CertifiedSolution without, with;
+    Vector<double> scales;  ///< of the regressors
+};
+/// Throws InputError where the data do not determine theta.
+Solved solved(Records const& records, CompareOptions const& options, std::function<void()> const& one_more) {
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting, .prior = std::nullopt};
-    CertifiedSolution const without = certified(problem, records, {rows}).front();
-    one_more_solved();
+    CertifiedSolution without = certified(problem, records, {records.rows()}).front();
+    one_more();
     if (without.status() == Status::singular)
         throw InputError(
             fmt::format("the regressors are linearly dependent, so theta is not determined: exact rank {} of {} "
                         "over {} rows{}",
-                        without.rank(), records.parameters(), rows, constants_text(records)));
+                        without.rank(), records.parameters(), records.rows(), constants_text(records)));
     std::optional<DefaultPrior> scaled;
     if (!options.p0) {
         scaled = default_prior(records, options.forgetting);
         scaled->c *= options.prior_times;
     }
-    one_more_solved();
+    one_more();
     problem.prior = scaled ? scaled->prior() : Prior<double>{.variance = *options.p0};
-    Vector<double> const scales = regressor_scales(records);
-    CertifiedSolution const with = certified(problem, records, {rows}).front();
-    one_more_solved();
-    Comparison out{.rows = rows,
+    Vector<double> scales = regressor_scales(records);
+    CertifiedSolution with = certified(problem, records, {records.rows()}).front();
+    one_more();
+    return {std::move(problem), std::move(scaled), std::move(without), std::move(with), std::move(scales)};
+}
+
+/// The comparison before any variant has computed.
+Comparison described(Records const& records, CompareOptions const& options, Solved const& given) {
+    Comparison out{.rows = records.rows(),
                    .skipped = records.skipped,
                    .size = records.parameters(),
                    .names = printable_names(records),
                    .model = {},
-                   .theta = with.theta_strings(30),
-                   .least_squares = without.theta_strings(30),
-                   .agreement = agreement(with, without),
-                   .radius = with.radius(),
-                   .bits = with.bits(),
+                   .theta = given.with.theta_strings(30),
+                   .least_squares = given.without.theta_strings(30),
+                   .agreement = agreement(given.with, given.without),
+                   .radius = given.with.radius(),
+                   .bits = given.with.bits(),
                    .condition = condition(records, options.forgetting),
-                   .scaled_prior = scaled,
-                   .prior_bias = relative_change(with, without, scales),
-                   .component_bias = largest_relative_change(with, without, scales),
+                   .scaled_prior = given.scaled,
+                   .prior_bias = relative_change(given.with, given.without, given.scales),
+                   .component_bias = largest_relative_change(given.with, given.without, given.scales),
                    .offset = offset(records),
                    .options = options,
-                   .checkpoints = checkpoints_of(rows),
-                   .storage = {},
+                   .checkpoints = checkpoints_of(records.rows()),
+                   .rounding = {},
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
-    bool const asks = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
-    out.options.composition = settled(options.composition, problem, asks ? noise_variance(records, without) : 0);
-    Composition tried = out.options.composition;
-    tried.window = std::min(tried.window, rows);  // a longer one takes memory alone: nothing leaves either
+    bool const estimated = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
+    out.options.composition = completed(options.composition, given.problem, estimated ? noise_variance(records, given.without) : 0);
+    return out;
+}
 
-    std::map<std::string_view, StoredProblem> stored;
+/// The problem in each way of rounding, and what a composition is compared with there.
+struct Prepared {
+    std::map<std::string_view, RoundedProblem> rounded;
     std::map<std::string_view, CompositionReference> references;
-    for (Arithmetic const* a : used) {
-        if (stored.contains(rounding_of(a))) continue;
-        bool const wide = a->digits >= 53;
-        int const digits = wide ? std::max(30, most_digits + 15) : 30;
-        StoredProblem const& one = stored[rounding_of(a)] =
-            stored_problem(records, problem, wide ? &as_is : a->round, orders, digits, one_more_solved);
-        references.try_emplace(rounding_of(a), as_stored(tried, wide ? &as_is : a->round), one, digits);
-        if (!wide) out.storage.push_back(storage(*a, one, with, scales));
+    std::vector<RoundingEffect> effects;  ///< where the arithmetic is shorter than binary64
+};
+Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& records, Composition composition, Solved const& given,
+                 std::vector<std::vector<Index>> const& orders, std::function<void()> const& one_more) {
+    composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone: nothing leaves either
+    double most_digits = 0;
+    for (Arithmetic const* const a : used) most_digits = std::max(most_digits, a->decimal_digits());
+    Prepared out;
+    for (Arithmetic const* const a : used) {
+        std::string_view const name = rounding_of(*a);
+        if (out.rounded.contains(name)) continue;
+        bool const wide = name == "double";
+        auto const round = wide ? &as_is : a->round;
+        int const digits = wide ? std::max(30, int(most_digits) + 15) : 30;
+        RoundedProblem const& one = out.rounded[name] = rounded_problem(records, given.problem, round, orders, digits, one_more);
+        out.references.try_emplace(name, as_stored(composition, round), one, digits);
+        if (!wide) out.effects.push_back(effect_of(*a, one, given.with, given.scales));
     }
+    return out;
+}
 
-    out.results.assign(entries.size(), {});
+std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared, CompareOptions const& options,
+                              StagedProgress const& progress) {
+    std::vector<Result> out(entries.size());
     std::vector<size_t> order(entries.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;  // the slow arithmetics first
     std::mutex one_at_a_time;
     size_t done = 0;
-    arena.execute([&] {
+    tbb::task_arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic).execute([&] {
         tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
-            std::string_view const rounding = rounding_of(entries[i]->arithmetic);
-            out.results[i] = plain ? score(*entries[i], stored.at(rounding), options.seed)
-                                   : score_composed(*entries[i], stored.at(rounding), references.at(rounding));
+            std::string_view const name = rounding_of(*entries[i]->arithmetic);
+            out[i] = options.composition.empty() ? score(*entries[i], prepared.rounded.at(name), options.seed)
+                                                 : score_composed(*entries[i], prepared.rounded.at(name), prepared.references.at(name));
             std::lock_guard const lock(one_at_a_time);
             if (progress) progress("comparing", double(++done) / double(entries.size()));
         });
     });
-    // Timed last, when no other thread of this program runs.
-    for (Result& r : out.results) {
+    return out;
+}
+
+/// Operations and nanoseconds of each. Called when no other thread of this program runs.
+void time_all(std::vector<Result>& results, Prepared const& prepared, Records const& records, CompareOptions const& options) {
+    for (Result& r : results) {
         if (!r.obstacle.empty()) continue;
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
-        if (options.timings && plain && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
-            r.ns_per_update = r.entry->time(stored.at(rounding_of(r.entry->arithmetic)).problem, records, Seed{options.seed});
+        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
+            r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records, Seed{options.seed});
     }
-    for (Arithmetic const* a : used) out.recommendations.push_back(recommend(*a, out));
+}
+
+std::vector<Recommendation> recommend_all(std::vector<Arithmetic const*> const& used, Comparison const& c) {
+    std::vector<Recommendation> out;
+    for (Arithmetic const* const a : used) out.push_back(recommend(*a, c));
+    return out;
+}
+
+}  // namespace
+
+Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
+    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);
+    std::vector<Arithmetic const*> const used = arithmetics_of(entries);
+    std::set<std::string_view> roundings;
+    for (Arithmetic const* const a : used) roundings.insert(rounding_of(*a));
+    auto const orders =
+        options.composition.empty() ? row_orders(records.rows(), options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
+    size_t done = 0;
+    auto const one_more = [&] {  // of three for the data as they are, and one for each order in each rounding
+        if (progress) progress("reference", double(++done) / double(3 + orders.size() * roundings.size()));
+    };
+    Solved const given = solved(records, options, one_more);
+    Comparison out = described(records, options, given);
+    Prepared prepared = prepare(used, records, out.options.composition, given, orders, one_more);
+    out.rounding = prepared.effects;
+    out.results = score_all(entries, prepared, options, progress);
+    time_all(out.results, prepared, records, options);
+    out.recommendations = recommend_all(used, out);
     return out;
 }
 

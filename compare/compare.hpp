@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct CompareOptions {
     double prior_times = 1;                     ///< c of that prior is multiplied by this power of two
     std::vector<std::string> variants = {};     ///< empty: all
     std::vector<std::string> arithmetics = {};  ///< empty: all
+    std::optional<double> digits = {};          ///< that the recommended variant keeps of theta's worst component; absent: 3
     Composition composition = {};               ///< around each variant; only in float and double, and in the record's order of rows
     std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows
     int threads = 0;                            ///< 0: all cores; the results do not depend on it
@@ -49,8 +51,8 @@ struct Spread {
 
 /// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
 struct Breakdown {
-    Index step;        ///< from 1; 0: the prior itself, as this arithmetic stores it
-    std::string kind;  ///< "indefinite" or "nonfinite"
+    Index step;   ///< from 1; 0: the prior itself, as this arithmetic stores it
+    Health kind;  ///< indefinite or nonfinite
 };
 
 /// One row of the table.
@@ -68,13 +70,13 @@ struct Result {
     std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
     // With a composition around the variant:
-    std::string obstacle = {};            ///< why it cannot be; the rest is then empty
-    std::vector<Happened> happened = {};  ///< at each checkpoint
-    Index certified_to = 0;               ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
+    std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
+    std::vector<CompositionCounts> happened = {};  ///< at each checkpoint
+    Index certified_to = 0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
 };
 
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
-struct Storage {
+struct RoundingEffect {
     std::string_view arithmetic;
     double forgetting;                   ///< lambda as stored
     Index rank;                          ///< exact, of the regressors as stored
@@ -125,9 +127,10 @@ struct Comparison {
     double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
     CompareOptions options;                    ///< with which it was made; the composition with all its numbers
     std::vector<Index> checkpoints;
-    std::vector<Storage> storage;
+    std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
+    std::shared_ptr<struct DigitsAnswer const> digits = {};  ///< with options.digits: what keeps them; it then is the answer that is shown
 };
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent (exact rank).

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compare/compare.hpp"
-#include "compare/stored_problem.hpp"
+#include "compare/rounded_problem.hpp"
 
 #include <map>
 #include <mutex>
@@ -16,7 +16,7 @@ struct Recursion {
     std::vector<double> agreement;
 };
 
-/// What a composition's numbers are compared with, for one stored problem. Solved when first asked for; any thread may ask.
+/// What a composition's numbers are compared with, for one rounded problem. Computed when first needed; several threads may use it.
 ///
 ///   (1) minimiser: theta and P of the least-squares problem that the rows in the window pose, or all rows so far where there is none, with
 ///       weights lambda^i and the prior; proven
@@ -24,7 +24,7 @@ struct Recursion {
 ///       qr's beside it, whose agreement bounds the digits that are counted. Not proven. (`kalman` with a walk of its own: kalman's)
 class CompositionReference {
     Composition composition_;
-    StoredProblem const& stored_;
+    RoundedProblem const& rounded_;
     int digits_;
     std::vector<Index> checkpoints_;
     std::mutex one_at_a_time_;
@@ -32,22 +32,22 @@ class CompositionReference {
     std::map<std::string, Recursion, std::less<>> recursions_;
 
 public:
-    /// `composition` with its numbers as the arithmetic stores them; stored outlives this. `digits`: to which (1) is certified.
-    CompositionReference(Composition const& composition, StoredProblem const& stored, int digits);
+    /// `composition` with its numbers as the arithmetic stores them; `rounded` outlives this. `digits`: to which (1) is certified.
+    CompositionReference(Composition const& composition, RoundedProblem const& rounded, int digits);
     /// (1) at a checkpoint. `aged`: rows whose lambda the prior has met, which a window that factors anew starts from.
     CertifiedSolution const& minimiser(size_t checkpoint, Index aged);
     /// (2) for this variant.
     Recursion const& recursion(std::string_view variant);
     Composition const& composition() const { return composition_; }
     /// The prior's age in a filter after k rows to which that happened.
-    Index age_of_prior(Index k, Happened const& happened) const;
+    Index age_of_prior(Index k, CompositionCounts const& happened) const;
 };
 
 /// Whether a guard changed what a filter was given, or its state: from there on only (2) is what it would answer without rounding.
-bool intervened(Composition const& composition, Happened const& happened);
+bool intervened(Composition const& composition, CompositionCounts const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed so,
-/// Result::obstacle says why.
-Result score_composed(CatalogueEntry const& entry, StoredProblem const& stored, CompositionReference& reference);
+/// Result::obstacle gives the reason.
+Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
 
 }  // namespace rlslab::compare

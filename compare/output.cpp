@@ -2,6 +2,7 @@
 #include "compare/answer.hpp"
 #include "compare/compare.hpp"
 #include "compare/composed_words.hpp"
+#include "compare/digits_answer.hpp"
 #include "compare/recommend.hpp"
 #include "compare/words.hpp"
 
@@ -115,7 +116,7 @@ struct Paint {
 std::string as_table(Comparison const& c, bool colour, size_t columns) {
     Paint const paint{colour};
     Layout const layout(columns);
-    size_t const width = columns > 0 ? std::min(columns, text_width) : text_width;
+    size_t const width = line_width(columns, text_width);
     bool const plain = c.options.composition.empty(), whole = layout.left_out().empty();
     auto const head = [&](std::string const& name, std::string const& text) {
         return fmt::format("{:<12}", name) + wrapped(text, 12, 12, width) + '\n';
@@ -127,8 +128,11 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     out += head("prior", prior_text(c));
     if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
     for (std::string const& warning : warnings(c)) out += paint("31", head("warning", warning));
-    out += '\n' + paint("32", verdict(c, columns > 0 ? width : std::string::npos));
-    if (std::string const paste = code(c); !paste.empty()) out += '\n' + indented(columns > 0 ? folded(paste, columns - 4) : paste);
+    out += '\n';
+    if (c.digits) out += answer_text(*c.digits, colour, columns);
+    else out += paint("32", verdict(c, columns > 0 ? width : std::string::npos));
+    if (std::string const paste = code(c); !paste.empty() && !c.digits)
+        out += '\n' + indented(columns > 0 ? folded(paste, columns - 4) : paste);
     out += '\n' + theta_text(c, columns > 0 ? columns : text_width);
     out += fmt::format("proven to {:.0e} relative, for the data as binary64, at {} bits\n", c.radius, c.bits);
 
@@ -143,8 +147,8 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                    paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta", whole ? at - std::min<size_t>(at - 6, title.size()) : at,
                                           whole ? "worst component" : "worst", group, "P", group)) +
                    '\n';
-            for (Storage const& s : c.storage)
-                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(storage_text(s, c), 2, 4, width)) + '\n';
+            for (RoundingEffect const& s : c.rounding)
+                if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(rounding_text(s, c), 2, 4, width)) + '\n';
             std::string labels;
             for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
             out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown", layout.asymmetry ? "  asym" : "", "ops",
@@ -156,7 +160,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread, layout),
                         breakdown_text(r), layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
                         operations_text(r.operations), nanoseconds_text(r.ns_per_update));
-        std::string what = plain ? "" : happened_text(c, r);
+        std::string what = plain ? "" : counts_text(c, r);
         if (!what.empty())
             what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width) : "  " + what;
         out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
@@ -173,11 +177,13 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                              "cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
     note("ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.");
+    if (c.digits)
+        note("The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a scaling of its own.");
     note(fmt::format(
         "The recommendation never broke down and keeps {} digits of the worst component at nine tenths of the checkpoints. Of such, its "
         "largest loss is the least: in mid, to the best of each column that never broke down. Of equals: a factor before P or its "
         "inverse, covariance before information, then the fewest operations.",
-        enough_digits));
+        wanted_digits(c.options)));
     return out;
 }
 
@@ -187,8 +193,7 @@ Json composition_json(Comparison const& c) {
     Composition const& of = c.options.composition;
     if (of.empty()) return nullptr;
     Json numbers = Json::object();
-    for (size_t i = 0; i < of.parameters.size(); ++i)
-        numbers[std::string(std::ranges::find(controls(), of.control, &Control::name)->parameters[i].name)] = of.parameters[i];
+    for (size_t i = 0; i < of.parameters.size(); ++i) numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
             {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
@@ -198,17 +203,18 @@ Json composition_json(Comparison const& c) {
 }
 
 /// What a composition did, at each checkpoint.
-constexpr std::pair<char const*, Index Happened::*> counted[] = {
-    {"refactored", &Happened::refactored}, {"unusable", &Happened::unusable}, {"outliers", &Happened::outliers},
-    {"changes", &Happened::changes},       {"windups", &Happened::windups},   {"breakdowns", &Happened::breakdowns}};
+constexpr std::pair<char const*, Index CompositionCounts::*> counted[] = {
+    {"refactored", &CompositionCounts::refactored}, {"unusable", &CompositionCounts::unusable},
+    {"outliers", &CompositionCounts::outliers},     {"changes", &CompositionCounts::changes},
+    {"windups", &CompositionCounts::windups},       {"breakdowns", &CompositionCounts::breakdowns}};
 Json happened_json(Result const& r) {
     Json out;
     for (auto const& [name, count] : counted) {
         out[name] = Json::array();
-        for (Happened const& h : r.happened) out[name].push_back(h.*count);
+        for (CompositionCounts const& h : r.happened) out[name].push_back(h.*count);
     }
     out["handed_over"] = Json::array();
-    for (Happened const& h : r.happened) out["handed_over"].push_back(h.handed_over);
+    for (CompositionCounts const& h : r.happened) out["handed_over"].push_back(h.handed_over);
     return out;
 }
 
@@ -242,7 +248,7 @@ std::string as_json(Comparison const& c) {
     out["warnings"] = warnings(c);
     out["checkpoints"] = c.checkpoints;
     out["storage"] = Json::array();
-    for (Storage const& s : c.storage)
+    for (RoundingEffect const& s : c.rounding)
         out["storage"].push_back({{"arithmetic", s.arithmetic},
                                   {"forgetting", s.forgetting},
                                   {"rank", s.rank},
@@ -269,7 +275,7 @@ std::string as_json(Comparison const& c) {
              {"path", path},
              {"runs", r.runs},
              {"broken", r.broken},
-             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", r.breakdown->kind}} : Json(nullptr)},
+             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
@@ -287,6 +293,7 @@ std::string as_json(Comparison const& c) {
                                          {"why", r.why},
                                          {"too_short", r.too_short},
                                          {"losses", losses_json(r)}});
+    if (c.digits) out["digits"] = Json::parse(answer_json(*c.digits));
     return out.dump(2) + '\n';
 }
 
@@ -307,7 +314,7 @@ std::string as_csv(Comparison const& c) {
     for (Result const& r : c.results) {
         out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
                            cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
-                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? r.breakdown->kind : "",
+                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? name_of(r.breakdown->kind) : "",
                            r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
                            r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
         for (auto const m : PerMeasure<Spread>::all())
@@ -315,7 +322,7 @@ std::string as_csv(Comparison const& c) {
                                           cell(tenths_json(((*r.spread).*m).high)))
                             : ",,,";
         if (!plain) {
-            Happened const last = r.happened.empty() ? Happened{} : r.happened.back();
+            CompositionCounts const last = r.happened.empty() ? CompositionCounts{} : r.happened.back();
             out += fmt::format(",{},{}", r.obstacle.empty() ? "" : fmt::format("\"{}\"", r.obstacle), r.certified_to);
             for (auto const& [name, count] : counted) out += fmt::format(",{}", last.*count);
             out += fmt::format(",{}", last.handed_over ? 1 : 0);

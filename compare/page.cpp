@@ -1,6 +1,7 @@
 // A comparison as a page: the answer, digits along the record, their spread, and what they cost.
 #include "compare/answer.hpp"
 #include "compare/composed_words.hpp"
+#include "compare/digits_answer.hpp"
 #include "compare/words.hpp"
 #include "report/page.hpp"
 
@@ -39,7 +40,9 @@ void for_each_arithmetic(Comparison const& c, See const& see) {
 
 /// "double (53 bits): ★ ud, in the code".
 std::string panel_name(Comparison const& c, Recommendation const& r, std::vector<Result const*> const& results) {
-    std::string const mark = r.variant.empty() ? "" : fmt::format(": ★ {}{}", r.variant, coded(c) == &r ? ", in the code" : "");
+    std::string const best = recommended_in(c, r.arithmetic);
+    bool const in_code = c.digits ? !code(c).empty() : coded(c) == &r;
+    std::string const mark = best.empty() ? "" : fmt::format(": ★ {}{}", best, in_code ? ", in the code" : "");
     return fmt::format("{} ({} bits){}", r.arithmetic, results.front()->entry->arithmetic->digits, mark);
 }
 
@@ -49,7 +52,7 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
     double const y = curve.y[std::min(after, curve.y.size() - 1)];
     return {double(breakdown.step), std::isnan(y) ? least_digits : y,
             fmt::format(
-                "{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
+                "{}: {} at row {}{}", curve.name, name_of(breakdown.kind), breakdown.step,
                 breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
             curve.name};
 }
@@ -64,7 +67,7 @@ Figure along_the_record(Comparison const& c) {
             for (size_t i = 0; i < results.size(); ++i) {
                 Result const& x = *results[i];
                 Curve curve{.name = std::string(x.entry->variant),
-                            .look = look_of(x.entry->variant, i),
+                            .look = look_of(x.entry->family, i),
                             .x = {},
                             .y = {},
                             .marks = false,
@@ -97,7 +100,7 @@ std::string spreads(Comparison const& c) {
         Figure figure{.name = "spread-" + r.arithmetic, .title = title, .x = "", .y = "digits", .panels = {Panel{}}};
         figure.panels.front().y_least = least_digits;
         for (size_t m = 0; m < std::size(shown); ++m) {
-            Curve curve{.name = shown[m].axis, .look = look_of("", m), .x = {}, .y = {}, .line = false, .bars = true};
+            Curve curve{.name = shown[m].axis, .look = look_of({}, m), .x = {}, .y = {}, .line = false, .bars = true};
             for (size_t i = 0; i < results.size(); ++i) {
                 Spread const& s = (*results[i]->spread).*shown[m].spread;
                 curve.x.push_back(double(i) + 0.22 * (double(m) - 1));
@@ -164,7 +167,7 @@ Figure costs(Comparison const& c) {
             Spread const& s = x.spread->theta;
             panel.curves.push_back(
                 {.name = std::string(x.entry->variant),
-                 .look = look_of(x.entry->variant, i),
+                 .look = look_of(x.entry->family, i),
                  .x = {double(*x.operations)},
                  .y = {s.median},
                  .lower = {s.low},
@@ -187,8 +190,8 @@ std::string tables(Comparison const& c) {
     for_each_arithmetic(c, [&](Recommendation const&, std::vector<Result const*> const& results) {
         Arithmetic const& a = *results.front()->entry->arithmetic;
         out += fmt::format("<h3>{} ({} bits, {:.1f} digits)</h3>\n", a.name, a.digits, a.decimal_digits());
-        for (Storage const& s : c.storage)
-            if (s.arithmetic == a.name) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(storage_text(s, c)));
+        for (RoundingEffect const& s : c.rounding)
+            if (s.arithmetic == a.name) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(rounding_text(s, c)));
         std::vector<std::vector<std::string>> rows;
         std::vector<size_t> best;
         for (Result const* x : results) {
@@ -199,7 +202,7 @@ std::string tables(Comparison const& c) {
             row.push_back(asymmetry_text(x->asymmetry));
             row.push_back(operations_text(x->operations));
             if (c.options.timings) row.push_back(nanoseconds_text(x->ns_per_update));
-            if (!c.options.composition.empty()) row.push_back(happened_text(c, *x));
+            if (!c.options.composition.empty()) row.push_back(counts_text(c, *x));
             rows.push_back(std::move(row));
         }
         std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
@@ -229,11 +232,12 @@ std::string as_page(Comparison const& c) {
     if (!plain)
         body += fmt::format("<p>Around each variant: {}. Digits are counted {}.</p>\n", escaped(composition_text(c.options.composition)),
                             escaped(against_text(c)));
-    std::string told;
-    for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
-    if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
-    body += says(verdict(c));
-    if (std::string const paste = code(c); !paste.empty()) body += pre(paste);
+    std::string list;
+    for (std::string const& warning : warnings(c)) list += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+    if (!list.empty()) body += "<ul class=\"claims\">" + list + "</ul>\n";
+    if (c.digits) body += pre(answer_text(*c.digits, false));
+    else body += says(verdict(c));
+    if (std::string const paste = code(c); !paste.empty() && !c.digits) body += pre(paste);
     body += fmt::format(
         "<section><h2>Along the record</h2>\n<p>{} "
         "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "

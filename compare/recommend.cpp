@@ -26,7 +26,7 @@ std::string condition_text(Comparison const& c) { return fmt::format("; the cond
 
 /// The reason why nothing can be answered in this arithmetic that is known before any variant computes; or "".
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
-    for (Storage const& s : c.storage) {
+    for (RoundingEffect const& s : c.rounding) {
         if (s.arithmetic != arithmetic.name) continue;
         if ((!s.in_range && s.forgetting > 0) || s.prior_subnormal)
             return c.options.p0 ? "P0 leaves its range: another --p0" : "P0 leaves its range: rescale the columns, or --p0";
@@ -50,7 +50,9 @@ bool preferred(Result const& a, Result const& b) {
     return key(a) < key(b);
 }
 
-bool is_usable(Result const& r) { return r.spread->worst.low >= enough_digits && r.spread->covariance.median >= least_digits_of_P; }
+double wanted_digits(CompareOptions const& options) { return options.digits.value_or(enough_digits); }
+
+bool is_usable(Result const& r, double wanted) { return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P; }
 
 Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     static constexpr char const* names[] = {"theta", "its worst component", "P"};
@@ -65,11 +67,11 @@ Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     return out;
 }
 
-std::vector<Result const*> ranked(std::vector<Result const*> sound) {
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted) {
     std::vector<Result const*> const all = sound;
     std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
     std::ranges::stable_sort(sound, {},
-                             [&](Result const* r) { return std::pair(!is_usable(*r), std::round(10 * loss_of(*r, all).digits)); });
+                             [&](Result const* r) { return std::pair(!is_usable(*r, wanted), std::round(10 * loss_of(*r, all).digits)); });
     return sound;
 }
 
@@ -89,6 +91,7 @@ std::vector<Loss> losses(std::vector<Result const*> const& ranking, Arithmetic c
 }  // namespace
 
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
+    double const wanted = wanted_digits(c.options);
     Recommendation out{std::string(arithmetic.name), "", decided_by_prior(c.prior_bias, c.component_bias)};
     if (!out.why.empty()) {
         out.why += c.options.p0 ? ": leave out --p0" : ": rescale the columns";
@@ -110,9 +113,9 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         out.why = c.options.composition.empty() ? "no variant was tried that takes single rows" : "no variant can be composed so";
         return out;
     }
-    std::vector<Result const*> const ranking = ranked(sound);
+    std::vector<Result const*> const ranking = ranked(sound, wanted);
     out.why = unanswerable(arithmetic, c);
-    out.too_short = !out.why.empty() || ranking.empty() || !is_usable(*ranking.front());
+    out.too_short = !out.why.empty() || ranking.empty() || !is_usable(*ranking.front(), wanted);
     if (!out.why.empty()) return out;
     if (!out.too_short) {
         PerMeasure<Spread> const& spread = *ranking.front()->spread;
@@ -120,19 +123,19 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         out.why = fmt::format("keeps {} digits of theta, {} of its worst component, {} of P", spread_text(spread.theta),
                               spread_text(spread.worst), spread_text(spread.covariance));
         out.losses = losses(ranking, arithmetic, c);
-    } else if (arithmetic.decimal_digits() < enough_digits) {
-        out.why = fmt::format("it has {:.1f} digits, {} are wanted", arithmetic.decimal_digits(), enough_digits);
+    } else if (arithmetic.decimal_digits() < wanted) {
+        out.why = fmt::format("it has {:.1f} digits, {} are wanted", arithmetic.decimal_digits(), wanted);
     } else if (sound.empty()) {
         out.why = fmt::format("all {} variants that take single rows broke down{}", tried, condition_text(c));
     } else {
         Result const* const most = *std::ranges::max_element(ranking, {}, [](Result const* r) { return r->spread->worst.low; });
         double const low = most->spread->worst.low;
-        out.why = low >= enough_digits
+        out.why = low >= wanted
                       ? fmt::format("none of {} variants keeps half a digit of P", tried)
                       : fmt::format(
                             "{}, the best, keeps {} digits of theta's worst component at nine tenths of the checkpoints, {} are "
                             "wanted{}",
-                            most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no", enough_digits, condition_text(c));
+                            most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no", wanted, condition_text(c));
     }
     return out;
 }

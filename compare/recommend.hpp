@@ -16,10 +16,11 @@ bool is_sound(Result const& result);
 ///   (3) fewer operations a row
 bool preferred(Result const& a, Result const& b);
 
-/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use.
+/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use, if no number is given.
 inline constexpr double enough_digits = 3;
+double wanted_digits(CompareOptions const& options);
 /// Keeps so many, and half a digit of P (the median).
-bool is_usable(Result const& result);
+bool is_usable(Result const& result, double wanted = enough_digits);
 
 /// The loss of a variant to these.
 Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
@@ -28,7 +29,7 @@ Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
 ///   (1) a usable one before one that is not
 ///   (2) the least loss first, counted in tenths of a digit, as printed
 ///   (3) of equals the preferred one
-std::vector<Result const*> ranked(std::vector<Result const*> sound);
+std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted = enough_digits);
 
 /// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations are in another
 /// library, are not recommended: they are not meant for single rows.

@@ -1,89 +1,26 @@
-// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the exact ones at the checkpoints.
+// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at the checkpoints.
 #include "compare/score.hpp"
 
+#include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 namespace rlslab::compare {
-using namespace report;
 namespace {
 
 constexpr int least_draws = 4;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::optional<double> at_most(double digits, double largest) {
-    if (std::isnan(digits)) return {};
-    return std::min(digits, largest);
-}
-
-/// One pass over the rows in one order.
-struct Run {
-    std::vector<Digits> digits;  ///< at each checkpoint
-    std::optional<Breakdown> breakdown;
-    std::optional<double> asymmetry;
-    bool factor;
-    Vector<Reference> theta;  ///< after the last row
-};
-
-Run run(CatalogueEntry const& entry, StoredProblem const& stored, RowOrder const& order, Seed seed) {
-    Run out{};
-    Arithmetic const& arithmetic = *entry.arithmetic;
-    bool const permuted = !order.rows.empty();
-    auto const filter = entry.make(stored.problem, seed);
-    if (std::string const kind = breakdown(*filter, arithmetic); !kind.empty()) out.breakdown = Breakdown{0, kind};
-    Index first = 0;
-    std::vector<Index> const checkpoints = checkpoints_of(stored.records.rows());
-    for (size_t c = 0; c < checkpoints.size(); ++c) {
-        while (first < checkpoints[c]) {
-            Index const last = std::min(checkpoints[c], first + entry.block);
-            Health health;
-            if (entry.block == 1) {
-                Index const k = permuted ? order.rows[size_t(first)] : first;
-                health = filter->update(stored.records.sample(k), stored.records.y[k]).health;
-            } else if (permuted) {
-                health =
-                    filter->update_block(in_order(stored.records, {order.rows.begin() + first, order.rows.begin() + last}), 0, last - first)
-                        .health;
-            } else {
-                health = filter->update_block(stored.records, first, last).health;
-            }
-            first = last;
-            if (out.breakdown) continue;
-            std::string kind = breakdown(*filter, arithmetic);  // the stored numbers decide, not the step's health
-            if (kind.empty() && health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
-            if (!kind.empty()) out.breakdown = Breakdown{last, kind};
-        }
-        if (order.exact.empty()) continue;
-        CertifiedSolution const& exact = order.exact[c];
-        Vector<Reference> const theta = filter->theta();
-        double const most = arithmetic.decimal_digits();
-        out.digits.push_back({at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
-                              at_most(exact.covariance_digits(filter->stored()), most)});
-    }
-    Stored<Reference> const last = filter->stored();
-    out.theta = filter->theta();
-    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{stored.records.rows(), "nonfinite"};
-    out.asymmetry = asymmetry_of(last);
-    out.factor = last.form == Stored<Reference>::Form::factor;
-    return out;
-}
-
-std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
-    std::vector<double> out;
-    for (auto const& x : digits) out.push_back(x.value_or(-std::numeric_limits<double>::infinity()));
-    std::ranges::sort(out);
-    return out;
-}
-size_t lowest_tenth(size_t count) { return size_t(std::floor(0.1 * double(count - 1))); }
-
-}  // namespace
-
-Spread spread_of(std::vector<std::optional<double>> const& digits) {
-    std::vector<double> const all = sorted(digits);
-    double const last = double(all.size() - 1);
-    auto const at = [&](size_t rank) { return std::round(10 * all[rank]) / 10; };
-    return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
+/// Rows first ... last-1 of the problem in this order, one by one or as a block.
+Health take_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last, Index block) {
+    if (block > 1)
+        return order.empty()
+                   ? filter.update_block(records, first, last).health
+                   : filter.update_block(in_order(records, {order.begin() + first, order.begin() + last}), 0, last - first).health;
+    Index const k = order.empty() ? first : order[size_t(first)];
+    return filter.update(records.sample(k), records.y[k]).health;
 }
 
 std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
@@ -98,40 +35,105 @@ std::optional<double> asymmetry_of(Stored<Reference> const& stored) {
     return largest == 0 ? 0.0 : static_cast<double>(difference / largest);
 }
 
-void set_spread(Result& result, PerMeasure<std::vector<std::optional<double>>> const& all) {
-    result.last = result.path.back();
-    result.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
-    result.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
+std::vector<double> sorted(std::vector<std::optional<double>> const& digits) {
+    std::vector<double> out;
+    for (auto const& x : digits) out.push_back(x.value_or(-infinity));
+    std::ranges::sort(out);
+    return out;
+}
+size_t lowest_tenth(size_t count) { return size_t(std::floor(0.1 * double(count - 1))); }
+
+}  // namespace
+
+double digits_of(Reference const& error, Reference const& size) {
+    if (!is_finite(error) || !is_finite(size)) return std::numeric_limits<double>::quiet_NaN();
+    if (error == 0) return infinity;
+    return size == 0 ? -infinity : -correctly::log10(static_cast<double>(absolute(Reference(error / size))));
 }
 
-Result score(CatalogueEntry const& entry, StoredProblem const& stored, std::uint64_t seed) {
-    Result result{.entry = &entry};
-    if (!stored.in_range) {
-        result.breakdown = Breakdown{0, "indefinite"};  // a zero where something positive should stand, or an infinity
-        return result;
+std::optional<double> at_most(double digits, double most) {
+    if (std::isnan(digits)) return {};
+    return std::min(digits, most);
+}
+
+Spread spread_of(std::vector<std::optional<double>> const& digits) {
+    std::vector<double> const all = sorted(digits);
+    double const last = double(all.size() - 1);
+    auto const at = [&](size_t rank) { return std::round(10 * all[rank]) / 10; };
+    return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
+}
+
+Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
+        std::function<Digits(size_t)> const& digits_at) {
+    Run out{};
+    if (Health const kind = breakdown(filter, arithmetic); kind != Health::sound) out.breakdown = Breakdown{0, kind};
+    Index const rows = rounded.records.rows();
+    std::vector<Index> const checkpoints = checkpoints_of(rows);
+    Index first = 0;
+    for (size_t c = 0; c < checkpoints.size(); ++c) {
+        while (first < checkpoints[c]) {
+            Index const last = std::min(checkpoints[c], first + block);
+            Health const health = take_rows(filter, rounded.records, order, first, last, block);
+            first = last;
+            if (out.breakdown) continue;
+            if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound) out.breakdown = Breakdown{last, kind};
+        }
+        if (digits_at) out.digits.push_back(digits_at(c));
     }
-    size_t const runs = std::max(stored.orders.size(), size_t(entry.arithmetic->stochastic ? least_draws : 1));
-    Seed draws{seed};
+    Stored<Reference> const last = filter.stored();
+    out.theta = filter.theta();
+    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{rows, Health::nonfinite};
+    out.asymmetry = asymmetry_of(last);
+    out.factor = last.form == Stored<Reference>::Form::factor;
+    return out;
+}
+
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
+    Run const& first = runs.front();
+    Result out{.entry = &entry,
+               .runs = int(runs.size()),
+               .breakdown = first.breakdown,
+               .factor = first.factor,
+               .path = first.digits,
+               .asymmetry = first.asymmetry};
     PerMeasure<std::vector<std::optional<double>>> all;
-    std::vector<Index> const checkpoints = checkpoints_of(stored.records.rows());
-    Index const settled = std::min(stored.records.rows(), 2 * stored.records.parameters());
-    for (size_t i = 0; i < runs; ++i) {
-        RowOrder const& order = stored.orders[i % stored.orders.size()];
-        Run const one = run(entry, stored, order, i == 0 ? Seed{seed} : Seed{draws.next()});
-        ++result.runs;
-        result.broken += one.breakdown.has_value();
-        result.ends.push_back(one.theta);
+    std::vector<Index> const checkpoints = checkpoints_of(rounded.records.rows());
+    Index const from = std::min(rounded.records.rows(), 2 * rounded.records.parameters());
+    for (Run const& one : runs) {
+        out.broken += one.breakdown.has_value();
+        out.ends.push_back(one.theta);
         for (size_t c = 0; c < one.digits.size(); ++c)
-            if (checkpoints[c] >= settled)
+            if (checkpoints[c] >= from)
                 for (size_t m = 0; m < 3; ++m) (all.*all.all()[m]).push_back(one.digits[c].*Digits::all()[m]);
-        if (i > 0) continue;
-        result.breakdown = one.breakdown;
-        result.asymmetry = one.asymmetry;
-        result.factor = one.factor;
-        result.path = one.digits;
     }
-    if (!result.path.empty()) set_spread(result, all);
-    return result;
+    if (out.path.empty()) return out;
+    out.last = out.path.back();
+    out.spread = {spread_of(all.theta), spread_of(all.worst), spread_of(all.covariance)};
+    out.worst_low = sorted(all.worst)[lowest_tenth(all.worst.size())];
+    return out;
+}
+
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+    // Not in range: a zero where something positive should stand, or an infinity.
+    if (!rounded.in_range) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
+    Arithmetic const& arithmetic = *entry.arithmetic;
+    double const most = arithmetic.decimal_digits();
+    std::vector<Run> runs;
+    Seed draws{seed};
+    for (size_t i = 0; i < std::max(rounded.orders.size(), size_t(arithmetic.stochastic ? least_draws : 1)); ++i) {
+        RowOrder const& order = rounded.orders[i % rounded.orders.size()];
+        auto const filter = entry.make(rounded.problem, i == 0 ? Seed{seed} : Seed{draws.next()});
+        std::function<Digits(size_t)> against_exact;
+        if (!order.exact.empty())
+            against_exact = [&](size_t c) {
+                CertifiedSolution const& exact = order.exact[c];
+                Vector<Reference> const theta = filter->theta();
+                return Digits{at_most(exact.theta_digits(theta), most), at_most(exact.theta_digits_worst(theta), most),
+                              at_most(exact.covariance_digits(filter->stored()), most)};
+            };
+        runs.push_back(run(*filter, arithmetic, entry.block, rounded, order.rows, against_exact));
+    }
+    return result_of(entry, rounded, runs);
 }
 
 }  // namespace rlslab::compare

@@ -2,22 +2,38 @@
 #pragma once
 
 #include "compare/compare.hpp"
-#include "compare/stored_problem.hpp"
+#include "compare/rounded_problem.hpp"
+
+#include <functional>
 
 namespace rlslab::compare {
+
+/// -log10(|error| / |size|): infinity for no error, -infinity where the size alone is 0, NaN for what is not finite.
+double digits_of(Reference const& error, Reference const& size);
+/// The number of digits, at most `most`; absent for NaN.
+std::optional<double> at_most(double digits, double most);
 
 /// The 10 %, 50 % and 90 % points of these numbers (nearest rank), rounded to a tenth as printed, the outer ones outwards. Absent numbers
 /// count as the least. Expects at least one number.
 Spread spread_of(std::vector<std::optional<double>> const& digits);
 
-/// last, spread and worst_low of a result that has its path, from the digits at the checkpoints that count.
-void set_spread(Result& result, PerMeasure<std::vector<std::optional<double>>> const& all);
+/// One pass of a filter over the rows in one order.
+struct Run {
+    std::vector<Digits> digits;  ///< at each checkpoint; empty: the problem has no exact solution
+    std::optional<Breakdown> breakdown;
+    std::optional<double> asymmetry;  ///< max |F_ij - F_ji| / max |F_ij| of what is stored at the end; 0 for factors
+    bool factor;
+    Vector<Reference> theta;  ///< after the last row
+};
+/// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested after each block.
+/// `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It may be empty.
+Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
+        std::function<Digits(size_t)> const& digits_at);
+/// The result of these runs, the first of which is in the record's order: digits count from row 2 d on.
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs);
 
-/// max |F_ij - F_ji| / max |F_ij|.
-std::optional<double> asymmetry_of(Stored<Reference> const& stored);
-
-/// The result of one entry on the stored problem. It runs once for each order of rows; with stochastic rounding at least four times, each
-/// run with its own draws. Digits are counted at each checkpoint, and breakdown is tested after each row.
-Result score(CatalogueEntry const& entry, StoredProblem const& stored, std::uint64_t seed);
+/// The result of one entry on the rounded problem. It runs once for each order of rows; with stochastic rounding at least four times, each
+/// run with its own draws.
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
 
 }  // namespace rlslab::compare

@@ -1,6 +1,7 @@
 // Sentences, and lines of a certain width.
 #include "compare/words.hpp"
 #include "compare/composed_words.hpp"
+#include "compare/digits_answer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,7 @@ std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("
 
 std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";
-    if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);
+    if (r.breakdown) return fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step);
     return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
 
@@ -43,16 +44,23 @@ std::string operations_text(std::optional<long> const& operations) { return oper
 
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
 
-std::string storage_text(Storage const& s, Comparison const& c) {
+std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
                        s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
                                       : "no exact theta: the problem leaves the range");
 }
 
+std::string recommended_in(Comparison const& c, std::string_view arithmetic) {
+    if (c.digits) {
+        KeptDigits const* const choice = c.digits->choice();
+        return choice && choice->result->entry->arithmetic->name == arithmetic ? std::string(choice->result->entry->variant) : "";
+    }
+    auto const found = std::ranges::find(c.recommendations, arithmetic, &Recommendation::arithmetic);
+    return found == c.recommendations.end() ? "" : found->variant;
+}
+
 bool is_recommended(Comparison const& c, Result const& result) {
-    return std::ranges::any_of(c.recommendations, [&](Recommendation const& r) {
-        return r.arithmetic == result.entry->arithmetic->name && r.variant == result.entry->variant;
-    });
+    return result.entry->variant == recommended_in(c, result.entry->arithmetic->name);
 }
 
 std::string prior_text(Comparison const& c) {

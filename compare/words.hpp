@@ -28,15 +28,17 @@ std::string operations_text(std::optional<long> const& operations);
 std::string nanoseconds_text(std::optional<double> const& ns);
 
 /// "as stored: lambda 0.9906, rank 5 of 5; rounding the data leaves 2.3 digits of the exact theta"
-std::string storage_text(Storage const& storage, Comparison const& comparison);
+std::string rounding_text(RoundingEffect const& effect, Comparison const& comparison);
 
-/// Whether this result is the one recommended in its arithmetic.
+/// The variant to use in this arithmetic, or "": the recommendation, or what keeps the digits that are wanted.
+std::string recommended_in(Comparison const& comparison, std::string_view arithmetic);
+/// Whether this result is of that variant.
 bool is_recommended(Comparison const& comparison, Result const& result);
 
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
 
-/// Warnings: why the answer may not be the one that was wanted, and the remedy; a sentence each.
+/// Warnings: what is wrong with the question, and the remedy; a sentence each.
 std::vector<std::string> warnings(Comparison const& comparison);
 
 }  // namespace rlslab::compare

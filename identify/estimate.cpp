@@ -97,13 +97,12 @@ Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records con
                 entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
             k = last;
             if (out.failure) continue;
-            std::string kind = breakdown(*filter, *entry.arithmetic);
-            if (kind.empty() && step.health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
-            if (!kind.empty()) out.failure = Failure{k, kind};
+            if (Health const kind = breakdown(*filter, *entry.arithmetic, step.health); kind != Health::sound)
+                out.failure = Failure{k, kind};
         }
         out.theta.push_back(filter->theta());
     }
-    if (!out.failure && !is_finite(out.theta.back())) out.failure = Failure{k, "nonfinite"};
+    if (!out.failure && !is_finite(out.theta.back())) out.failure = Failure{k, Health::nonfinite};
     return out;
 }
 
@@ -171,8 +170,8 @@ void warn_of_arithmetic(Identified& out, Problem<double> const& problem, Records
     if (out.failure)
         out.remarks.push_back({Rank::breakdown,
                                fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, out.failure->row,
-                                           out.failure->kind == "indefinite" ? "the P it stores is not positive definite"
-                                                                             : "its numbers are no longer finite",
+                                           out.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
+                                                                                   : "its numbers are no longer finite",
                                            dependent        ? ""
                                            : better.empty() ? ": " + instead
                                                             : fmt::format(": --variant {} does not break down on this record", better)),

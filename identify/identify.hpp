@@ -56,7 +56,7 @@ struct TrajectoryPoint {
 /// When the variant's stored P was no longer positive definite, or something was no longer finite: after which row.
 struct Failure {
     Index row;
-    std::string kind;  ///< indefinite, nonfinite
+    Health kind;  ///< indefinite or nonfinite
 };
 
 /// A pole and a zero (of every input) that the record cannot tell apart.

@@ -14,7 +14,7 @@ namespace {
 
 /// Without points that are not known.
 Curve curve(std::string name, size_t place, Signal x, Signal y) {
-    Look look = look_of("", place);
+    Look look = look_of({}, place);
     size_t known = 0;
     for (size_t k = 0; k < y.size(); ++k)
         if (!std::isnan(y[k])) x[known] = x[k], y[known++] = y[k];
@@ -130,7 +130,7 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
         std::string const of = input == -2 ? "constant" : "of " + (input == -1 ? m.options.output : m.options.inputs[size_t(input)]);
         auto panel = std::ranges::find(on_the_way.panels, of, &Panel::name);
         if (panel == on_the_way.panels.end()) panel = on_the_way.panels.insert(panel, {of, {}, {}});
-        Curve c{.name = p.name, .look = look_of("", j), .x = {}, .y = {}, .lower = {}, .upper = {}};  // one look a parameter
+        Curve c{.name = p.name, .look = look_of({}, j), .x = {}, .y = {}, .lower = {}, .upper = {}};  // one look a parameter
         for (size_t i = settled; i < m.trajectory.size(); ++i) {
             TrajectoryPoint const& point = m.trajectory[i];
             double const value = point.theta[Index(j)], sd = point.sd[Index(j)];

@@ -61,7 +61,7 @@ std::string arithmetic_line(Identified const& m) {
     std::string const kappa = std::isfinite(m.condition) ? fmt::format("kappa = {:.3g}", m.condition) : "kappa > 1e308";
     if (m.failure)
         return fmt::format("arithmetic: {} broke down after row {} ({}); {}", m.options.variant, m.failure->row,
-                           m.failure->kind == "indefinite" ? "P not positive definite" : "not finite", kappa);
+                           m.failure->kind == Health::indefinite ? "P not positive definite" : "not finite", kappa);
     return fmt::format("arithmetic: {} agrees with the certified minimiser in {} of 15.9 digits ({} in its worst component); {}",
                        m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
                        number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
@@ -148,7 +148,7 @@ std::vector<std::string> result_lines(Identified const& m) {
 }
 
 std::string as_table(Identified const& m, size_t columns) {
-    size_t const width = columns > 0 ? std::clamp<size_t>(columns, 40, 120) : 120;
+    size_t const width = line_width(columns, 120);
     auto const in_lines = [width](std::string const& text) { return wrapped(text, 0, 4, width) + '\n'; };
     auto const on_a_terminal = [&](std::string const& text) { return columns > 0 ? in_lines(text) : text + '\n'; };
     std::string out, file = printable(m.file, 200) + ": ";
@@ -193,7 +193,7 @@ Json tracked_json(Tracked const& t) {
             {"quantile", number(t.quantile)},
             {"fit_one_step", number(t.fit)},
             {"covered", number(t.covered)},
-            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", t.kind}} : Json(nullptr)},
+            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", name_of(t.kind)}} : Json(nullptr)},
             {"rows", rows}};
 }
 
@@ -263,7 +263,7 @@ std::string as_json(Identified const& m) {
                           : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
         {"orders", orders},
         {"parameters", parameters},
-        {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", m.failure->kind}} : Json(nullptr)},
+        {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", name_of(m.failure->kind)}} : Json(nullptr)},
         {"poles", model ? complexes(m.poles) : Json(nullptr)},
         {"cancelling", cancelling},
         {"inputs", inputs},

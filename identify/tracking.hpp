@@ -16,7 +16,7 @@ struct TrackedRow {
     double y, predicted, sd;         ///< the prediction from the rows before, and its standard deviation; NaN where there is none yet
     double noise_variance;           ///< after the row
     Vector<double> theta, theta_sd;  ///< after the row
-    Happened happened;
+    CompositionCounts happened;
 };
 
 /// The composition around a variant in double, over all rows: the fitted ones and those held out. Formulas: Assessed.
@@ -27,7 +27,7 @@ struct Tracked {
     double covered;    ///< share of the outputs within their interval
     double quantile;   ///< of the intervals: the normal distribution's
     Index broken = 0;  ///< first row after which the stored P was not positive definite, or something not finite; 0: none
-    std::string kind;  ///< "indefinite", "nonfinite"
+    Health kind = Health::sound;  ///< what broke
     std::vector<std::string> warnings = {};
 };
 

@@ -1,6 +1,6 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 
@@ -14,9 +14,9 @@ namespace {
 
 struct CommandLine {
     CLI::App app{"Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?", "rlslab"};
-    std::vector<Command> const commands{compare_command(app),  advise_command(app),   study_command(app),      merge_command(app),
-                                        identify_command(app), simulate_command(app), excitation_command(app), state_command(app),
-                                        list_command(app),     help_command(app),     man_command(app),        completion_command(app)};
+    std::vector<Command> const commands{compare_command(app),  study_command(app),      merge_command(app),     identify_command(app),
+                                        simulate_command(app), excitation_command(app), state_command(app),     list_command(app),
+                                        help_command(app),     man_command(app),        completion_command(app)};
 
     OutputOptions output_options;
 
@@ -88,7 +88,7 @@ struct CommandLine {
         if (!text.ends_with(required)) return text;
         std::string const name = text.substr(0, text.size() - required.size());
         auto const asked = app.get_subcommands().front();  // the program itself requires nothing
-        for (Described const& one : described(*asked))
+        for (CommandOption const& one : options_of(*asked))
             if (one.name == name || one.value == name)
                 return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
         return text;
@@ -106,6 +106,7 @@ struct CommandLine {
                 fmt::format("\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
                             "if it is a filter's state",
                             printable(word, 1000)));
+        if (&misled == &app && word == "advise") throw InputError("advise: it is rlslab compare --digits N now, with the same options");
         if (&misled == &app) expect_one_of(views(names()), word, "", "command");
         throw InputError(fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
     }

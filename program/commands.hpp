@@ -67,7 +67,6 @@ struct Command {
     std::function<int()> run;
 };
 Command compare_command(CLI::App& app);
-Command advise_command(CLI::App& app);
 Command study_command(CLI::App& app);
 Command merge_command(CLI::App& app);
 Command identify_command(CLI::App& app);

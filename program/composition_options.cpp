@@ -15,22 +15,29 @@ namespace {
 std::string usage(Control const& control) {
     std::string out(control.name), end;
     for (ControlParameter const& p : control.parameters) {
-        bool const required = std::isnan(p.start) && control.name == "random_walk";
+        bool const required = p.range.otherwise == RuleDefault::none;
         out += fmt::format("{}:{}", required ? "" : "[", p.name);
         if (!required) end += ']';
     }
     return out + end;
 }
 
+size_t numbers_needed(Control const& control) {
+    size_t n = 0;
+    for (size_t i = 0; i < control.parameters.size(); ++i)
+        if (control.parameters[i].range.otherwise == RuleDefault::none) n = i + 1;
+    return n;
+}
+
 double number_of(Control const& control, ControlParameter const& p, std::string const& text) {
     double x = 0;
     auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-    bool const whole = p.name != "PERIOD" || x == std::floor(x);
-    if (error != std::errc() || end != text.data() + text.size() || !(p.least <= x && x <= p.most) || (p.positive && x == p.least) ||
-        !whole)
+    auto const& [least, most, positive, otherwise, inverted] = p.range;
+    bool const fits = least <= x && x <= most && !(positive && x == least) && (!p.whole || x == std::floor(x));
+    if (error != std::errc() || end != text.data() + text.size() || !fits)
         throw InputError(fmt::format("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
-                                     p.name == "PERIOD" ? "whole number" : "number", p.positive ? "above" : "from", p.least,
-                                     p.most < 1e300 ? fmt::format(" to {}", p.most) : "",
+                                     p.whole ? "whole number" : "number", positive ? "above" : "from", least,
+                                     most < 1e300 ? fmt::format(" to {}", most) : "",
                                      error == std::errc::result_out_of_range ? " that double can hold" : "", printable(text)));
     return x;
 }
@@ -44,12 +51,11 @@ void take_composition(CLI::App& command, CompositionArguments& a) {
         ->check(named("the name of a control"))
         ->type_name("NAME");
     take_count(command, "--window", a.window, 1, 1000000000, "the variant over its last N rows: older ones are taken back");
+    std::vector<std::string> policies;
+    for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
     command
-        .add_option(
-            "--guard", a.guard,
-            "a guard around the variant, which keeps out what is not finite: report only counts what it sees besides; reset also skips "
-            "outliers, restarts at a change, caps windup and resets at a breakdown; rebuild and hand_over (to ud, of the next "
-            "longer arithmetic) do so but at a breakdown")
+        .add_option("--guard", a.guard,
+                    fmt::format("a guard around the variant, which keeps out what is not finite: {}", fmt::join(policies, "; ")))
         ->check(named("the name of a guard"))
         ->type_name("POLICY");
 }
@@ -75,19 +81,20 @@ Composition composition_of(CompositionArguments const& a, double forgetting) {
         std::vector<std::string_view> known;
         for (Control const& control : controls()) known.push_back(control.name);
         expect_one_of(known, out.control, "--control", "control");
-        Control const& control = *std::ranges::find(controls(), out.control, &Control::name);
+        Control const& control = control_named(out.control);
         std::vector<std::string> texts;
         while (colon < a.control.size()) {
             size_t const next = std::min(a.control.find(':', colon + 1), a.control.size());
             texts.push_back(a.control.substr(colon + 1, next - colon - 1));
             colon = next;
         }
-        if (texts.size() > control.parameters.size() || (out.control == "random_walk" && texts.empty()))
+        if (texts.size() > control.parameters.size() || texts.size() < numbers_needed(control))
             throw InputError(fmt::format("--control: expected {}, found \"{}\"", usage(control), printable(a.control)));
         for (size_t i = 0; i < control.parameters.size(); ++i)
             out.parameters.push_back(i < texts.size() ? number_of(control, control.parameters[i], texts[i]) : control.parameters[i].start);
-        if (out.control == "ridge" && forgetting == 1)
-            throw InputError("--control ridge: expected --forgetting below 1: without it nothing wears the prior down");
+        if (control.below_one && forgetting == 1)
+            throw InputError(
+                fmt::format("--control {}: expected --forgetting below 1: without it nothing wears the prior down", control.name));
     }
     if (std::string const why = contradiction(out); !why.empty())
         throw InputError(fmt::format("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ", a.window > 0 ? "--window " : "",

@@ -1,7 +1,7 @@
 // rlslab list: the names of variants, arithmetics and studies.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 #include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>

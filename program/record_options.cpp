@@ -68,62 +68,95 @@ void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char co
             ""));
 }
 
-Question question_of(RecordArguments a) {
-    a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
+namespace {
+
+/// What the options describe: a regression on columns with lags, or where there are none an ARX model.
+struct Model {
+    std::vector<std::string> columns;  ///< to be read, each once
+    std::vector<Lagged> lagged;
+    Arx arx;
+
+    void read(std::string const& column) {
+        if (std::ranges::find(columns, column) == columns.end()) columns.push_back(column);
+    }
+};
+
+Model regression_of(RecordArguments const& a) {
+    if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
+        throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
+    Model out{.columns = {}, .lagged = lagged_of("--regressors", a.regressors, a.output), .arx = {}};
+    for (Lagged const& r : out.lagged) out.read(r.column);
+    return out;
+}
+
+Model arx_of(RecordArguments const& a) {
+    if (a.inputs.empty()) {
+        int const na = std::max(a.order, a.na);
+        std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
+        throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
+                                     na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
+    }
+    if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
+    if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
+    Model out{.columns = {}, .lagged = {}, .arx = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb}};
+    out.arx.delay = a.delay;
+    out.arx.intercept = a.intercept;
+    out.arx.inputs = int(a.inputs.size());
+    for (std::string const& input : a.inputs) {
+        if (std::ranges::count(a.inputs, input) > 1)
+            throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
+        if (input == a.output) throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+        out.read(input);
+    }
+    return out;
+}
+
+Model model_of(RecordArguments const& a) {
     if (a.file.empty()) throw InputError("FILE: expected the name of a file");
     if (a.output.empty()) throw InputError("--output: expected the name of the output column");
-    std::vector<std::string> columns;
-    std::vector<Lagged> lagged;
-    auto const add = [&](std::string const& name) {
-        if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
-    };
-    if (!a.regressors.empty()) {
-        if (!a.inputs.empty() || a.order || a.na >= 0 || a.nb >= 0 || a.delay)
-            throw InputError("--regressors: does not go with --input, --order, --na, --nb or --delay");
-        lagged = lagged_of("--regressors", a.regressors, a.output);
-        for (Lagged const& r : lagged) add(r.column);
-    } else {
-        if (a.inputs.empty()) {
-            int const na = std::max(a.order, a.na);
-            std::string const to = na > 1 ? fmt::format("..k-{}", na) : "";
-            throw InputError(fmt::format("--input: expected the name of the input column, or several (or --regressors {})",
-                                         na > 0 ? fmt::format("'{}[k-1{}]'", printable(a.output), to) : "a,b,c"));
-        }
-        if (a.order && (a.na >= 0 || a.nb >= 0)) throw InputError("--order: does not go with --na and --nb");
-        if (!a.order && (a.na < 0 || a.nb < 0)) throw InputError("--order: expected an order (or --na and --nb)");
-        for (std::string const& input : a.inputs) {
-            if (std::ranges::count(a.inputs, input) > 1)
-                throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
-            if (input == a.output) throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
-            add(input);
-        }
-    }
-    add(a.output);
-    Columns data = read_data({a.file, a.format}, columns);
-    Question out;
-    out.model.file = printable(data.file, 200);
-    std::erase(columns, a.output);
-    out.model.warnings = counting_warnings(data, columns);
-    if (a.detrend) out.model.means = take_means(data);
-    auto const named = [&](std::string const& column) { return data.header ? column : "column " + column; };
-    out.model.output = text_of({named(a.output), 0});
-    if (!lagged.empty()) {
-        out.records = lagged_records(data, lagged, a.output, a.intercept);
-        if (a.intercept) out.model.regressors.push_back("1");
-        for (Lagged const& r : lagged) out.model.regressors.push_back(text_of({named(r.column), r.lag}));
-        return out;
-    }
-    Arx model = a.order ? arx_of_order(a.order) : Arx{.na = a.na, .nb = a.nb};
-    model.delay = a.delay;
-    model.intercept = a.intercept;
-    model.inputs = int(a.inputs.size());
+    Model out = a.regressors.empty() ? arx_of(a) : regression_of(a);
+    out.read(a.output);
+    return out;
+}
+
+Records records_of(Columns const& data, RecordArguments const& a, Model const& model) {
+    if (!model.lagged.empty()) return lagged_records(data, model.lagged, a.output, a.intercept);
     std::vector<std::span<double const>> inputs;
     for (std::string const& input : a.inputs) inputs.emplace_back(data[input]);
-    out.records = arx_records(inputs, a.inputs, data[a.output], model, data.file);
-    for (int i = 1; i <= model.na; ++i) out.model.regressors.push_back("-" + text_of({named(a.output), i}));
+    return arx_records(inputs, a.inputs, data[a.output], model.arx, data.file);
+}
+
+/// What the parameters multiply, in the order of the records' columns: "-sales[k-1]", "lead[k]", "1".
+std::vector<std::string> regressor_texts(Columns const& data, RecordArguments const& a, Model const& model) {
+    auto const text = [&](std::string const& column, int lag) { return text_of({data.header ? column : "column " + column, lag}); };
+    std::vector<std::string> out;
+    if (!model.lagged.empty()) {
+        if (a.intercept) out.push_back("1");
+        for (Lagged const& r : model.lagged) out.push_back(text(r.column, r.lag));
+        return out;
+    }
+    for (int i = 1; i <= model.arx.na; ++i) out.push_back("-" + text(a.output, i));
     for (std::string const& input : a.inputs)
-        for (int i = 0; i <= model.nb; ++i) out.model.regressors.push_back(text_of({named(input), model.delay + i}));
-    if (model.intercept) out.model.regressors.push_back("1");
+        for (int i = 0; i <= model.arx.nb; ++i) out.push_back(text(input, model.arx.delay + i));
+    if (a.intercept) out.push_back("1");
+    return out;
+}
+
+}  // namespace
+
+Question question_of(RecordArguments a) {
+    a.inputs = unquoted(a.inputs), a.regressors = unquoted(a.regressors);
+    Model const model = model_of(a);
+    Columns data = read_data({a.file, a.format}, model.columns);
+    Question out;
+    out.model.file = printable(data.file, 200);
+    std::vector<std::string> regressors = model.columns;
+    std::erase(regressors, a.output);
+    out.model.warnings = counting_warnings(data, regressors);
+    if (a.detrend) out.model.means = take_means(data);
+    out.model.output = text_of({data.header ? a.output : "column " + a.output, 0});
+    out.model.regressors = regressor_texts(data, a, model);
+    out.records = records_of(data, a, model);
     return out;
 }
 

@@ -1,4 +1,4 @@
-// The record that compare and advise work on: a file, its columns and a model.
+// The record that compare works on: a file, its columns and a model.
 #pragma once
 
 #include "compare/compare.hpp"

@@ -1,7 +1,10 @@
 // A figure as data: which curves, from which numbers, in which looks. svg.hpp draws it; nothing here knows what it shows.
 #pragma once
 
+#include <rlslab/core/family.hpp>
+
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +18,8 @@ struct Look {
     bool dashed = false;
     std::string mark = {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
 };
-/// Of a variant by its name; of anything else by its place among the others.
-Look look_of(std::string_view series, size_t place);
+/// Of a variant by its family; of anything else by its place among the others.
+Look look_of(std::optional<Family> const& family, size_t place);
 
 /// Points in the order in which they are joined. Where a number is NaN, infinite, or not positive on a logarithmic axis, the
 /// point is left out and the line is broken.

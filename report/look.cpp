@@ -1,4 +1,4 @@
-// One colour a family of variants, hollow and dashed for its second member.
+// One colour a family of variants; mark and dash by the place in it.
 #include "report/figure.hpp"
 
 #include <array>
@@ -6,41 +6,38 @@
 namespace rlslab::report {
 namespace {
 
-struct Named {
-    std::string_view name;
-    Look look;
-};
-std::vector<Named> const& variants() {
-    static std::vector<Named> const looks{{"conventional", {"#000000", false, "circle"}},
-                                          {"conventional_two_sided", {"#000000", true, "circle-open"}},
-                                          {"symmetric", {"#0072b2", false, "square"}},
-                                          {"kalman", {"#0072b2", true, "square-open"}},
-                                          {"joseph", {"#d55e00", false, "diamond"}},
-                                          {"joseph_rank_two", {"#d55e00", true, "diamond-open"}},
-                                          {"potter", {"#b8860b", false, "triangle-up"}},
-                                          {"carlson", {"#b8860b", true, "triangle-up-open"}},
-                                          {"ud", {"#009e73", false, "star"}},
-                                          {"inverse_qr", {"#009e73", true, "star-open"}},
-                                          {"information", {"#cc79a7", false, "x"}},
-                                          {"cholesky_sparse", {"#cc79a7", true, "x-open"}},
-                                          {"qr", {"#56b4e9", false, "triangle-down"}},
-                                          {"gentleman", {"#56b4e9", true, "triangle-down-open"}},
-                                          {"extended_qr", {"#6a3d9a", true, "cross-open"}},
-                                          {"qr_block", {"#6a3d9a", false, "cross"}},
-                                          {"qr_sparse", {"#7f7f7f", true, "square-open"}},
-                                          {"order_recursive", {"#7f7f7f", false, "square"}}};
-    return looks;
+constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
+
+Look look(char const* colour, size_t mark, bool hollow) {
+    return {colour, hollow, std::string(marks[mark % marks.size()]) + (hollow ? "-open" : "")};
 }
+
+struct FamilyLook {
+    char const* colour;
+    size_t mark;
+};
+/// In the order of Family::Kind.
+constexpr FamilyLook families[] = {{"#000000", 0},   // conventional
+                                   {"#0072b2", 1},   // symmetric
+                                   {"#d55e00", 2},   // joseph
+                                   {"#b8860b", 3},   // root
+                                   {"#009e73", 5},   // ud
+                                   {"#cc79a7", 7},   // normal_equations
+                                   {"#56b4e9", 4},   // qr
+                                   {"#6a3d9a", 6},   // wide_qr
+                                   {"#7f7f7f", 1}};  // other
+static_assert(std::size(families) == size_t(Family::other) + 1);
 
 }  // namespace
 
-Look look_of(std::string_view series, size_t place) {
-    for (Named const& named : variants())
-        if (named.name == series) return named.look;
+Look look_of(std::optional<Family> const& family, size_t place) {
+    if (family) {
+        auto const [colour, mark] = families[family->kind];
+        size_t const pair = size_t(family->place) / 2;  // a third and a fourth member have the next mark but two
+        return look(colour, mark + 3 * pair, family->place % 2 == 1);
+    }
     constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#000000", "#6a3d9a"};
-    constexpr std::array marks{"circle", "square", "diamond", "triangle-up", "triangle-down", "star", "cross", "x"};
-    bool const again = place / colours.size() % 2 == 1;
-    return {colours[place % colours.size()], again, std::string(marks[place % marks.size()]) + (again ? "-open" : "")};
+    return look(colours[place % colours.size()], place, place / colours.size() % 2 == 1);
 }
 
 }  // namespace rlslab::report

@@ -255,7 +255,7 @@ TEST(Fixed, WhatWentWrongIsMarkedAndCounted) {
         EXPECT_TRUE((none / none).word() == 0 && (none / none).marked());
         EXPECT_TRUE(sqrt(least).word() == 0 && sqrt(least).marked());
         EXPECT_EQ(V(word(1) * word(1)).word(), 0);
-        Aside<V> const aside;
+        UncountedScope<V> const aside;
         EXPECT_TRUE(V(seven * seven).marked());
     });
     EXPECT_EQ(events, (FixedEvents{2, 4, 2, 1, 49 * 4096}));  // -(-8) is the second overflow

@@ -1,5 +1,6 @@
 // What moved since a baseline: a planted slowdown is told, scatter and another clock are not. How a run stands to a limit.
 #include "bench/limits.hpp"
+#include "bench/measured.hpp"
 
 #include <rlslab/core/random.hpp>
 
@@ -105,6 +106,26 @@ TEST(BenchLimits, AreToldOfRowsThatAreThere) {
               "| `conventional` / dlib: at most 0.2, at 128 0.26 | 64: 0.33 [0.33, 0.33] | **missed** 64 |\n"
               "| `ud` / dlib: at most 0.25 | 64: 0.30 [0.30, 0.30] | **missed** 64 |\n"
               "| `ud` / `conventional`: at most 1.3, at 64 1, at 128 0.75 | 64: 0.90 [0.90, 0.90] | held 64 |\n");
+}
+
+TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
+    std::string rows;
+    auto const add = [&](char const* name, double time, double theta) {
+        rows += fmt::format(R"({}{{"run_name": "{}", "ns_per_update": {}, "ns_theta": {}, "digits": 9, "finite": 1}})",
+                            rows.empty() ? "" : ",", name, time, theta);
+    };
+    add("peer/dlib/double/4", 140.4, 1), add("update/ud/double/4", 29.6, 1), add("update/ud/double/64", 1300, 1);
+    add("update/conventional/double/16", 80, 1), add("update/qr/double/4", 35, 17.8), add("update/qr/float/16", 3, 3);
+    add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/liquid/double/4", 3, 3);
+    auto const table = [](std::string const& of) {
+        return table_of_times(
+            run_of(R"({"context": {"cpu": "a processor", "compiler": "g++", "date": "2026-11-23T01:02"}, "benchmarks": [)" + of + "]}"));
+    };
+    EXPECT_EQ(table(rows),
+              "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n"
+              "| `ud` | 30 |  | 1300 |\n| `conventional` |  | 80 |  |\n| `qr` | 35 + 18 |  |  |\n| dlib's `rls` | 140 |  |  |\n"
+              "\na processor, g++, 2026-11-23. After +: what `theta()` takes where it has to be solved for.\n");
+    EXPECT_THROW(table(""), std::runtime_error);
 }
 
 }  // namespace

@@ -84,7 +84,8 @@ void expect_digits(std::optional<double> const& said, double worked_out, double 
 }
 
 Comparison compared(Records const& r, double lambda, std::optional<double> p0 = {}) {
-    return compare::compare(r, {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
+    return compare::compare(r,
+                            {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
 }
 
 TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
@@ -159,7 +160,7 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                 }
                 broke += first.has_value();
                 if (order.empty()) {
-                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, ""}).step, first.value_or(-1)) << r.entry->variant << a.name;
+                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, first.value_or(-1)) << r.entry->variant << a.name;
                 }
             }
             EXPECT_EQ(r.runs, int(orders.size()));
@@ -217,16 +218,16 @@ TEST(ComparisonNumbers, OfStorage) {
     Records const given = few_rows();
     double const lambda = 0.99, p0 = 2;
     Comparison const c = compared(given, lambda, p0);
-    ASSERT_EQ(c.storage.size(), 3u);  // double stores what is given
+    ASSERT_EQ(c.rounding.size(), 3u);  // double stores what is given
     Solved const as_given = solved(given, given.rows(), lambda, p0, p0);
     Vector<double> const s = regressor_scales(given);
-    for (Storage const& storage : c.storage) {
-        Arithmetic const& a = *std::ranges::find(arithmetics(), storage.arithmetic, &Arithmetic::name);
+    for (RoundingEffect const& effect : c.rounding) {
+        Arithmetic const& a = *std::ranges::find(arithmetics(), effect.arithmetic, &Arithmetic::name);
         Records const stored = as_stored(given, a);
         double const l = a.round(lambda);
-        EXPECT_EQ(storage.forgetting, l);
-        EXPECT_EQ(storage.rank, 2);
-        EXPECT_TRUE(storage.in_range);
+        EXPECT_EQ(effect.forgetting, l);
+        EXPECT_EQ(effect.rank, 2);
+        EXPECT_TRUE(effect.in_range);
         Solved const with = solved(stored, stored.rows(), l, p0, p0), without = solved(stored, stored.rows(), l, 0, 0);
         Reference change = 0, size = 0, moved = 0, whole = 0;
         for (int i = 0; i < 2; ++i) {
@@ -237,20 +238,20 @@ TEST(ComparisonNumbers, OfStorage) {
             moved += m * m;
             whole += g * g;
         }
-        EXPECT_NEAR(storage.prior_bias / static_cast<double>(sqrt(Reference(change / size))), 1, 1e-12);
-        ASSERT_TRUE(storage.theta_digits);
-        EXPECT_NEAR(*storage.theta_digits, digits_of(sqrt(Reference(moved / whole))), 1e-9);
+        EXPECT_NEAR(effect.prior_bias / static_cast<double>(sqrt(Reference(change / size))), 1, 1e-12);
+        ASSERT_TRUE(effect.theta_digits);
+        EXPECT_NEAR(*effect.theta_digits, digits_of(sqrt(Reference(moved / whole))), 1e-9);
     }
     Records parallel = given;  // apart by less than bfloat16 can tell
     for (Index k = 0; k < given.rows(); ++k) parallel.psi(1, k) = parallel.psi(0, k) * (1 + std::ldexp(double(k % 3), -14));
     Comparison const p = compared(parallel, 1);
-    EXPECT_EQ(p.storage[0].rank, 1);
-    EXPECT_EQ(p.storage[2].rank, 2);
+    EXPECT_EQ(p.rounding[0].rank, 1);
+    EXPECT_EQ(p.rounding[2].rank, 2);
     EXPECT_EQ(p.recommendations[0].why, "as stored there the regressors have rank 1 of 2");
     EXPECT_NE(p.recommendations[3].variant, "");
     Comparison const wide_prior = compared(given, 1, 1e30);  // beyond binary16, within the others
-    EXPECT_FALSE(wide_prior.storage[1].in_range);
-    EXPECT_TRUE(wide_prior.storage[0].in_range);
+    EXPECT_FALSE(wide_prior.rounding[1].in_range);
+    EXPECT_TRUE(wide_prior.rounding[0].in_range);
     EXPECT_EQ(wide_prior.recommendations[1].why, "P0 leaves its range: another --p0");
     for (Result const& r : wide_prior.results)
         if (r.entry->arithmetic->name == "binary16") {
@@ -305,8 +306,8 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
 TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
     Records const given = few_rows();
     auto const of = [&](double lambda) {
-        return compare::compare(given,
-                       {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false})
+        return compare::compare(
+                   given, {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false})
             .results;
     };
     for (double const lambda : {1.0, 0.875})

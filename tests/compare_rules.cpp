@@ -151,7 +151,7 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     EXPECT_THAT(said(m), testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
     m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
     EXPECT_THAT(said(m), testing::EndsWith("\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
-    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, "indefinite"};
+    m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
     EXPECT_THAT(said(m), testing::EndsWith("loses 0.2 digits of theta; conventional broke down: indefinite at 129\n"));
     m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
     EXPECT_THAT(said(m), HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));
@@ -245,16 +245,16 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     Made m;
     m.add("it", {13, 14, 15});
     Comparison c = m.comparison();
-    Storage const good{"double", 1, 3, true, 5.0, 0.01, 0};
-    c.storage = {{"other", 0, 1, false, {}, 1, 1}, good};
+    RoundingEffect const good{"double", 1, 3, true, 5.0, 0.01, 0};
+    c.rounding = {{"other", 0, 1, false, {}, 1, 1}, good};
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
-    auto const why = [&](Storage const& s) {
-        c.storage.back() = s;
+    auto const why = [&](RoundingEffect const& s) {
+        c.rounding.back() = s;
         EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
         EXPECT_TRUE(recommend(m.arithmetic, c).too_short);
         return recommend(m.arithmetic, c).why;
     };
-    Storage s = good;
+    RoundingEffect s = good;
     s.rank = 2;
     EXPECT_EQ(why(s), "as stored there the regressors have rank 2 of 3");
     s = good, s.in_range = false;

@@ -84,7 +84,7 @@ TEST(ComposedDigits, OfAWindowAreOfItsRows) {
 TEST(ComposedDigits, OfAWindowFallAgainstAnythingElse) {
     Records const records = rows_of(400, 1e4, 220, Seed{31});
     Problem<double> const problem{.size = d, .forgetting = 0.96875, .prior = Prior<double>{.variance = 0.5}};
-    StoredProblem const stored = stored_problem(
+    RoundedProblem const stored = rounded_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
     std::vector<Index> const checkpoints = checkpoints_of(400);
     auto const ud = composed({.window = 40}, "ud", "double", problem);
@@ -94,7 +94,7 @@ TEST(ComposedDigits, OfAWindowFallAgainstAnythingElse) {
     for (size_t c = 0; c < checkpoints.size(); ++c) {
         for (; k < checkpoints[c]; ++k) ud->update(records.sample(k), records.y[k]);
         Vector<Reference> const theta = ud->theta();
-        Index const age = right.age_of_prior(k, ud->happened());
+        Index const age = right.age_of_prior(k, ud->counts());
         least[0] = std::min(least[0], right.minimiser(c, age).theta_digits(theta));
         least[1] = std::min(least[1], whole.minimiser(c, age).theta_digits(theta));
         least[2] = std::min(least[2], shorter.minimiser(c, age).theta_digits(theta));
@@ -129,7 +129,7 @@ TEST(ComposedDigits, OfARuleAreOfItsOwnRecursion) {
 TEST(ComposedDigits, OfARuleFallWhereItsNumberIsAnother) {
     Records const records = rows_of(200, 1, 110, Seed{41});
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 16}};
-    StoredProblem const stored = stored_problem(
+    RoundedProblem const stored = rounded_problem(
         records, problem, [](double x) { return x; }, {{}}, 30);
     CatalogueEntry const& ud = *find_entry("ud");
     CompositionReference right({.control = "kulhavy", .parameters = {0.97, 0}}, stored, 30);

@@ -4,9 +4,9 @@
 #include "tests/composed.hpp"
 #include "tests/program.hpp"
 
-#include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
+#include <rlslab/adapt/rules.hpp>
 #include <rlslab/catalogue/round_to.hpp>
 #include <rlslab/variants/carlson.hpp>
 #include <rlslab/variants/conventional.hpp>
@@ -14,7 +14,10 @@
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/ud.hpp>
 
+#include <cxxabi.h>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace rlslab {
 namespace {
@@ -160,15 +163,54 @@ TEST(Compositions, RefuseNumbersThatTheArithmeticCannotHold) {
     EXPECT_NE(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "double", problem), nullptr);
     EXPECT_EQ(composed({.window = 9}, "ud", "quad", problem), nullptr);
 }
+// --- the lists ----------------------------------------------------------------------------------------------------------------------
+
+template <class Rule>
+std::string type_of() {
+    std::unique_ptr<char, decltype(&std::free)> const text(abi::__cxa_demangle(typeid(Rule).name(), nullptr, nullptr, nullptr), &std::free);
+    return text.get();
+}
+template <auto member>
+std::string text_of() {
+    return __PRETTY_FUNCTION__;
+}
+/// What the lists print as C++ is C++: the types, the members and the constants.
+TEST(Compositions, RulesAndPoliciesArePrintedAsTheyAreWritten) {
+    std::set<std::string_view> names;
+    for_each(Rules<double>{}, [&]<class Rule>() {
+        EXPECT_TRUE(names.insert(Rule::name).second) << Rule::name << " is there twice";
+        EXPECT_EQ(type_of<Rule>(), "rlslab::" + std::string(Rule::type) + "<double>");
+        auto const check = [](std::string_view member, std::string const& written) {
+            EXPECT_THAT(written, testing::HasSubstr("::" + std::string(member)));
+        };
+        [&]<size_t... I>(std::index_sequence<I...>) {
+            (check(std::get<I>(detail::numbers_of<Rule>()).member, text_of<std::get<I>(detail::numbers_of<Rule>()).at>()), ...);
+        }(std::make_index_sequence<std::tuple_size_v<decltype(detail::numbers_of<Rule>())>>());
+        EXPECT_TRUE(std::ifstream(std::string(RLSLAB_SOURCE_DIR "/src/rlslab/") + std::string(control_named(Rule::name).header) + ".hpp"));
+    });
+    std::ifstream in(RLSLAB_SOURCE_DIR "/src/rlslab/adapt/guard_policy.hpp");
+    std::string const header{std::istreambuf_iterator<char>(in), {}};
+    for (NamedPolicy const& named : guard_policies) {
+        EXPECT_THAT(header, testing::HasSubstr("GuardPolicy " + std::string(named.constant) + "{"));
+        EXPECT_EQ(find_policy(named.name), &named) << named.name << " is there twice";
+        EXPECT_TRUE(named.policy.valid());
+    }
+}
+
 /// What obstacle() says is what composed() does, for every variant and composition.
 TEST(Compositions, ExistWhereNothingStandsInTheWay) {
     Problem<double> const problem{.size = d, .forgetting = 0.9, .prior = Prior<double>{.variance = 64}};
-    std::vector<std::vector<double>> const numbers{{}, {1, 100, 0.5}, {0.98, 0}, {0.98, 0}, {0.1}, {50, 10}, {0.1}};
+    std::vector<std::string> guards{""};
+    for (std::string_view const name : guard_names()) guards.emplace_back(name);
     std::vector<Composition> all;
     for (Index window : {0, 5})
-        for (std::string guard : {"", "report", "reset", "rebuild", "hand_over"}) {
+        for (std::string const& guard : guards) {
             all.push_back({.window = window, .guard = guard});
-            for (size_t i = 0; i < controls().size(); ++i) all.push_back({std::string(controls()[i].name), numbers[i], window, guard});
+            for (Control const& control : controls()) {
+                all.push_back({.control = std::string(control.name), .window = window, .guard = guard});
+                for (ControlParameter const& p : control.parameters)
+                    all.back().parameters.push_back(p.whole ? 50 : std::isnan(p.start) ? 0.1 : p.start);
+            }
         }
     std::map<std::string_view, int> made_of;
     for (Composition const& c : all)

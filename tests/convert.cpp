@@ -230,9 +230,9 @@ TEST(MergingWithPrior, IsExactInRationals) {
 template <class F>
 Part<F> prior_twice(Part<F> const& a, Part<F> const& b, Problem<double> problem) {
     detail::InformationRows<double> sum(a.filter.stored(), a.filter.theta()), added(b.filter.stored(), b.filter.theta());
-    double const mu = power(problem.forgetting, b.rows);
+    double const mu = detail::power(problem.forgetting, b.rows);
     for (Index i = 0; i < problem.size; ++i) sum.D[i] *= mu;
-    sum.take(added, 1);
+    sum.add(added, 1);
     problem.prior->theta = solved_lower_transposed(sum.L, sum.z);
     problem.prior->stored = Stored<double>{Stored<double>::Quantity::information, Stored<double>::Form::factor, sum.L.view(), sum.D.view()};
     return {F(problem), a.rows + b.rows};

@@ -83,12 +83,10 @@ Found over_random(int trials, typename Holds<T>::Shown* shown) {
     Arithmetic const arithmetic = arithmetic_of<T>();
     for (int k = 0; k < trials; ++k) {
         Holds<T> const filter(random_stored<T>(seed), shown);
-        Definiteness const exact = definiteness(filter.stored());
+        Health const exact = definiteness(filter.stored());
         found.quick += surely_positive(filter.stored_in_double(), arithmetic.digits > 53 ? 0x1p-53 : 0);
-        found.positive += exact == Definiteness::positive;
-        found.wrong += breakdown(filter, arithmetic) != (exact == Definiteness::positive       ? ""
-                                                         : exact == Definiteness::not_positive ? "indefinite"
-                                                                                               : "nonfinite");
+        found.positive += exact == Health::sound;
+        found.wrong += breakdown(filter, arithmetic) != exact;
     }
     return found;
 }
@@ -124,17 +122,17 @@ TEST(ALook, IsMisledByZerosThatRoundingMade) {
 
 /// F F' of F = [2^-700 1; 2^-1400 2^-700] is singular; in double F is a triangle that is not.
 template <class T>
-std::string of_the_disguised_triangle() {
+Health of_the_disguised_triangle() {
     T const a = times_power(T(1), -700), b = times_power(T(1), -1400);
     Matrix<T> F(2, 2);
     F << a, T(1), b, a;
     return breakdown(Holds<T>({Stored<T>::Quantity::covariance, Stored<T>::Form::factor, F}, &in_double<T>), arithmetic_of<T>());
 }
 TEST(ALook, SeesThroughADisguisedTriangle) {
-    EXPECT_EQ(of_the_disguised_triangle<Quad>(), "indefinite");
-    EXPECT_EQ(of_the_disguised_triangle<Reference>(), "indefinite");
+    EXPECT_EQ(of_the_disguised_triangle<Quad>(), Health::indefinite);
+    EXPECT_EQ(of_the_disguised_triangle<Reference>(), Health::indefinite);
     if (ArithmeticTraits<long double>::min_exp < -1500) {
-        EXPECT_EQ(of_the_disguised_triangle<long double>(), "indefinite");
+        EXPECT_EQ(of_the_disguised_triangle<long double>(), Health::indefinite);
     }
 }
 

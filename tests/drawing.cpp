@@ -163,7 +163,7 @@ TEST(Drawing, NamesAtTheEndsOfManyCurvesStayInside) {
     for (int n = 0; n < 40; ++n) {
         lawful(figure);
         figure.panels[0].curves.push_back(
-            {.name = "curve " + std::to_string(n), .look = look_of("", size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
+            {.name = "curve " + std::to_string(n), .look = look_of({}, size_t(n)), .x = {1, 3}, .y = {1, n % 2 ? 3.0 : 1.0}});
     }
 }
 TEST(Drawing, HoldsEveryTextHoweverLong) {
@@ -173,7 +173,7 @@ TEST(Drawing, HoldsEveryTextHoweverLong) {
         figure.title = figure.x = figure.y = figure.series = text;
         Panel& panel = figure.panels[0];
         panel.name = panel.curves[0].name = text;
-        panel.curves.push_back({.name = text + "1", .look = look_of("", 1), .x = {1, 3}, .y = {1, 2}});
+        panel.curves.push_back({.name = text + "1", .look = look_of({}, 1), .x = {1, 3}, .y = {1, 2}});
         panel.events = {{.x = 1.4, .text = text}, {.x = 2.9, .text = text}};
         for (bool const names : {false, true}) {
             figure.names = names;
@@ -229,7 +229,7 @@ TEST(Drawing, ASquareAxisHasOneUnit) {
 }
 TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
     Figure figure = one({1, 2}, {1, 2});
-    figure.panels[0].curves.push_back({.name = "other", .look = look_of("", 1), .x = {1}, .y = {2}});
+    figure.panels[0].curves.push_back({.name = "other", .look = look_of({}, 1), .x = {1}, .y = {2}});
     figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
     std::string const html = figure_html(figure);
     for (char const* name : {"curve", "other", "guide"})

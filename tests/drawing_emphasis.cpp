@@ -18,7 +18,7 @@ Figure named_points(std::vector<std::pair<double, double>> const& places, size_t
         std::string name = "n" + std::to_string(i);
         name.resize(name_length, 'o');
         out.panels[0].curves.push_back({.name = name,
-                                        .look = look_of("", i),
+                                        .look = look_of({}, i),
                                         .x = {x},
                                         .y = {y},
                                         .lower = {y - 0.3},
@@ -120,7 +120,7 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
     Panel& panel = figure.panels[0];
     panel.y_least = -1;
     panel.curves.push_back({.name = "bars",
-                            .look = look_of("", 1),
+                            .look = look_of({}, 1),
                             .x = {1.5, 2.5},
                             .y = {2, -7},
                             .lower = {-9, -9},
@@ -155,7 +155,7 @@ TEST(Drawing, WhatIsBelowALogarithmicAxisMayBeZero) {
 }
 TEST(Drawing, AStrongCurveIsThickOverTheOthersWhichAreFaint) {
     Figure figure = one({1, 2}, {1, 2});
-    figure.panels[0].curves.push_back({.name = "other", .look = look_of("", 1), .x = {1, 2}, .y = {2, 1}});
+    figure.panels[0].curves.push_back({.name = "other", .look = look_of({}, 1), .x = {1, 2}, .y = {2, 1}});
     std::string const equal = panel_svg(figure, 0, 520, 350, true);
     EXPECT_EQ(equal.find("opacity=\".5\""), equal.npos);
     figure.panels[0].curves[0].strong = true;

@@ -21,7 +21,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std:
 
 inline Figure one(std::vector<double> x, std::vector<double> y, bool log_x = false, bool log_y = false) {
     Figure out{.name = "f", .title = "title", .x = "abscissa", .y = "ordinate", .log_x = log_x, .log_y = log_y, .panels = {{"", {}, {}}}};
-    out.panels[0].curves.push_back({.name = "curve", .look = look_of("", 0), .x = std::move(x), .y = std::move(y)});
+    out.panels[0].curves.push_back({.name = "curve", .look = look_of({}, 0), .x = std::move(x), .y = std::move(y)});
     return out;
 }
 

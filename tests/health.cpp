@@ -24,7 +24,7 @@ TEST(Health, AnUnderflowOfGammaIsSound) {
     for (char const* variant : {"inverse_qr", "extended_qr", "qr", "gentleman"}) {
         auto const f = entry_of(variant, "double").make(p, Seed{1});
         Step<double> const step = f->update(Row{{1e90, 0.0}}, 1.0);
-        EXPECT_EQ(definiteness(f->stored()), Definiteness::positive) << variant;
+        EXPECT_EQ(definiteness(f->stored()), Health::sound) << variant;
         EXPECT_EQ(name_of(step.health), "sound") << variant;
     }
     auto const conventional = entry_of("conventional", "double").make(p, Seed{1});
@@ -49,7 +49,7 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
             bool definite = true;
             for (Index k = 0; k < r.breakdown->step; ++k) {
                 f->update(rounded.sample(k), rounded.y[k]);
-                definite = definite && definiteness(f->stored()) == Definiteness::positive;
+                definite = definite && definiteness(f->stored()) == Health::sound;
             }
             EXPECT_FALSE(definite) << r.entry->variant;
         }

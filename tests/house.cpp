@@ -105,7 +105,6 @@ std::vector<Folder> const house{
     {"catalogue", {"src/rlslab/many", "src/rlslab/model", "variants"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
-    {"advise", {"compare"}},
     {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},
     {"studies/engine", {"catalogue", "report"}},
     {"studies/gain", {"studies/engine"}},
@@ -116,7 +115,7 @@ std::vector<Folder> const house{
     {"studies/published", {"studies/engine"}},
     {"studies/theory", {"studies/engine"}},
     {"bench", {"catalogue", "report"}},
-    {"program", {"advise", "identify", "studies/engine"}},
+    {"program", {"compare", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
     {"tests/consumer", {"src/rlslab/model", "variants"}},
@@ -231,6 +230,34 @@ TEST(House, ACircleIsRefused) {
     EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle",
                                                      "src/rlslab/reference: in a circle"}));
     EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}), Not(Contains("bench: in a circle")));
+}
+/// The files that include themselves by way of others, and the files between two such circles: a file that includes none of the rest, or
+/// that none of the rest includes, is in no circle.
+std::set<std::string> files_in_circles(Tree const& tree) {
+    std::map<std::string, std::set<std::string>> targets;
+    for (auto const& [path, code] : tree)
+        for (std::string const& target : included(code)) targets[path].insert(target);
+    for (size_t before = 0; before != targets.size();) {
+        before = targets.size();
+        std::set<std::string> includers, included_ones;
+        for (auto const& [path, of_path] : targets)
+            for (std::string const& target : of_path)
+                if (targets.contains(target)) includers.insert(path), included_ones.insert(target);
+        std::erase_if(targets, [&](auto const& file) { return !includers.contains(file.first) || !included_ones.contains(file.first); });
+    }
+    std::set<std::string> out;
+    for (auto const& [path, of_path] : targets) out.insert(path);
+    return out;
+}
+TEST(House, NoFileIncludesItselfByWayOfOthers) {
+    EXPECT_THAT(files_in_circles(project()), IsEmpty());
+    Tree tree = project();
+    tree["src/rlslab/core/planted.hpp"] = "#include <rlslab/core/problem.hpp>\n";
+    EXPECT_THAT(files_in_circles(tree), IsEmpty());
+    tree["src/rlslab/core/scalar.hpp"] += "#include <rlslab/core/planted.hpp>\n";
+    EXPECT_THAT(files_in_circles(tree), testing::IsSupersetOf({"src/rlslab/core/planted.hpp", "src/rlslab/core/problem.hpp",
+                                                               "src/rlslab/core/stored.hpp", "src/rlslab/core/scalar.hpp"}));
+    EXPECT_THAT(files_in_circles({{"report/a.hpp", "#include \"report/a.hpp\"\n"}}), testing::ElementsAre("report/a.hpp"));
 }
 TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
     Tree tree = project();

@@ -205,7 +205,7 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
 
 // ---- help -------------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const commands{"compare",  "advise",     "study", "merge", "identify",
+std::vector<std::string> const commands{"compare",  "study", "merge", "identify",
                                         "simulate", "excitation", "state", "list",  "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
@@ -289,7 +289,7 @@ protected:
 };
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
-    EXPECT_EQ(offered("rlslab \"\""), "compare advise study merge identify simulate excitation state list help ");
+    EXPECT_EQ(offered("rlslab \"\""), "compare study merge identify simulate excitation state list help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");

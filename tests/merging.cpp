@@ -128,18 +128,18 @@ class Saboteur {
 public:
     using scalar = double;
     explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) { start_information_root(p, L_, z_); }
-    void update_block(Rows<double> const& psi, Vector<double> const& y) {
+    void update_block(Matrix<double> const& psi, Vector<double> const& y) {
         for (Index k = 0; k < y.size(); ++k) {
-            Rows<double> A(1, psi.rows() + 1);
+            Matrix<double> A(1, psi.rows() + 1);
             A << psi.col(k).transpose(), y[k];
             reflect_block_into(std::sqrt(lambda_), L_, z_, A);
         }
         rows_ += y.size();
     }
     void merge(Saboteur const& newer) {
-        Rows<double> A(z_.size(), z_.size() + 1);
+        Matrix<double> A(z_.size(), z_.size() + 1);
         A << Matrix<double>(newer.L_.view().transpose()), newer.z_.view();
-        reflect_block_into(forgets_the_weight ? 1.0 : power(std::sqrt(lambda_), newer.rows_), L_, z_, A);
+        reflect_block_into(forgets_the_weight ? 1.0 : detail::power(std::sqrt(lambda_), newer.rows_), L_, z_, A);
         rows_ += newer.rows_;
     }
     Vector<double> theta() const { return solved_lower_transposed(L_, z_); }

@@ -75,13 +75,13 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
     refused(data + " --order 1 --regressors u", "--regressors: does not go with");
     refused(data + " --order 1 --bogus", "no option \"--bogus\" (rlslab compare --help)");
     refused(data + " --order 1 --output u", "--output: expected once, found again");
-    refused("frob", "no command \"frob\"; expected one of compare, advise, ");
-    refused("frob list", "no command \"frob\"; expected one of compare, advise, ");
+    refused("frob", "no command \"frob\"; expected one of compare, study, ");
+    refused("frob list", "no command \"frob\"; expected one of compare, study, ");
     refused("list frob", "list: no part \"frob\"; expected one of variants, ");
     refused("compare ok.csv --input u --order 1", "--output");
     refused("compare", "FILE");
     refused("bogus", "\"bogus\"");
-    refused("", "expected a command: compare, advise, ");
+    refused("", "expected a command: compare, study, ");
 }
 TEST_F(Program, ReadsStandardInput) {
     std::string const options = " --input u --output y --order 1 --arithmetic double";

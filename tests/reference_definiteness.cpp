@@ -1,4 +1,4 @@
-// Definiteness is decided for exactly the stored bits; the quick proof in double never claims it wrongly.
+// Health is decided for exactly the stored bits; the quick proof in double never claims it wrongly.
 #include <rlslab/core/random.hpp>
 #include <rlslab/reference/definiteness.hpp>
 
@@ -27,7 +27,7 @@ Stored<double> factor(Matrix<double> F, Vector<double> D = {}, Quantity quantity
 Stored<Reference> widened(Stored<double> const& stored) {
     return stored.mapped<Reference>([](double x) { return widen(x); });
 }
-Definiteness verdict(Stored<double> const& stored) { return definiteness(widened(stored)); }
+Health verdict(Stored<double> const& stored) { return definiteness(widened(stored)); }
 Matrix<double> two(double a, double b, double c, double d) { return (Matrix<double>(2, 2) << a, b, c, d).finished(); }
 
 /// Sylvester's criterion by elimination in rational numbers.
@@ -58,32 +58,32 @@ Matrix<double> near_singular(Random& random, Index d, double nudge) {
 }
 
 TEST(Definiteness, OfTwoByTwo) {
-    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2))), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 2, 2, 1))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1))), Definiteness::not_positive) << "semidefinite is not definite";
-    EXPECT_EQ(verdict(plain(two(0, 0, 0, 1))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(-1, 0, 0, 1))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(Matrix<double>::Zero(3, 3))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2), Quantity::information)), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1), Quantity::information)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2))), Health::sound);
+    EXPECT_EQ(verdict(plain(two(1, 2, 2, 1))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1))), Health::indefinite) << "semidefinite is not definite";
+    EXPECT_EQ(verdict(plain(two(0, 0, 0, 1))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(two(-1, 0, 0, 1))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(Matrix<double>::Zero(3, 3))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(two(2, 1, 1, 2), Quantity::information)), Health::sound);
+    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1), Quantity::information)), Health::indefinite);
 }
 
 TEST(Definiteness, TurnsOnTheLastBit) {
     constexpr double e = 0x1p-52;
-    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1 + e))), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1 - e / 2))), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1 + e))), Health::sound);
+    EXPECT_EQ(verdict(plain(two(1, 1, 1, 1 - e / 2))), Health::indefinite);
     // (1 + e)(1 - e) = 1 - e^2 < 1, and (1 + e)(1 - e/2) = 1 + e/2 - e^2/2 > 1
-    EXPECT_EQ(verdict(plain(two(1 + e, 1, 1, 1 - e))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(1 + e, 1, 1, 1 - e / 2))), Definiteness::positive);
+    EXPECT_EQ(verdict(plain(two(1 + e, 1, 1, 1 - e))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(two(1 + e, 1, 1, 1 - e / 2))), Health::sound);
     // (1 + 2e)(1 + 0) against (1 + e)^2 = 1 + 2e + e^2
-    EXPECT_EQ(verdict(plain(two(1 + 2 * e, 1 + e, 1 + e, 1))), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(two(1 + 2 * e, 1 + e, 1 + e, 1))), Health::indefinite);
     // 257 bits: pivots that differ by 2^-256 of what is subtracted
     Stored<Reference> wide{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain,
                            Matrix<Reference>::Constant(2, 2, Reference(1))};
     wide.F(1, 1) += ldexp(Reference(1), -256);
-    EXPECT_EQ(definiteness(wide), Definiteness::positive);
+    EXPECT_EQ(definiteness(wide), Health::sound);
     wide.F(1, 1) = 1 - ldexp(Reference(1), -257);
-    EXPECT_EQ(definiteness(wide), Definiteness::not_positive);
+    EXPECT_EQ(definiteness(wide), Health::indefinite);
 }
 
 TEST(Definiteness, OfSingularMatricesThatBallsCannotSettle) {
@@ -91,46 +91,46 @@ TEST(Definiteness, OfSingularMatricesThatBallsCannotSettle) {
     Matrix<double> B = Matrix<double>::Zero(4, 4);
     B << 3, 0, 0, 0, 1, 7, 0, 0, 2, 5, 0, 0, 1, 1, 0, 0;
     Matrix<double> const A = B * B.transpose();
-    EXPECT_EQ(verdict(plain(A)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(A)), Health::indefinite);
     Matrix<double> scaled = A;
     scaled.row(2) *= 0x1p300;
     scaled.col(2) *= 0x1p300;
     scaled.row(1) *= 0x1p-300;
     scaled.col(1) *= 0x1p-300;
-    EXPECT_EQ(verdict(plain(scaled)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(scaled)), Health::indefinite);
     // Definite, or not, by 2^-245 of itself.
     Stored<Reference> close = widened(plain(A));
     for (Index i = 2; i < 4; ++i) close.F(i, i) += ldexp(Reference(1), -240);
-    EXPECT_EQ(definiteness(close), Definiteness::positive);
+    EXPECT_EQ(definiteness(close), Health::sound);
     for (Index i = 2; i < 4; ++i) close.F(i, i) -= ldexp(Reference(1), -239);
-    EXPECT_EQ(definiteness(close), Definiteness::not_positive);
+    EXPECT_EQ(definiteness(close), Health::indefinite);
 }
 
 TEST(Definiteness, OfThePartThatIsSymmetric) {
-    EXPECT_EQ(verdict(plain(two(1, 100, -100, 1))), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 2, 0, 1))), Definiteness::not_positive) << "its symmetric part is all ones";
-    EXPECT_EQ(verdict(plain(two(1, 2, -0x1p-60, 1))), Definiteness::positive);
-    EXPECT_EQ(verdict(plain(two(1, 2, 0x1p-60, 1))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(plain(two(1, std::nextafter(2.0, 3), 0, 1))), Definiteness::not_positive);
+    EXPECT_EQ(verdict(plain(two(1, 100, -100, 1))), Health::sound);
+    EXPECT_EQ(verdict(plain(two(1, 2, 0, 1))), Health::indefinite) << "its symmetric part is all ones";
+    EXPECT_EQ(verdict(plain(two(1, 2, -0x1p-60, 1))), Health::sound);
+    EXPECT_EQ(verdict(plain(two(1, 2, 0x1p-60, 1))), Health::indefinite);
+    EXPECT_EQ(verdict(plain(two(1, std::nextafter(2.0, 3), 0, 1))), Health::indefinite);
 }
 
 TEST(Definiteness, OfFactors) {
     Vector<double> const D = (Vector<double>(2) << 1, 0x1p-1074).finished();
-    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), D)), Definiteness::positive);
-    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), -D)), Definiteness::not_positive);
-    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), Vector<double>::Unit(2, 0))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(factor(two(1, 5, 0, -1))), Definiteness::positive) << "a sign on the diagonal is squared away";
-    EXPECT_EQ(verdict(factor(two(1, 0, 5, 0))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4))), Definiteness::not_positive);
-    EXPECT_EQ(verdict(factor(two(1, 2, 2, std::nextafter(4.0, 5)))), Definiteness::positive);
-    EXPECT_EQ(verdict(factor(two(1, 0x1p61, 1, 1))), Definiteness::positive) << "its determinant divides the prime";
-    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4), {}, Quantity::information)), Definiteness::not_positive);
+    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), D)), Health::sound);
+    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), -D)), Health::indefinite);
+    EXPECT_EQ(verdict(factor(two(1, 5, 0, 1), Vector<double>::Unit(2, 0))), Health::indefinite);
+    EXPECT_EQ(verdict(factor(two(1, 5, 0, -1))), Health::sound) << "a sign on the diagonal is squared away";
+    EXPECT_EQ(verdict(factor(two(1, 0, 5, 0))), Health::indefinite);
+    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4))), Health::indefinite);
+    EXPECT_EQ(verdict(factor(two(1, 2, 2, std::nextafter(4.0, 5)))), Health::sound);
+    EXPECT_EQ(verdict(factor(two(1, 0x1p61, 1, 1))), Health::sound) << "its determinant divides the prime";
+    EXPECT_EQ(verdict(factor(two(1, 2, 2, 4), {}, Quantity::information)), Health::indefinite);
 }
 
 TEST(Definiteness, OfWhatIsNotFinite) {
-    EXPECT_EQ(verdict(plain(two(inf, 0, 0, 1))), Definiteness::nonfinite);
-    EXPECT_EQ(verdict(plain(two(1, std::nan(""), 0, 1))), Definiteness::nonfinite);
-    EXPECT_EQ(verdict(factor(two(1, 0, 0, 1), Vector<double>::Constant(2, inf))), Definiteness::nonfinite);
+    EXPECT_EQ(verdict(plain(two(inf, 0, 0, 1))), Health::nonfinite);
+    EXPECT_EQ(verdict(plain(two(1, std::nan(""), 0, 1))), Health::nonfinite);
+    EXPECT_EQ(verdict(factor(two(1, 0, 0, 1), Vector<double>::Constant(2, inf))), Health::nonfinite);
     EXPECT_THROW(verdict(plain(Matrix<double>::Ones(2, 2).leftCols(1))), std::invalid_argument);
     EXPECT_THROW(verdict(factor(two(1, 0, 0, 1), Vector<double>::Ones(3))), std::invalid_argument);
 }
@@ -143,7 +143,7 @@ TEST(Definiteness, AgreesWithRationalElimination) {
         double const nudge = std::ldexp(random.uniform(), -int(random.below(60)));
         Matrix<double> const A = near_singular(random, d, trial % 3 == 0 ? 0 : nudge);
         bool const truth = rationally_positive(A);
-        EXPECT_EQ(verdict(plain(A)) == Definiteness::positive, truth) << A;
+        EXPECT_EQ(verdict(plain(A)) == Health::sound, truth) << A;
         positive += truth;
     }
     EXPECT_GT(positive, 100);
@@ -164,7 +164,7 @@ TEST(SurelyPositive, NeverClaimsWhatIsNotSo) {
                 A.col(i) *= scale;
             }
         if (trial % 5 == 0) A(0, d - 1) += std::ldexp(random.uniform(), -50) * A(0, d - 1);  // asymmetry
-        bool const claim = surely_positive(plain(A)), truth = verdict(plain(A)) == Definiteness::positive;
+        bool const claim = surely_positive(plain(A)), truth = verdict(plain(A)) == Health::sound;
         EXPECT_TRUE(truth || !claim) << A;
         claimed += claim;
         positive += truth;
@@ -192,7 +192,7 @@ TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
                 bool const up = i != j && (pattern == 0 || (pattern == 1 && random.below(2)));
                 stored.F(i, j) *= 1 + (up ? 1 : -1) * Reference(rho) * (1 - Reference(rho));
             }
-        EXPECT_TRUE(!claim || definiteness(stored) == Definiteness::positive);
+        EXPECT_TRUE(!claim || definiteness(stored) == Health::sound);
     }
     EXPECT_GT(claimed, 100);
 }
@@ -241,7 +241,7 @@ TEST(SurelyPositive, IsSilentAtTheEdges) {
             for (Index j = 0; j < 3; ++j) {
                 Matrix<double> A = 2 * Matrix<double>::Identity(3, 3);
                 A(i, j) = bad;
-                EXPECT_FALSE(surely_positive(plain(A)) && verdict(plain(A)) != Definiteness::positive);
+                EXPECT_FALSE(surely_positive(plain(A)) && verdict(plain(A)) != Health::sound);
                 if (!std::isfinite(bad)) {
                     EXPECT_FALSE(surely_positive(plain(A)));
                     EXPECT_FALSE(surely_positive(factor(A)));

@@ -20,7 +20,7 @@ std::vector<double> folded(Index size, Index rows, double unit) {
     QrBlock<T> filter(Problem<T>{.size = size, .forgetting = T(0.96875), .prior = std::nullopt});
     std::vector<double> out;
     for (int block = 0; block < 3; ++block) {
-        Rows<T> psi(size, rows);
+        Matrix<T> psi(size, rows);
         Vector<T> y(rows);
         for (Index k = 0; k < rows; ++k) {
             for (Index i = 0; i < size; ++i) psi(i, k) = T(number());
@@ -54,7 +54,7 @@ TEST(Reflections, ANanAnywhereInABlockIsSeen) {
     for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         for (Index at = 0; at < 9; ++at) {
             QrBlock<double> filter({.size = 2});
-            Rows<double> psi = Rows<double>::Zero(2, 9);
+            Matrix<double> psi = Matrix<double>::Zero(2, 9);
             psi(0, at) = bad;
             filter.update_block(psi, Vector<double>::Zero(9));
             EXPECT_FALSE(std::isfinite(filter.theta()[0])) << at;

@@ -4,7 +4,6 @@
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/random.hpp>
-#include <rlslab/linalg/crew.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
@@ -176,45 +175,6 @@ TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
     check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
 }
 
-/// Rows shared among more threads than there are cores, and than there are blocks of rows, against one thread.
-template <class F>
-void check_shared() {
-    using T = typename F::scalar;
-    on_each_isa([&] {
-        for (Index size : {383, 384, 401, 646, 1301}) {
-            Matrix<T> const psi = noise<T>(size, 4, Seed{std::uint64_t(size)});
-            Vector<T> const y = noise<T>(4, 1, Seed{7});
-            F const start = started<F>(size);
-            F alone = start;
-            Step<T> const step = alone.update_block(psi, y);
-            for (Index threads : {1, 2, 3, 9}) {
-                Crew crew(threads);
-                F shared = start;
-                EXPECT_TRUE(same_bits(reported(alone, step), reported(shared, shared.update_block(psi, y, crew))))
-                    << size << " parameters, " << threads << " threads";
-                Regressor<T> const row(psi.col(0).data(), size);
-                F again = alone;
-                EXPECT_TRUE(same_bits(reported(again, again.update(row, y[1])), reported(shared, shared.update(row, y[1]))));
-            }
-        }
-    });
-}
-TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInConventional) { check_shared<Conventional<double>>(), check_shared<Conventional<float>>(); }
-TEST(RowsAtOnce, LeaveTheBitsOfOneThreadInSymmetric) { check_shared<Symmetric<double>>(), check_shared<Symmetric<float>>(); }
-
-/// The saboteur leaves out the second thread's rows.
-TEST(RowsAtOnce, DifferIfAPartIsLeftOut) {
-    struct FirstPartAlone : Helpers {
-        void run(Work const& work) override { work(0, 2); }
-    } lazy;
-    Matrix<double> const psi = noise<double>(400, 3, Seed{1});
-    Vector<double> const y = noise<double>(3, 1, Seed{2});
-    auto alone = started<Conventional<double>>(400), shared = alone;
-    Step<double> const step = alone.update_block(psi, y);
-    EXPECT_FALSE(same_bits(reported(alone, step), reported(shared, shared.update_block(psi, y, lazy))));
-}
-TEST(RowsAtOnce, NeedAThread) { EXPECT_THROW(Crew(0), std::invalid_argument); }
-
 /// Rounding at random draws a number at each operation: another order of operations would draw others.
 TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
     using T = Chopped<binary16, Rounding::stochastic>;
@@ -280,7 +240,7 @@ TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
         subtract_rank_one(A, x, f, by_r, next);
         multiply(A, x.data(), right);
         StateVector<double> ahead(d);
-        EXPECT_TRUE(next.take(ahead) && !next.take(ahead)) << d << " parameters on " << name_of(kernels::isa);
+        EXPECT_TRUE(next.move_product(ahead) && !next.move_product(ahead)) << d << " parameters on " << name_of(kernels::isa);
         EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
         EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
     });

@@ -8,7 +8,6 @@
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/variable_precision.hpp>
 #include <rlslab/catalogue/round_to.hpp>
-#include <rlslab/linalg/crew.hpp>
 #include <rlslab/reference/certified.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -47,24 +46,6 @@ void at_once(Work work) {
     std::vector<std::thread> all;
     for (int t = 0; t < threads; ++t) all.emplace_back(work, t);
     for (std::thread& t : all) t.join();
-}
-
-TEST(Threads, ShareTheRowsOfALargeUpdate) {
-    Records const records = laws::noise_records(400, 6, Seed{31});
-    Crew crew(threads);
-    auto const check = [&]<class F>(F alone) {
-        F shared = alone, other = alone;
-        for (int block = 0; block < 3; ++block) {  // one crew for two filters, one after another
-            alone.update_block(records.psi, records.y);
-            shared.update_block(records.psi, records.y, crew);
-            other.update_block(records.psi, records.y, crew);
-        }
-        EXPECT_EQ(bytes_of(alone), bytes_of(shared));
-        EXPECT_EQ(bytes_of(alone), bytes_of(other));
-    };
-    Problem<double> const large{.size = 400, .forgetting = 0.96875};
-    check(Conventional<double>(large));
-    check(Symmetric<double>(large));
 }
 
 TEST(Threads, ReadAndCopyOneFilterAtTheSameTime) {

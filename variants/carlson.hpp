@@ -28,6 +28,7 @@ class Carlson {
 public:
     using scalar = T;
     static constexpr std::string_view name = "carlson";
+    static constexpr Family family{Family::root, 1};
 
     explicit Carlson(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
@@ -42,7 +43,7 @@ public:
         multiply_upper_transposed(S_, psi.data(), f_, next_);                                            // (1)
         RealOf<T> const s = prefix_sums(lambda_, f_, f_, before_, s_);                                   // (2)
         divide(before_, s_, r_);                                                                         // (3)
-        take_roots(r_, r_);
+        square_roots(r_, r_);
         divide(f_, before_, m_);
         scale(m_, r_, m_);
         sweep_carlson(S_, f_, r_, m_, by_root_lambda_, K_, perturb, next_);                              // (4)

@@ -29,6 +29,7 @@ class CholeskySparse {
 public:
     using scalar = double;
     static constexpr std::string_view name = "cholesky_sparse";
+    static constexpr Family family{Family::normal_equations, 1};
 
     explicit CholeskySparse(Problem<double> const& problem)
         : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()), f_(problem.size),

@@ -27,6 +27,7 @@ class Conventional {
 public:
     using scalar = T;
     static constexpr std::string_view name = "conventional";
+    static constexpr Family family{Family::conventional};
 
     explicit Conventional(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
@@ -48,11 +49,6 @@ public:
     /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
-    }
-    /// The same, with the bits of one thread; from kernels::shared_from parameters on the threads of `helpers` (a Crew, crew.hpp) share the
-    /// rows of P. A block of one row is not shared.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, Helpers& helpers) {
-        return update_rows(*this, next_, f_.size(), psi, y, &helpers);
     }
 
     auto theta() const { return theta_.view(); }

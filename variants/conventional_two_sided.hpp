@@ -23,6 +23,7 @@ class ConventionalTwoSided {
 public:
     using scalar = T;
     static constexpr std::string_view name = "conventional_two_sided";
+    static constexpr Family family{Family::conventional, 1};
 
     explicit ConventionalTwoSided(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

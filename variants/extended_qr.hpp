@@ -34,6 +34,7 @@ class ExtendedQr {
 public:
     using scalar = T;
     static constexpr std::string_view name = "extended_qr";
+    static constexpr Family family{Family::wide_qr, 1};
 
     explicit ExtendedQr(Problem<T> const& problem)
         : root_lambda_(square_root(checked(problem, N).forgetting)), by_root_lambda_(root_lambda_),

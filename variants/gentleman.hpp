@@ -25,11 +25,12 @@ class Gentleman {
     StateVector<T, N> z_, psi_, x_, rest_, s_;
     StateVector<RealOf<T>, N> D_, before_, c_;
     StateMatrix<T, N> L_;    // R'
-    Lengths<T, N> lengths_;
+    ColumnLengths<T, N> lengths_;
 
 public:
     using scalar = T;
     static constexpr std::string_view name = "gentleman";
+    static constexpr Family family{Family::qr, 1};
     static constexpr bool starts_without_prior = true;
 
     explicit Gentleman(Problem<T> const& problem)
@@ -66,7 +67,7 @@ public:
             eta -= conjugate(x_[i]) * t;
         }
         Step<T> const step = select(determined, step_of(eta, w), report_undetermined(eta));               // (5)
-        return if_finite(lengths_.take(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
+        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
     }
 
     Vector<T, N> theta() const {

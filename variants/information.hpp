@@ -34,6 +34,7 @@ class Information {
 public:
     using scalar = T;
     static constexpr std::string_view name = "information";
+    static constexpr Family family{Family::normal_equations};
     static constexpr bool starts_without_prior = true;
 
     explicit Information(Problem<T> const& problem)

@@ -29,6 +29,7 @@ class InverseQr {
 public:
     using scalar = T;
     static constexpr std::string_view name = "inverse_qr";
+    static constexpr Family family{Family::ud, 1};
 
     explicit InverseQr(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),

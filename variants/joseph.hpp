@@ -22,6 +22,7 @@ class Joseph {
 public:
     using scalar = T;
     static constexpr std::string_view name = "joseph";
+    static constexpr Family family{Family::joseph};
 
     explicit Joseph(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

@@ -24,6 +24,7 @@ class JosephRankTwo {
 public:
     using scalar = T;
     static constexpr std::string_view name = "joseph_rank_two";
+    static constexpr Family family{Family::joseph, 1};
 
     explicit JosephRankTwo(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

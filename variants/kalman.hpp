@@ -26,6 +26,7 @@ class Kalman {
 public:
     using scalar = T;
     static constexpr std::string_view name = "kalman";
+    static constexpr Family family{Family::symmetric, 1};
 
     explicit Kalman(Problem<T> const& problem)
         : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),

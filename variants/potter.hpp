@@ -22,6 +22,7 @@ class Potter {
 public:
     using scalar = T;
     static constexpr std::string_view name = "potter";
+    static constexpr Family family{Family::root};
 
     explicit Potter(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),

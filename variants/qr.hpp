@@ -23,12 +23,13 @@ class Qr {
     StateVector<T, N> z_, psi_, x_, s_;
     StateVector<RealOf<T>, N> c_;
     StateMatrix<T, N> L_;    // R'
-    Lengths<T, N> lengths_;
+    ColumnLengths<T, N> lengths_;
     [[no_unique_address]] RowsInFlight<T, N> rows_;
 
 public:
     using scalar = T;
     static constexpr std::string_view name = "qr";
+    static constexpr Family family{Family::qr};
     static constexpr bool starts_without_prior = true;
 
     explicit Qr(Problem<T> const& problem)
@@ -47,7 +48,7 @@ public:
         rotate_in(L_, x_, root_lambda_, z_, eta, c_, s_);                                                // (1)
         for (Index i = 0; i < x_.size(); ++i) root_gamma *= c_[i];
         Step<T> const step = report_rotated(eta, root_gamma, determined);                                // (2)
-        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !determined, step);
+        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, x_) || !determined, step);
     }
 
     /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns the last

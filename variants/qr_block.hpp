@@ -23,15 +23,15 @@ class QrBlock {
     RealOf<T> lambda_, root_lambda_;
     StateVector<T, N> z_, psi_, x_;
     StateVector<RealOf<T>, N> tau_;
-    StateMatrix<T, N> L_; Lengths<T, N> lengths_;          // R'
+    StateMatrix<T, N> L_; ColumnLengths<T, N> lengths_;          // R'
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
-    Rows<T> A_;                                            // a block, with y as its last column
+    Matrix<T> A_;                                            // a block, with y as its last column
 
     /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a zero.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
     PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
-        lengths_.take_rows(weight, A_);
+        lengths_.add_rows(weight, A_);
         reflect_block_into(weight, L_, z_, A_);
         rows_ += rows;
         Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_), taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
@@ -41,6 +41,7 @@ class QrBlock {
 public:
     using scalar = T;
     static constexpr std::string_view name = "qr_block";
+    static constexpr Family family{Family::wide_qr};
     static constexpr bool starts_without_prior = true;
     static constexpr Index block = 64;
 
@@ -52,7 +53,7 @@ public:
     }
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
-    PerLane<T, Health> update_block(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+    PerLane<T, Health> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
@@ -66,7 +67,7 @@ public:
         if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1);
         A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
-        fold_in(power(root_lambda_, newer.rows_), newer.rows_);                                          // (3)
+        fold_in(detail::power(root_lambda_, newer.rows_), newer.rows_);                                  // (3)
     }
 
     Step<T> update(Regressor<T> psi, T y) {
@@ -76,7 +77,7 @@ public:
         T eta = y;
         RealOf<T> const root_gamma = reflect_row_into(root_lambda_, L_, z_, x_, eta, tau_);
         Step<T> const step = report_rotated(eta, root_gamma, before);
-        return if_finite(lengths_.take(lambda_, psi_, y, L_, z_, x_) || !before, step);
+        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, x_) || !before, step);
     }
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }

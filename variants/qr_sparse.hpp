@@ -34,6 +34,7 @@ class QrSparse {
 public:
     using scalar = double;
     static constexpr std::string_view name = "qr_sparse";
+    static constexpr Family family{Family::other, 1};
     static constexpr Index block = 256;
 
     explicit QrSparse(Problem<double> const& problem)

@@ -28,6 +28,7 @@ class Ud {
 public:
     using scalar = T;
     static constexpr std::string_view name = "ud";
+    static constexpr Family family{Family::ud};
 
     explicit Ud(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),

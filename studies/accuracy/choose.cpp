@@ -26,7 +26,7 @@ double digits(CatalogueEntry const& entry, Problem<double> const& problem, Recor
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
         process_rows(*filter, records, k, std::min(k + stride, rows));
-        if (!breakdown(*filter, *entry.arithmetic).empty()) return 0;
+        if (breakdown(*filter, *entry.arithmetic) != Health::sound) return 0;
     }
     Errors const e = errors(*filter, exact);
     return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));

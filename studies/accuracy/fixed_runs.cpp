@@ -128,9 +128,9 @@ Run run_in(CatalogueEntry const& entry, Setting& setting, FixedFormat format) {
         if (step.health != Health::sound) return {std::string(name_of(step.health))};
         if (!(step.gamma > 0 && step.gamma <= 1)) return {"gamma"};
         if ((k + 1) % std::max<Index>(1, rows / looks) != 0) continue;
-        std::string const broken = breakdown(*filter, *entry.arithmetic);
-        if (broken == "nonfinite") return {"overflow"};
-        if (!broken.empty()) return {has_zero_pivot(*filter) ? "zero_pivot" : broken};
+        Health const broken = breakdown(*filter, *entry.arithmetic);
+        if (broken == Health::nonfinite) return {"overflow"};
+        if (broken != Health::sound) return {has_zero_pivot(*filter) ? "zero_pivot" : std::string(name_of(broken))};
     }
     double const error = relative_error(*filter, exact);
     return {error < 0.5 ? "survives" : "inaccurate", error};
@@ -198,7 +198,8 @@ double floating_bits(Setting const& setting) {
         for (Index k = 0; k < records.rows() && alive; ++k) {
             Step<double> const step = filter->update(records.sample(k), records.y[k]);
             alive = step.health == Health::sound && step.gamma > 0;
-            if ((k + 1) % std::max<Index>(1, records.rows() / looks) == 0) alive = alive && breakdown(*filter, *entry.arithmetic).empty();
+            if ((k + 1) % std::max<Index>(1, records.rows() / looks) == 0)
+                alive = alive && breakdown(*filter, *entry.arithmetic) == Health::sound;
         }
         if (alive && relative_error(*filter, exact) < 0.5) return p;
     }

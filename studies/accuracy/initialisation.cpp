@@ -39,8 +39,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         auto const filter = entry.make(problem, Seed{1});
         process_rows(*filter, records, first, rows);
         Errors const error = errors(*filter, exact);
-        std::string const status = breakdown(*filter, *entry.arithmetic);
-        out({variant, status.empty() ? "sound" : status, error.theta, error.covariance});
+        Health const status = breakdown(*filter, *entry.arithmetic);
+        out({variant, std::string(name_of(status)), error.theta, error.covariance});
     }
 }
 

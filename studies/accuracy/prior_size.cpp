@@ -26,8 +26,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
         process_rows(*filter, records, 0, rows);
-        std::string const status = breakdown(*filter, arithmetic);
-        out({name, status.empty() ? "sound" : status, relative_change(with_prior, without), errors(*filter, with_prior).theta,
+        Health const status = breakdown(*filter, arithmetic);
+        out({name, std::string(name_of(status)), relative_change(with_prior, without), errors(*filter, with_prior).theta,
              errors(*filter, without).theta});
     }
 }

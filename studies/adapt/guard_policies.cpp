@@ -68,8 +68,8 @@ std::string state_of(Watched const& filter) {
     for (double x : filter.theta())
         if (!std::isfinite(x)) return "not finite";
     switch (definiteness(filter.stored())) {
-        case Definiteness::positive: return "sound";
-        case Definiteness::not_positive: return "indefinite";
+        case Health::sound: return "sound";
+        case Health::indefinite: return "indefinite";
         default: return "not finite";
     }
 }

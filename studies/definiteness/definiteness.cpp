@@ -20,7 +20,7 @@ constexpr int horizon = 6000;
 
 struct End {
     int step = horizon + 1;  ///< the first with a P that is not positive definite; one past the run if none is
-    std::string how = {};
+    Health how = Health::sound;
 };
 
 /// Rows of variances 1 ... kappa_P^-1 along fixed random directions. The prior is as wide as the widest direction of P becomes,
@@ -35,7 +35,7 @@ End first_breakdown(CatalogueEntry const& entry, double kappa_P, Seed data) {
     auto const filter = entry.make(problem, Seed{1});
     for (int k = 1; k <= horizon; ++k) {
         filter->update(records.sample(k - 1), records.y[k - 1]);
-        if (std::string how = breakdown(*filter, *entry.arithmetic); !how.empty()) return {k, std::move(how)};
+        if (Health const how = breakdown(*filter, *entry.arithmetic); how != Health::sound) return {k, how};
     }
     return {};
 }
@@ -50,8 +50,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int i = 0; i < runs; ++i) {
         End const end = first_breakdown(entry, trial.number("hardness") / entry.arithmetic->unit_roundoff(), Seed{seed.next()});
         first.push_back(end.step);
-        indefinite += end.how == "indefinite";
-        nonfinite += end.how == "nonfinite";
+        indefinite += end.how == Health::indefinite;
+        nonfinite += end.how == Health::nonfinite;
     }
     auto const [earliest, latest] = std::ranges::minmax(first);
     Interval const middle = median_interval(first, claim_risk / 2);  // of two medians whose ratio is asked

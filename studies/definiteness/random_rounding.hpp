@@ -118,7 +118,7 @@ struct RoundingSeedScope<studies::RandomlyRounded> : StochasticStream {
 };
 /// The draws of what is no part of the algorithm are taken back.
 template <>
-struct Aside<studies::RandomlyRounded> : Aside<Chopped<binary16, Rounding::stochastic>> {};
+struct UncountedScope<studies::RandomlyRounded> : UncountedScope<Chopped<binary16, Rounding::stochastic>> {};
 template <>
 struct Encoding<studies::RandomlyRounded> : EncodingInDouble<studies::RandomlyRounded, detail::AnyDouble> {};
 

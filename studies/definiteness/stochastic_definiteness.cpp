@@ -90,7 +90,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         filter->update(records.sample(k), records.y[k]);
         bool const counts = k - made >= start;
         counted += counts;
-        if (surely_positive(filter->stored_in_double()) || definiteness(filter->stored()) == Definiteness::positive) continue;
+        if (surely_positive(filter->stored_in_double()) || definiteness(filter->stored()) == Health::sound) continue;
         ++(counts ? lost : early);
         filter = entry.make(problem, Seed{seed.next()});
         made = k + 1;

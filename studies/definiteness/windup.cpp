@@ -26,17 +26,17 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const indefinite_law = correctly::log((1 - lambda) / (arithmetic.unit_roundoff() * square)) / rate;
     double const overflow_law = (arithmetic.max_exp + 1) * correctly::log(2) / rate;
     auto const filter = entry.make(problem, Seed{1});
-    std::string outcome;
+    Health outcome = Health::sound;
     int step = 0;
-    while (outcome.empty() && step < 2.5 * overflow_law) {
+    while (outcome == Health::sound && step < 2.5 * overflow_law) {
         filter->update(psi, 1);
         outcome = breakdown(*filter, arithmetic);
         ++step;
     }
     Matrix<Reference> const P = covariance_of(filter->stored());
     double largest = INFINITY;  // where an infinity ended the run
-    if (outcome != "nonfinite") largest = static_cast<double>(log2(abs(P(0, 0)) + abs(P(1, 1)) + abs(P(2, 2))));
-    out({1 / (1 - trial.number("lambda")), double(step), outcome.empty() ? "sound" : outcome, step / indefinite_law, step / overflow_law,
+    if (outcome != Health::nonfinite) largest = static_cast<double>(log2(abs(P(0, 0)) + abs(P(1, 1)) + abs(P(2, 2))));
+    out({1 / (1 - trial.number("lambda")), double(step), std::string(name_of(outcome)), step / indefinite_law, step / overflow_law,
          largest / arithmetic.digits});
 }
 

@@ -4,6 +4,7 @@
 #include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
+#include <rlslab/catalogue/catalogue.hpp>
 
 #include <algorithm>
 #include <array>
@@ -96,8 +97,8 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
                     if (one.empty()) continue;
                     bool const word = std::holds_alternative<std::string>(all_series[place]);
                     std::string const series = as_text(all_series[place]);
-                    panel.curves.push_back(
-                        curve(word ? series : plot.series + " " + series, look_of(series, place), one, plot, log_x, log_y));
+                    panel.curves.push_back(curve(word ? series : plot.series + " " + series, look_of(family_of_variant(series), place), one,
+                                                 plot, log_x, log_y));
                 }
             for (size_t place = 0; place < plot.guides.size(); ++place)
                 panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y, plot.floor));

@@ -35,8 +35,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         Health const health = filter->update(psi, y).health;
         bool const broken = health != Health::sound;
         if (broken || k == horizon) {
-            std::string const end = broken ? std::string(name_of(health)) : breakdown(*filter, *entry.arithmetic);
-            return out({"end", double(k), double(k) / predicted, asymmetry(*filter), end.empty() ? "sound" : end});
+            Health const end = broken ? health : breakdown(*filter, *entry.arithmetic);
+            return out({"end", double(k), double(k) / predicted, asymmetry(*filter), std::string(name_of(end))});
         }
         if (k % every == 0 && k <= 4 * predicted) out({"course", double(k), double(k) / predicted, asymmetry(*filter), "sound"});
     }

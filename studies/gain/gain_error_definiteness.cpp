@@ -35,9 +35,9 @@ void measure(Trial const& trial, TrialOutput& out) {
             wrong->update(records.sample(n), records.y[n], relative);
             ++judged;
             if (surely_positive(wrong->stored_in_double(), in_double)) continue;
-            Definiteness const now = definiteness(wrong->stored());
-            lost += now == Definiteness::not_positive;
-            overflowed += now == Definiteness::nonfinite;
+            Health const now = definiteness(wrong->stored());
+            lost += now == Health::indefinite;
+            overflowed += now == Health::nonfinite;
         }
         honest->update(records.sample(k), records.y[k]);
     }

@@ -90,7 +90,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         double const predicted = is_joseph(variant) ? epsilon * epsilon * frobenius(diagonal) / size
                                  : white_rows       ? epsilon * first_order(variant, errors, d, lambda)
                                                     : epsilon * first_order(records, 0.9, lambda);
-        bool const definite = times == 0 || definiteness(wrong->stored()) == Definiteness::positive;
+        bool const definite = times == 0 || definiteness(wrong->stored()) == Health::sound;
         out({double(replicate), epsilon, error, predicted > 0 ? error / predicted : error, definite ? "yes" : "no"});
     }
 }

@@ -154,7 +154,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         for (int p_K = step; p_K <= last; p_K += step) {
             Stored<Reference> const stored = stored_with(p_K);
             double const error = error_of(stored), law = in_short == only_gain ? predicted(setting, variant, p_K, p_P, B) : NAN;
-            bool const definite = definiteness(stored) == Definiteness::positive;
+            bool const definite = definiteness(stored) == Health::sound;
             out({std::string(variant), std::string(in_short), double(p_K), std::ldexp(1, -p_K), error, error / law,
                  error / noise_and_bias(setting, p_K, B), error / floor, crossing(setting, p_P), definite ? "yes" : "no"});
         }

@@ -21,13 +21,13 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = entry.make(problem, Seed{1});
     process_rows(*filter, records, 0, 2);
     double const u = entry.arithmetic->unit_roundoff(), error = errors(*filter, certified(problem, records, {2}).front()).covariance;
-    std::string const broken = breakdown(*filter, *entry.arithmetic);
+    Health const broken = breakdown(*filter, *entry.arithmetic);
     double const variance = static_cast<double>(covariance_of(filter->stored())(0, 0));
     out({eps, error, error / u, error * eps / u, variance,
          variance < 0   ? "negative"
          : variance > 0 ? "positive"
                         : "zero",
-         broken.empty() ? "sound" : broken, entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
+         std::string(name_of(broken)), entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
 }
 
 std::vector<std::string> const triangular = words(triangular_forms());

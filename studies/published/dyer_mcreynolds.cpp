@@ -30,8 +30,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = run(name);
         double const error = errors(*filter, exact).covariance;  // infinite where P cannot be had
-        std::string const broken = breakdown(*filter, *trial.entry(name).arithmetic);
-        out({name, error, error * norm / correctly::hypot(carlson, last), broken.empty() ? "sound" : broken});
+        Health const broken = breakdown(*filter, *trial.entry(name).arithmetic);
+        out({name, error, error * norm / correctly::hypot(carlson, last), std::string(name_of(broken))});
     }
 }
 

@@ -43,7 +43,7 @@ double least_eigenvalue(Matrix<double> const& R) {
         Matrix<Reference> shifted = R.cast<Reference>();
         for (Index i = 0; i < R.rows(); ++i) shifted(i, i) -= Reference(middle);
         bool const positive =
-            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) == Definiteness::positive;
+            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) == Health::sound;
         (positive ? below : above) = middle;
     }
     return below;

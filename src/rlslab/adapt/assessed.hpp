@@ -1,6 +1,7 @@
 // How far theta and a prediction may be off: the noise's variance, and what follows from P.
 #pragma once
 
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
 
 #include <tuple>
@@ -38,9 +39,9 @@ template <class F>
 auto const& guard_of(F const& f) {
     static constexpr struct {
         bool set_aside() const { return false; }
-        bool started_over() const { return false; }
+        bool restarted() const { return false; }
     } none;
-    if constexpr (requires { f.set_aside(), f.started_over(); }) return f;
+    if constexpr (requires { f.set_aside(), f.restarted(); }) return f;
     else if constexpr (requires { f.filter(); }) return guard_of(f.filter());
     else return none;
 }
@@ -64,23 +65,21 @@ auto const& guard_of(F const& f) {
 template <OverOrderedField F>
     requires Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
              requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); }
-class Assessed {
+class Assessed : public detail::AroundFilter<F> {
     using T = typename F::scalar;
-    F filter_;
+    using detail::AroundFilter<F>::filter_;
     StateVector<T, detail::size_of<F>> scratch_;
     AssessedOptions options_;
     T lambda_, power_ = T(1), s2_ = T(0);  // lambda^n
     Index learnt_ = 0, in_power_ = 0;      // rows of s2; n, where there is a window
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< nothing goes around it but weights
 
     explicit Assessed(Problem<T> const& problem, AssessedOptions const& options = {}) : Assessed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own. `forgetting` is the problem's.
     Assessed(F const& filter, T const& forgetting, AssessedOptions const& options = {})
-        : filter_(filter), scratch_(filter.theta().size()), options_(options), lambda_(forgetting) {
+        : detail::AroundFilter<F>(filter), scratch_(filter.theta().size()), options_(options), lambda_(forgetting) {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         expects(options.noise_memory >= 1, "a noise memory of >= 1 row");
     }
@@ -103,10 +102,6 @@ public:
         grow();
         return step;
     }
-    auto theta() const { return filter_.theta(); }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = "assessed";
     static std::array<StateOption, 1> options(auto const& f) { return {{{"noise_memory", double(f.options_.noise_memory)}}}; }
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.power_, f.s2_, f.learnt_, f.in_power_); }
@@ -132,7 +127,7 @@ private:
     void grow() {
         Index const rows = detail::window_rows(filter_);
         if (rows < 0) {
-            power_ = detail::guard_of(filter_).started_over() ? T(1) : T(power_ * lambda_);
+            power_ = detail::guard_of(filter_).restarted() ? T(1) : T(power_ * lambda_);
             return;
         }
         if (rows < in_power_) power_ = T(1), in_power_ = 0;

@@ -1,8 +1,10 @@
 // Forgetting as a value: a filter and the rule by which its memory is shortened, apart.
 #pragma once
 
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/bounded_count.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/rule_number.hpp>
 
 #include <limits>
 #include <tuple>
@@ -22,7 +24,8 @@ struct RuleMemory {
 /// A rule is an aggregate of options with
 ///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
-/// and for states a `name` and its `options` (StateOption), without which two rules look alike there.
+/// and for states a `name` (or `layer`) and its `numbers()` (RuleNumber), without which two rules look alike there. Those that the program
+/// knows by name are listed in rules.hpp.
 /// F follows its problem: from a row that a guard skips, a rule would forget all the same.
 template <class Rule, class F>
 concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
@@ -36,36 +39,30 @@ concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
 namespace detail {
 template <class Rule>
 constexpr std::string_view rule_name() {
-    if constexpr (requires { Rule::name; }) return Rule::name;
+    if constexpr (requires { Rule::layer; }) return Rule::layer;
+    else if constexpr (requires { Rule::name; }) return Rule::name;
     else return "rule";
 }
-template <class Rule>
-inline constexpr std::size_t rule_options = 0;
-template <class Rule>
-    requires requires(Rule const& rule) { Rule::options(rule); }
-inline constexpr std::size_t rule_options<Rule> = std::tuple_size_v<decltype(Rule::options(std::declval<Rule const&>()))>;
 }  // namespace detail
 
 /// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as without a rule; most
 /// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
 /// a rule that asks for them does allocate at dynamic size. gain() is of the last row that F took, which may be one of the rule's.
 template <OverOrderedField F, ForgettingRule<F> Rule>
-class Forgetting {
+class Forgetting : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
-    F filter_;
+    using detail::AroundFilter<F, true>::filter_;
     Rule rule_;
     RuleMemory<T, detail::size_of<F>> memory_;
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
     /// Around a filter that was made of this problem, with options of its own.
     Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
-        : filter_(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
-                                                .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
+        : detail::AroundFilter<F, true>(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
+                                                                      .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
         rule_.start(problem, memory_);
     }
 
@@ -75,19 +72,11 @@ public:
         ++memory_.rows.n;
         return step;
     }
-    auto theta() const { return filter_.theta(); }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
-    auto form()
-        requires NamesItsForm<F>
-    {
-        return filter_.form();
-    }
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = detail::rule_name<Rule>();
     static auto options(auto const& f) {
-        std::array<StateOption, detail::rule_options<Rule> + 1> out;
-        if constexpr (detail::rule_options<Rule> > 0) std::ranges::copy(Rule::options(f.rule_), out.begin());
+        std::array<StateOption, std::tuple_size_v<decltype(detail::numbers_of<Rule>())> + 1> out;
+        [[maybe_unused]] std::size_t i = 0;
+        detail::for_each_number<Rule>([&](auto const& n) { out[i++] = {n.member, static_cast<double>(f.rule_.*n.at)}; });
         out.back() = {"rows", double(f.memory_.rows.n), true};
         return out;
     }
@@ -100,7 +89,8 @@ public:
 /// The filter's own constant forgetting: the same bits as without a rule.
 template <Field T>
 struct ConstantForgetting {
-    static constexpr std::string_view name = "constant";
+    static constexpr std::string_view name = "constant", type = "ConstantForgetting";
+    static constexpr std::string_view what = "the constant lambda at every row, as without a control";
     void start(Problem<T> const&, auto&) const {}
     Step<T> update(auto& f, auto&, Regressor<T> psi, T y) const { return f.update(psi, y); }
 };
@@ -120,12 +110,17 @@ struct Fortescue {
     T memory = T(100);        ///< N0 >= 1, in rows
     T least = T(0.5);         ///< of lambda, in (0, 1]
     T largest_trace = T(0);   ///< of P; 0: none
-    static constexpr std::string_view name = "fortescue";
-    static std::array<StateOption, 4> options(auto const& r) {
-        return {{{"noise_variance", static_cast<double>(r.noise_variance)},
-                 {"memory", static_cast<double>(r.memory)},
-                 {"least", static_cast<double>(r.least)},
-                 {"largest_trace", static_cast<double>(r.largest_trace)}}};
+    static constexpr std::string_view name = "fortescue", type = "Fortescue";
+    static constexpr std::string_view what =
+        "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below LEAST; "
+        "VARIANCE is the noise's, of the residuals where it is not given";
+    static constexpr auto numbers() {
+        return std::tuple{
+            RuleNumber{
+                "noise_variance", &Fortescue::noise_variance, "VARIANCE", {.positive = true, .otherwise = RuleDefault::noise_variance}},
+            RuleNumber{"memory", &Fortescue::memory, "MEMORY", {.least = 1}},
+            RuleNumber{"least", &Fortescue::least, "LEAST", {.most = 1, .positive = true}},
+            RuleNumber{"largest_trace", &Fortescue::largest_trace}};
     }
 
     template <int N>
@@ -159,9 +154,11 @@ template <Field T>
 struct Kulhavy {
     T forgetting = T(0.98);     ///< phi, in (0, 1]
     T least_excitation = T(0);  ///< of psi'psi, >= 0
-    static constexpr std::string_view name = "kulhavy";
-    static std::array<StateOption, 2> options(auto const& r) {
-        return {{{"forgetting", static_cast<double>(r.forgetting)}, {"least_excitation", static_cast<double>(r.least_excitation)}}};
+    static constexpr std::string_view name = "kulhavy", type = "Kulhavy";
+    static constexpr std::string_view what = "forgets along the gain alone, after the row; rows of |psi|^2 < EXCITATION forget nothing";
+    static constexpr auto numbers() {
+        return std::tuple{RuleNumber{"forgetting", &Kulhavy::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
+                          RuleNumber{"least_excitation", &Kulhavy::least_excitation, "EXCITATION"}};
     }
 
     template <int N>
@@ -192,9 +189,12 @@ template <Field T>
 struct CaoSchwartz {
     T forgetting = T(0.98);     ///< phi, in (0, 1]
     T least_excitation = T(0);  ///< of psi'psi, >= 0
-    static constexpr std::string_view name = "cao_schwartz";
-    static std::array<StateOption, 2> options(auto const& r) {
-        return {{{"forgetting", static_cast<double>(r.forgetting)}, {"least_excitation", static_cast<double>(r.least_excitation)}}};
+    static constexpr std::string_view name = "cao_schwartz", type = "CaoSchwartz";
+    static constexpr std::string_view what =
+        "forgets along the regressor alone, before the row; rows of |psi|^2 < EXCITATION forget nothing";
+    static constexpr auto numbers() {
+        return std::tuple{RuleNumber{"forgetting", &CaoSchwartz::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
+                          RuleNumber{"least_excitation", &CaoSchwartz::least_excitation, "EXCITATION"}};
     }
 
     template <int N>
@@ -226,9 +226,12 @@ template <Real T>
 struct RotatingRidge {
     T ridge = T(0.001);  ///< rho > 0, in units of P^-1
     bool toward_zero = false;
-    static constexpr std::string_view name = "ridge";
-    static std::array<StateOption, 2> options(auto const& r) {
-        return {{{"ridge", static_cast<double>(r.ridge)}, {"toward_zero", double(r.toward_zero)}}};
+    static constexpr std::string_view name = "ridge", type = "RotatingRidge";
+    static constexpr std::string_view what = "information that a lambda below 1 does not wear down: P^-1 >= about RIDGE I";
+    static constexpr bool below_one = true;
+    static constexpr auto numbers() {
+        return std::tuple{RuleNumber{"ridge", &RotatingRidge::ridge, "RIDGE", {.positive = true}},
+                          RuleNumber{"toward_zero", &RotatingRidge::toward_zero}};
     }
 
     template <int N>
@@ -257,9 +260,12 @@ template <Field T>
 struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows
     T variance = T(16384);  ///< k > 0
-    static constexpr std::string_view name = "reset";
-    static std::array<StateOption, 2> options(auto const& r) {
-        return {{{"period", double(r.period)}, {"variance", static_cast<double>(r.variance)}}};
+    static constexpr std::string_view name = "reset", type = "CovarianceReset";
+    static constexpr std::string_view what = "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given";
+    static constexpr auto numbers() {
+        return std::tuple{
+            RuleNumber{"period", &CovarianceReset::period, "PERIOD", {.least = 1, .most = 1e7}},
+            RuleNumber{"variance", &CovarianceReset::variance, "VARIANCE", {.positive = true, .otherwise = RuleDefault::prior_variance}}};
     }
 
     template <int N>
@@ -284,8 +290,13 @@ struct CovarianceReset {
 template <Field T>
 struct RandomWalk {
     T variance = T(0);  ///< q >= 0, a row, in units of the noise's
-    static constexpr std::string_view name = "walk";
-    static std::array<StateOption, 1> options(auto const& r) { return {{{"variance", static_cast<double>(r.variance)}}}; }
+    static constexpr std::string_view name = "random_walk", type = "RandomWalk";
+    static constexpr std::string_view what =
+        "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns (kalman: all of Q)";
+    static constexpr std::string_view layer = "walk";  ///< in saved states
+    static constexpr auto numbers() {
+        return std::tuple{RuleNumber{"variance", &RandomWalk::variance, "VARIANCE", {.otherwise = RuleDefault::none}}};
+    }
 
     template <int N>
     void start(Problem<T> const&, RuleMemory<T, N>& m) const {

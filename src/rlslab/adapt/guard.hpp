@@ -1,7 +1,9 @@
 // A filter that is watched while it runs: data that would spoil it are kept out, trouble is told of, and met as configured.
 #pragma once
 
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
+#include <rlslab/adapt/guard_policy.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <algorithm>
@@ -9,42 +11,13 @@
 
 namespace rlslab {
 
-/// What a guard can do about a signal.
-///   report    count it, and nothing else
-///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change resets
-///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
-///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
-///   rebuild   reset, then the kept rows anew
-///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors, else as `reset`
-enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
-
-/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped whatever the policy.
-struct GuardPolicy {
-    Action outlier = Action::report;    ///< report or skip
-    Action change = Action::report;     ///< report, reset
-    Action windup = Action::report;     ///< report, cap
-    Action breakdown = Action::report;  ///< report, reset, rebuild, hand_over
-
-    constexpr bool resets() const { return change != Action::report || breakdown != Action::report; }
-    constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
-    constexpr bool hands_over() const { return breakdown == Action::hand_over; }
-    constexpr bool valid() const {
-        return (outlier == Action::report || outlier == Action::skip) && (change == Action::report || change == Action::reset) &&
-               (windup == Action::report || windup == Action::cap) && breakdown != Action::skip && breakdown != Action::cap;
-    }
-};
-inline constexpr GuardPolicy reporting{};
-inline constexpr GuardPolicy resetting{Action::skip, Action::reset, Action::cap, Action::reset};
-inline constexpr GuardPolicy rebuilding{Action::skip, Action::reset, Action::cap, Action::rebuild};
-inline constexpr GuardPolicy handing_over{Action::skip, Action::reset, Action::cap, Action::hand_over};
-
 /// What a guard needs of a filter: P_jj, a restart, and a row that holds P down.
 template <class F>
 concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
                     requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
                         variance(f, Index(0));
                         restart(f, x, a, x);
-                        hold(f, a, x, x);
+                        cap_row(f, a, x, x);
                     };
 /// hand_over(): goes on in a sounder variant; false where what was held is lost, or where it has gone on there before.
 template <class F>
@@ -93,15 +66,15 @@ struct GuardOptions {
 /// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in squares.
 template <Guardable F, GuardPolicy policy = resetting>
     requires(policy.valid() && (!policy.hands_over() || HandsOver<F>))
-class Guarded {
+class Guarded : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
-    F filter_;
+    using detail::AroundFilter<F, true>::filter_;
     GuardOptions<T> options_;
     T lambda_, limit_, start_ = T(0);                             // of |psi|^2 and y^2
     StateVector<T, detail::size_of<F>> psi_, variances_, theta_;  // theta as last seen finite
     GuardCounts counts_;
     GuardSignal signal_ = GuardSignal::none;
-    T reach_ = T(0), theta_size_ = T(0), noise_ = T(0);                                               // t, |theta|^2, s2
+    T t_ = T(0), theta_size_ = T(0), s2_ = T(0);                                                      // t, |theta|^2, s2
     StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20> squares_;  // from which s2 is learnt
     RowRing<T> ring_;
     BoundedCount learnt_, coordinate_;  // rows that s2 was learnt from; j
@@ -109,14 +82,12 @@ class Guarded {
     bool determined_ = false;           // a step was sound
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {}) : Guarded(F(problem), problem, options) {}
     /// Around a filter that was made of this problem, with options of its own, and has taken no row.
     Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
-        : filter_(filter), options_(options), lambda_(checked(problem, int(filter.theta().size())).forgetting),
+        : detail::AroundFilter<F, true>(filter), options_(options), lambda_(checked(problem, int(filter.theta().size())).forgetting),
           limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(filter_.theta().size()), variances_(psi_.size()),
           theta_(psi_.size()), squares_(10 * psi_.size() + 20),
           ring_(psi_.size(), policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
@@ -148,23 +119,14 @@ public:
                 if constexpr (policy.outlier == Action::skip) return {e, e, T(1), Health::sound};
             }
         }
-        return take(y);
+        return process_row(y);
     }
     /// Time without a row: F's row with psi = 0. P_jj is looked at; nothing is tested, and nothing learnt of the noise.
     Step<T> pass_time() {
         signal_ = GuardSignal::none;
         detail::fill(psi_, T(0));
-        return take(T(0), false);
+        return process_row(T(0), false);
     }
-    auto theta() const { return filter_.theta(); }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
-    auto form()
-        requires NamesItsForm<F>
-    {
-        return filter_.form();
-    }
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = "guard";
     static std::array<StateOption, 9> options(auto const& g) {
         return {{{"on_outlier", double(policy.outlier)},
@@ -178,8 +140,8 @@ public:
                  {"rows", double(g.counts_.rows), true}}};
     }
     static auto state(auto& g) {
-        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance, g.reach_,
-                        g.theta_size_, g.noise_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);
+        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance, g.t_,
+                        g.theta_size_, g.s2_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);
     }
 
     /// Of the filter inside.
@@ -189,12 +151,12 @@ public:
     GuardSignal signal() const { return signal_; }  ///< what the last row showed
     /// Whether the last row tells nothing of the noise; and whether the filter started anew at it.
     bool set_aside() const { return signal_ != GuardSignal::none && signal_ != GuardSignal::windup; }
-    bool started_over() const {
+    bool restarted() const {
         return (signal_ == GuardSignal::change && policy.change == Action::reset) ||
                (signal_ == GuardSignal::breakdown && policy.breakdown != Action::report);
     }
     GuardCounts const& counts() const { return counts_; }
-    T noise_variance() const { return noise_; }  ///< s2; 0 until it is known
+    T noise_variance() const { return s2_; }  ///< s2; 0 until it is known
 
 private:
     bool armed() const { return T(0) < options_.innovation && learnt_.n == squares_.size(); }
@@ -203,9 +165,9 @@ private:
         return y - dot(theta.data(), psi_.data(), psi_.size());
     }
     bool is_outlier(T const& y, T const& e, T const& size) {
-        T const least = options_.least_noise * options_.least_noise, s2 = noise_ < least ? least : noise_;
+        T const least = options_.least_noise * options_.least_noise, s2 = s2_ < least ? least : s2_;
         T const rounding = T(8 * epsilon<T>()), made = rounding * rounding * (y * y + size * theta_size_);
-        T const left = e * e * lambda_, right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * reach_) + made);
+        T const left = e * e * lambda_, right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * t_) + made);
         bool const out = !(left <= right);  // an overflow on the left, too
         history_.n = (history_.n << 1 | Index(out)) & 63;
         if (out) {
@@ -226,20 +188,20 @@ private:
     }
     Step<T> restart_at(T const& y) {
         auto const theta = filter_.theta();
-        start_over(Regressor<T>(theta));
-        Step<T> const step = take(y);
+        reset_to(Regressor<T>(theta));
+        Step<T> const step = process_row(y);
         signal_ = GuardSignal::change;
         return step;
     }
-    void start_over(Regressor<T> theta) {
+    void reset_to(Regressor<T> theta) {
         restart(filter_, start_, theta, lambda_);
         detail::fill(variances_, start_);
         sum_up();
-        noise_ = T(0);
+        s2_ = T(0);
         learnt_.n = 0;
         history_.n = 0;
     }
-    Step<T> take(T const& y, bool learns = true) {  // (3)
+    Step<T> process_row(T const& y, bool learns = true) {  // (3)
         Step<T> const step = filter_.update(Regressor<T>(psi_.data(), psi_.size()), y);
         if constexpr (policy.rebuilds()) ring_.push(psi_.data(), y);
         bool broken = step.health != Health::sound && (determined_ || step.health != Health::undetermined);
@@ -255,15 +217,15 @@ private:
     void learn(T const& square) {
         if (!is_finite(square) || !(T(0) <= square)) return;
         if (learnt_.n == squares_.size()) {
-            T const most = T(9) * noise_, clipped = square < most ? square : most;
-            noise_ += (clipped / T(0.995) - noise_) / T(double(options_.noise_memory));
+            T const most = T(9) * s2_, clipped = square < most ? square : most;
+            s2_ += (clipped / T(0.995) - s2_) / T(double(options_.noise_memory));
             return;
         }
         squares_[learnt_.n++] = square;
         if (learnt_.n < squares_.size()) return;
         T* const middle = squares_.data() + learnt_.n / 2;
         std::nth_element(squares_.data(), middle, squares_.data() + learnt_.n);
-        noise_ = *middle / T(0.455);
+        s2_ = *middle / T(0.455);
     }
     /// P_jj, and what follows from it; false where it is no variance.
     bool look(Index j) {
@@ -279,7 +241,7 @@ private:
                 p = options_.largest_variance;
             }
         }
-        reach_ += p - variances_[j];
+        t_ += p - variances_[j];
         variances_[j] = p;
         if (j == 0) {
             sum_up();  // what rounding left in the differences goes
@@ -289,8 +251,8 @@ private:
         return true;
     }
     void sum_up() {
-        reach_ = T(0);
-        for (Index i = 0; i < variances_.size(); ++i) reach_ += variances_[i];
+        t_ = T(0);
+        for (Index i = 0; i < variances_.size(); ++i) t_ += variances_[i];
     }
     void keep_theta(Regressor<T> theta) {
         keep_regressor(theta, theta_);
@@ -301,7 +263,7 @@ private:
         detail::fill(psi_, T(0));
         psi_[j] = root;
         T const output = root * filter_.theta()[j];
-        hold(filter_, Regressor<T>(psi_.data(), psi_.size()), output, lambda_);
+        cap_row(filter_, Regressor<T>(psi_.data(), psi_.size()), output, lambda_);
     }
     /// The kept rows anew; without them where they are what broke the filter.
     void rebuild() {
@@ -312,7 +274,7 @@ private:
         }
         if (worst == Health::sound) return;
         ring_.clear();
-        start_over(Regressor<T>(theta_.data(), theta_.size()));
+        reset_to(Regressor<T>(theta_.data(), theta_.size()));
     }
     void repair() {
         ++counts_.breakdowns;
@@ -320,7 +282,7 @@ private:
         if constexpr (policy.hands_over())
             if (filter_.hand_over()) return;
         if constexpr (policy.breakdown != Action::report) {
-            start_over(Regressor<T>(theta_.data(), theta_.size()));
+            reset_to(Regressor<T>(theta_.data(), theta_.size()));
             if constexpr (policy.rebuilds()) rebuild();
         }
     }

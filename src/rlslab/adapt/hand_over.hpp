@@ -181,9 +181,9 @@ public:
         if (r.handed_) rlslab::restart(r.second_, number_as<U>(variance), r.widened(theta), number_as<U>(lambda));
         else rlslab::restart(r.first_, variance, theta, lambda);
     }
-    friend Step<T> hold(Relay& r, Regressor<T> psi, T const& y, T const& lambda) {
-        if (!r.handed_) return rlslab::hold(r.first_, psi, y, lambda);
-        return narrowed(rlslab::hold(r.second_, r.widened(psi), number_as<U>(y), number_as<U>(lambda)));
+    friend Step<T> cap_row(Relay& r, Regressor<T> psi, T const& y, T const& lambda) {
+        if (!r.handed_) return rlslab::cap_row(r.first_, psi, y, lambda);
+        return narrowed(rlslab::cap_row(r.second_, r.widened(psi), number_as<U>(y), number_as<U>(lambda)));
     }
 
 private:

@@ -1,7 +1,7 @@
 // Several outputs with one regressor: one P and one gain for all of them.
 #pragma once
 
-#include <rlslab/adapt/time_update.hpp>
+#include <rlslab/adapt/around.hpp>
 
 #include <array>
 #include <span>
@@ -21,7 +21,7 @@ enum class MissingOutput : unsigned char { drops_the_row, stands };
 ///
 /// F holds the first theta and is fed y_1; the others need d multiplications for (1) and d for (3) each, in place of a filter. Each theta_j
 /// and each step is that of an F of its own, bit for bit: for the forms that propagate P or a factor of it and store theta. The
-/// information forms solve for theta, with a right-hand side an output: they are not taken.
+/// information forms solve for theta, with a right-hand side an output: they do not compile here.
 ///
 /// Starts all from the problem's theta0. psi may be the gain's own numbers; a psi that is not finite spoils all outputs, as it spoils F.
 /// Rows whose variance differs: sqrt(w) psi and sqrt(w) y, one w a row. Correlated noise changes nothing in theta: y = psi'Theta with one
@@ -30,12 +30,12 @@ enum class MissingOutput : unsigned char { drops_the_row, stands };
 /// A step's health is the worse of its own numbers' and F's. Source: folklore; docs/theory.md 64.
 template <TimeUpdates F, int M = Dynamic>
     requires(ReportsCovariance<F> && std::same_as<Truth<typename F::scalar>, bool> && !requires { F::departs; } && (M == Dynamic || M >= 1))
-class MultiOutput {
+class MultiOutput : public detail::AroundFilter<F> {
     using T = typename F::scalar;
+    using detail::AroundFilter<F>::filter_;
     static constexpr int N = detail::size_of<F>;
     template <class X>
     using Row = std::conditional_t<M == Dynamic, std::vector<X>, std::array<X, size_t(M == Dynamic ? 0 : M)>>;
-    F filter_;
     Row<StateVector<T, N>> theta_;  // the first one's place is workspace
     Row<Step<T>> steps_;
     StateVector<T, N> psi_;
@@ -53,12 +53,9 @@ class MultiOutput {
     Regressor<T> psi() const { return {psi_.data(), psi_.size()}; }
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
-
     explicit MultiOutput(Problem<T> const& problem, Index outputs = M == Dynamic ? 1 : M,
                          MissingOutput missing = MissingOutput::drops_the_row)
-        : filter_(problem), theta_(row_of(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
+        : detail::AroundFilter<F>(F(problem)), theta_(row_of(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
           steps_(row_of(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()), missing_(missing) {
         for (auto& theta : theta_)
             for (Index i = 0; i < psi_.size(); ++i) theta[i] = filter_.theta()[i];
@@ -70,16 +67,16 @@ public:
     std::span<Step<T> const> update(Regressor<T> given, Regressor<T> y) {
         expects(outputs() >= 1 && y.size() == outputs(), "as many outputs as there are thetas, at least one");
         keep_regressor(given, psi_);
-        bool const whole = y_is_whole(y), taken = whole || missing_ == MissingOutput::stands;
-        if (!taken)
+        bool const whole = y_is_whole(y), used = whole || missing_ == MissingOutput::stands;
+        if (!used)
             for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
         for (Index j = 1; j < outputs(); ++j) steps_[size_t(j)].innovation = innovation(y[j], psi(), theta_[size_t(j)]);  // (1)
         // A first output that is missing is as predicted: e_1 = 0.
-        T const first = !taken ? T(0) : is_finite(y[0]) ? y[0] : predicted();
+        T const first = !used ? T(0) : is_finite(y[0]) ? y[0] : predicted();
         Step<T> const step = filter_.update(psi(), first);  // (2)
         auto const K = filter_.gain();
         for (Index j = 0; j < outputs(); ++j) {
-            bool const there = taken && is_finite(y[j]);
+            bool const there = used && is_finite(y[j]);
             Step<T>& mine = steps_[size_t(j)];
             if (!there) {
                 mine = {undefined<T>(), undefined<T>(), step.gamma, step.health};
@@ -103,10 +100,7 @@ public:
             for (Index i = 0; i < psi_.size(); ++i) out(i, j) = j == 0 ? filter_.theta()[i] : theta_[size_t(j)][i];
         return out;
     }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
     Matrix<T, N> covariance() const { return filter_.covariance(); }
-    F const& filter() const { return filter_; }  ///< with the first output's theta
     static constexpr std::string_view layer = "outputs";
     static std::array<StateOption, 2> options(auto const& f) {
         return {{{"outputs", double(f.outputs())}, {"missing", double(f.missing_)}}};

@@ -63,7 +63,7 @@ Removal<T> remove(RootCovariance<T, N, true> f, Regressor<T> psi, T const& y, T 
     detail::Remainder<T> const remainder(w, s, [&] { return dot(f.f, f.f); });
     if (remainder.refused() || remainder.too_light) return remainder.reported();
     divide(f.g, f.h, f.h);
-    take_roots(f.h, f.h);
+    square_roots(f.h, f.h);
     divide(f.f, f.g, f.g);
     scale(f.g, f.h, f.g);
     NoPerturbation none;
@@ -118,8 +118,8 @@ Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const
         f.c[i] = sum;
         f.s[i] = sum += square;
     }
-    take_roots(f.c, f.c);
-    take_roots(f.s, f.s);
+    square_roots(f.c, f.c);
+    square_roots(f.s, f.s);
     divide(f.c, f.s, f.c);
     divide(f.x, f.s, f.s);
     rotate_out(f.L, f.c, f.s);
@@ -130,7 +130,7 @@ Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const
         T const in = f.s[i] * f.z[i];
         eta = f.c[i] * eta - in;
     }
-    f.lengths.take_back(w, psi, y);
+    f.lengths.remove_row(w, psi, y);
     return {remaining, T(1)};
 }
 /// Gentleman's sweep with lambda = 1 and the weight -w: 1/w_{i+1} = 1/w_i + x_i^2 / D_i from -1/w on, all negative, and D_i w_i / w_{i+1}
@@ -156,7 +156,7 @@ Removal<T> remove(UnitInformation<T, N> f, Regressor<T> psi, T const& y, T const
         f.z[i] = f.f[i] * old + in;
         eta -= out;
     }
-    f.lengths.take_back(w, psi, y);
+    f.lengths.remove_row(w, psi, y);
     return remainder.reported();
 }
 template <class T, int N>

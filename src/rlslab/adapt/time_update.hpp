@@ -333,7 +333,7 @@ Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typena
 
 /// A row that is none of the data, without time: what holds P down. `lambda` is that of the updates to come.
 template <TimeUpdates F>
-Step<typename F::scalar> hold(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda) {
+Step<typename F::scalar> cap_row(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda) {
     return measure(f, psi, y, typename F::scalar(1), lambda);
 }
 

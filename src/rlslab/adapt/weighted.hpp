@@ -1,7 +1,7 @@
 // Rows of different variance, and rows whose output is missing.
 #pragma once
 
-#include <rlslab/adapt/time_update.hpp>
+#include <rlslab/adapt/around.hpp>
 
 #include <tuple>
 
@@ -25,20 +25,18 @@ namespace rlslab {
 /// Source: folklore; derived (docs/theory.md 63).
 template <OverOrderedField F>
     requires std::same_as<Truth<typename F::scalar>, bool> && (Real<typename F::scalar> || TimeUpdates<F>)
-class Weighted {
+class Weighted : public detail::AroundFilter<F> {
     using T = typename F::scalar;
-    F filter_;
+    using detail::AroundFilter<F>::filter_;
     StateVector<T, detail::size_of<F>> psi_;
     T lambda_, by_ = T(1);  // what the gain is multiplied by
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
     static constexpr bool departs = true;  ///< from the problem's J
 
     explicit Weighted(Problem<T> const& problem) : Weighted(F(problem), problem.forgetting) {}
     /// Around a filter that was made with options of its own. `forgetting` is the problem's.
-    Weighted(F const& filter, T const& forgetting) : filter_(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
+    Weighted(F const& filter, T const& forgetting) : detail::AroundFilter<F>(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
 
     Step<T> update(Regressor<T> psi, T y) {
         Step<T> const step = filter_.update(psi, y);
@@ -70,18 +68,14 @@ public:
         return {undefined<T>(), undefined<T>(), step.gamma, step.health};
     }
 
-    auto theta() const { return filter_.theta(); }
     Vector<T, detail::size_of<F>> gain() const {
         Vector<T, detail::size_of<F>> K = filter_.gain();
         for (T& x : K) x *= by_;
         return K;
     }
-    Stored<T> stored() const { return filter_.stored(); }
     /// Of the filter inside.
     friend T variance(Weighted& f, Index j) { return variance(f.filter_, j); }
     friend T variance_along(Weighted& f, Regressor<T> psi) { return variance_along(f.filter_, psi); }
-
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = "weighted";
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.by_); }
 };

@@ -1,6 +1,7 @@
 // A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept rows anew.
 #pragma once
 
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/bounded_count.hpp>
 #include <rlslab/adapt/diagnostics.hpp>
 #include <rlslab/adapt/remove.hpp>
@@ -68,35 +69,33 @@ public:
 /// update and one removal; factoring takes W updates in one step, the longest of all.
 template <Downdates F>
     requires std::same_as<Truth<typename F::scalar>, bool>
-class Windowed {
+class Windowed : public detail::AroundFilter<F> {
     using T = typename F::scalar;
-    F start_, filter_;
+    using detail::AroundFilter<F>::filter_;
+    F start_;
     StateVector<T, detail::size_of<F>> psi_;
     WindowOptions<T> options_;
     RowRing<T> ring_;
-    T forgetting_, weight_ = T(1), loss_ = T(0), fresh_ = T(0);  // lambda, lambda^W, V, V0
-    T size_of_y_ = T(0), loss_of_z_ = T(0);                      // Y, E
-    BoundedCount spoilt_;                                        // rows until the last that is not finite has left
-    Index since_ = 0, refactored_ = 0;                           // rows since the last factoring
+    T forgetting_, weight_ = T(1), V_ = T(0), V0_ = T(0);  // lambda, lambda^W, V, V0
+    T Y_ = T(0), E_ = T(0);                                // Y, E
+    BoundedCount spoilt_;                                  // rows until the last that is not finite has left
+    Index since_ = 0, refactored_ = 0;                     // rows since the last factoring
 
-    void take(T const* psi, T const& y, Step<T>& step) {
+    void add_row(T const* psi, T const& y, Step<T>& step) {
         step = filter_.update(Regressor<T>(psi, size()), y);
         T const kept = step.gamma * step.gamma;
-        loss_ = kept * loss_ + T(1);  // (1)
-        size_of_y_ = forgetting_ * size_of_y_ + y * y;
-        loss_of_z_ = kept * loss_of_z_ + size_of_y_;
+        V_ = kept * V_ + T(1);  // (1)
+        Y_ = forgetting_ * Y_ + y * y;
+        E_ = kept * E_ + Y_;
     }
     Index size() const { return psi_.size(); }
 
 public:
-    using scalar = T;
-    static constexpr std::string_view name = F::name;
-
     explicit Windowed(Problem<T> const& problem, WindowOptions<T> const& options = {})
         : Windowed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
-        : start_(filter), filter_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())),
+        : detail::AroundFilter<F>(filter), start_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())),
           ring_(psi_.size(), options.rows), forgetting_(forgetting), spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         if constexpr (requires { filter_.form().root_lambda; }) {  // which is rounded: W steps wear a row by its square
@@ -110,10 +109,6 @@ public:
         keep_regressor(psi, psi_);  // which may be the gain's own numbers
         return step(y, all_finite(psi_) && is_finite(y));
     }
-    auto theta() const { return filter_.theta(); }
-    auto gain() const { return filter_.gain(); }
-    Stored<T> stored() const { return filter_.stored(); }
-    F const& filter() const { return filter_; }
     static constexpr std::string_view layer = "window";
     static std::array<StateOption, 4> options(auto const& w) {
         return {{{"rows", double(w.options_.rows)},
@@ -122,32 +117,32 @@ public:
                  {"rows_held", double(w.rows()), true}}};
     }
     static auto state(auto& w) {
-        return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.loss_, w.fresh_, w.size_of_y_, w.loss_of_z_, w.spoilt_,
-                        w.since_, w.refactored_);
+        return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.V_, w.V0_, w.Y_, w.E_, w.spoilt_, w.since_,
+                        w.refactored_);
     }
     Index rows() const { return ring_.held(); }       ///< in the window
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
     Index since() const { return since_; }            ///< rows since then, those that it kept apart; since the start: all
     bool spoilt() const { return spoilt_.n > 0; }     ///< a row that is not finite is in the window
-    T grown() const { return loss_ / fresh_; }        ///< V / V0, which (3) watches; undefined before the window is first full
+    T grown() const { return V_ / V0_; }              ///< V / V0, which (3) watches; undefined before the window is first full
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
     Step<T> refactor() {
         Step<T> last{undefined<T>(), undefined<T>(), undefined<T>(), Health::undetermined};
         filter_ = start_;
-        loss_ = size_of_y_ = loss_of_z_ = T(0);
+        V_ = Y_ = E_ = T(0);
         for (Index k = 0; k < ring_.held(); ++k) {
             T const* const row = ring_.row(k);
-            take(row, row[size()], last);
+            add_row(row, row[size()], last);
         }
-        fresh_ = loss_;
+        V0_ = V_;
         since_ = 0;
         ++refactored_;
         return last;
     }
 
     /// What a guard asks of a window. `restart`: no row is kept, and the window's prior is from now on this theta and variance; lambda is
-    /// the window's own. `hold`: the row is none of the window; it counts until the kept rows are next factored anew.
+    /// the window's own. `cap_row`: the row is none of the window; it counts until the kept rows are next factored anew.
     friend T variance(Windowed& w, Index j)
         requires ReportsVariances<F>
     {
@@ -169,13 +164,13 @@ public:
         reset(w.start_, variance, theta);  // theta may be the filter's own
         w.filter_ = w.start_;
         w.ring_.clear();
-        w.loss_ = w.fresh_ = w.size_of_y_ = w.loss_of_z_ = T(0);
+        w.V_ = w.V0_ = w.Y_ = w.E_ = T(0);
         w.since_ = w.spoilt_.n = 0;
     }
-    friend Step<T> hold(Windowed& w, Regressor<T> psi, T const& y, T const& lambda)
+    friend Step<T> cap_row(Windowed& w, Regressor<T> psi, T const& y, T const& lambda)
         requires TimeUpdates<F>
     {
-        return hold(w.filter_, psi, y, lambda);
+        return cap_row(w.filter_, psi, y, lambda);
     }
 
 private:
@@ -188,7 +183,7 @@ private:
     }
     Step<T> step(T const& y, bool finite) {
         Step<T> out;
-        take(psi_.data(), y, out);
+        add_row(psi_.data(), y, out);
         ++since_;
         bool alarm = false;
         bool const leaves = ring_.full();
@@ -196,14 +191,14 @@ private:
             T const* const oldest = ring_.row(0);
             Removal<T> const removal = remove(filter_, Regressor<T>(oldest, size()), oldest[size()], weight_);
             T const remaining = removal.remaining * removal.remaining;
-            T const made = removal.noise * removal.noise, most = options_.worse * options_.worse * fresh_, left = oldest[size()];
-            loss_ = (loss_ + made) / remaining;  // (2)
-            loss_of_z_ = (loss_of_z_ + made * size_of_y_) / remaining;
-            size_of_y_ -= weight_ * (left * left);
-            T const remains = T(0) < size_of_y_ ? size_of_y_ : T(0);                           // rounding may leave less than nothing
-            alarm = removal.refused() || !(loss_ <= most) || !(loss_of_z_ / most <= remains);  // (3), (4)
+            T const made = removal.noise * removal.noise, most = options_.worse * options_.worse * V0_, left = oldest[size()];
+            V_ = (V_ + made) / remaining;  // (2)
+            E_ = (E_ + made * Y_) / remaining;
+            Y_ -= weight_ * (left * left);
+            T const remains = T(0) < Y_ ? Y_ : T(0);                                // rounding may leave less than nothing
+            alarm = removal.refused() || !(V_ <= most) || !(E_ / most <= remains);  // (3), (4)
         } else if (!leaves) {
-            fresh_ = loss_;
+            V0_ = V_;
         }
         ring_.push(psi_.data(), y);
         if (spoilt_.n > 0 && --spoilt_.n == 0) alarm = true;

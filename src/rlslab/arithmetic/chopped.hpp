@@ -1,7 +1,7 @@
 // Short formats, emulated: a double holds a number of the Format, and the exact result of every operation is rounded once to it.
 #pragma once
 
-#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/thread_state.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/core/encoding.hpp>
@@ -96,28 +96,28 @@ public:
 
 /// Each part of the work draws from its own seed, made from one draw of the calling thread and the number of the part.
 template <Format F>
-struct Carried<Chopped<F, Rounding::stochastic>> {
+struct ThreadState<Chopped<F, Rounding::stochastic>> {
     std::uint64_t drawn = StochasticStream::current().next();
     class Part {
         Seed seed_;
         StochasticStream stream_;
 
     public:
-        Part(Carried const& carried, std::uint64_t part) : seed_{Seed{carried.drawn + part}.next()}, stream_(seed_) {}
+        Part(ThreadState const& state, std::uint64_t part) : seed_{Seed{state.drawn + part}.next()}, stream_(seed_) {}
     };
 };
 
 /// Afterwards the stream continues from where it was before.
 template <Format F>
-struct Aside<Chopped<F, Rounding::stochastic>> {
+struct UncountedScope<Chopped<F, Rounding::stochastic>> {
     Seed* const stream = StochasticStream::installed();
     Seed const before = stream ? *stream : Seed{};
-    Aside() = default;
-    ~Aside() {
+    UncountedScope() = default;
+    ~UncountedScope() {
         if (stream) *stream = before;
     }
-    Aside(Aside const&) = delete;
-    Aside& operator=(Aside const&) = delete;
+    UncountedScope(UncountedScope const&) = delete;
+    UncountedScope& operator=(UncountedScope const&) = delete;
 };
 
 using Half = Chopped<binary16>;

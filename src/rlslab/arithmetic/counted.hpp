@@ -1,7 +1,7 @@
 // A scalar that counts its operations, so that the cost of an update is measured.
 #pragma once
 
-#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/thread_state.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 
 #include <concepts>
@@ -96,12 +96,12 @@ public:
 
 /// Afterwards the tally is what it was before.
 template <class T>
-struct Aside<Counted<T>> {
+struct UncountedScope<Counted<T>> {
     Tally const before = detail::operations_so_far;
-    Aside() = default;
-    ~Aside() { detail::operations_so_far = before; }
-    Aside(Aside const&) = delete;
-    Aside& operator=(Aside const&) = delete;
+    UncountedScope() = default;
+    ~UncountedScope() { detail::operations_so_far = before; }
+    UncountedScope(UncountedScope const&) = delete;
+    UncountedScope& operator=(UncountedScope const&) = delete;
 };
 
 template <class T>
@@ -109,23 +109,23 @@ struct ArithmeticTraits<Counted<T>> : ArithmeticTraits<T> {
     static constexpr std::string_view name = "counted";
 };
 
-/// The operations of the other threads are added to the calling thread's tally when the Carried is destroyed.
+/// The operations of the other threads are added to the calling thread's tally when the ThreadState is destroyed.
 template <class T>
-class Carried<Counted<T>> : public Carried<T> {
+class ThreadState<Counted<T>> : public ThreadState<T> {
     mutable std::mutex mutex_;
     mutable Tally parts_{};
 
 public:
-    ~Carried() { detail::operations_so_far = detail::operations_so_far + parts_; }
-    class Part : Carried<T>::Part {
-        Carried const& carried_;
+    ~ThreadState() { detail::operations_so_far = detail::operations_so_far + parts_; }
+    class Part : ThreadState<T>::Part {
+        ThreadState const& state_;
         Tally before_ = detail::operations_so_far;
 
     public:
-        Part(Carried const& carried, std::uint64_t part) : Carried<T>::Part(carried, part), carried_(carried) {}
+        Part(ThreadState const& state, std::uint64_t part) : ThreadState<T>::Part(state, part), state_(state) {}
         ~Part() {
-            std::lock_guard const lock(carried_.mutex_);
-            carried_.parts_ = carried_.parts_ + (detail::operations_so_far - before_);
+            std::lock_guard const lock(state_.mutex_);
+            state_.parts_ = state_.parts_ + (detail::operations_so_far - before_);
             detail::operations_so_far = before_;
         }
     };

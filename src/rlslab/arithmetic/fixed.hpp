@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/core/encoding.hpp>
-#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/thread_state.hpp>
 #include <rlslab/arithmetic/fixed_format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 
@@ -277,31 +277,31 @@ struct AccumulatorOf<Fixed<F>> {
 
 /// The other threads' words have the format of the calling one, and what happens there is counted here in the end.
 template <FixedFormat F>
-class Carried<Fixed<F>> {
+class ThreadState<Fixed<F>> {
     FixedFormat format_ = FixedScope::format();
     mutable std::mutex mutex_;
     mutable FixedEvents parts_{};
 
 public:
-    ~Carried() { detail::fixed_events_so_far = detail::fixed_events_so_far + parts_; }
+    ~ThreadState() { detail::fixed_events_so_far = detail::fixed_events_so_far + parts_; }
     class Part {
-        Carried const& carried_;
+        ThreadState const& state_;
         FixedScope scope_;
         detail::FixedAccount account_{false};
 
     public:
-        Part(Carried const& carried, std::uint64_t) : carried_(carried), scope_(carried.format_) {}
+        Part(ThreadState const& state, std::uint64_t) : state_(state), scope_(state.format_) {}
         ~Part() {
-            std::lock_guard const lock(carried_.mutex_);
-            carried_.parts_ = carried_.parts_ + detail::fixed_events_so_far;
+            std::lock_guard const lock(state_.mutex_);
+            state_.parts_ = state_.parts_ + detail::fixed_events_so_far;
         }
     };
 };
 
 /// The events go back to what they were.
 template <FixedFormat F>
-struct Aside<Fixed<F>> : detail::FixedAccount {
-    Aside() : FixedAccount(false) {}
+struct UncountedScope<Fixed<F>> : detail::FixedAccount {
+    UncountedScope() : FixedAccount(false) {}
 };
 
 /// digits: of a number in [1, 2), fraction + 1. min_exp makes a sum of squares large enough (least_sum_of_squares) from 1 on: its

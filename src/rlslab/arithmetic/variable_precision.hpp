@@ -1,7 +1,7 @@
 // Significands of any length up to 53 bits: a double holds p bits, and the exact result of every operation is rounded once to nearest.
 #pragma once
 
-#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/thread_state.hpp>
 #include <rlslab/arithmetic/format.hpp>
 #include <rlslab/arithmetic/storage_traits.hpp>
 #include <rlslab/core/encoding.hpp>
@@ -84,10 +84,10 @@ public:
 };
 
 template <>
-struct Carried<VariablePrecision> {
+struct ThreadState<VariablePrecision> {
     int bits = PrecisionScope::bits();
     struct Part : PrecisionScope {
-        Part(Carried const& carried, std::uint64_t) : PrecisionScope(carried.bits) {}
+        Part(ThreadState const& state, std::uint64_t) : PrecisionScope(state.bits) {}
     };
 };
 

@@ -110,7 +110,7 @@ inline constexpr auto complex_name = [] {
 template <Field F, class X>
 struct PerLaneOf<Complex<F>, X> : PerLaneOf<F, X> {};
 template <Field F>
-struct Aside<Complex<F>> : Aside<F> {};
+struct UncountedScope<Complex<F>> : UncountedScope<F> {};
 template <Field F>
 struct ArithmeticTraits<Complex<F>> : ArithmeticTraits<F> {
     static constexpr std::string_view name{detail::complex_name<F>.data(), detail::complex_name<F>.size()};

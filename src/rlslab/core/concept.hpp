@@ -1,6 +1,8 @@
 // The concept every variant satisfies, and the abilities that only some have.
 #pragma once
 
+#include <rlslab/core/family.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/stored.hpp>
 
 #include <array>
@@ -67,8 +69,8 @@ concept PerturbsSweep = std::invocable<Perturb&, std::span<T>, T const&>;
 
 /// The default argument `perturb` of update: leaves the gain as it is.
 struct NoPerturbation {
-    template <class V, class... Kept>
-    void operator()(V&&, Kept const&...) const {}
+    template <class V, class... K>
+    void operator()(V&&, K const&...) const {}
 };
 
 /// Uses a vector as the gain in its update of P (K itself, v = s K, or one that grows to it), and lets it be changed first:

@@ -1,31 +1,15 @@
 // The problem every variant solves, and what one update reports.
 #pragma once
 
-#include <rlslab/core/complex.hpp>
 #include <rlslab/core/misuse.hpp>
+#include <rlslab/core/stored.hpp>
 
-#include <Eigen/Core>
 #include <initializer_list>
 #include <optional>
 #include <span>
 #include <string_view>
 
 namespace rlslab {
-
-using Index = Eigen::Index;
-inline constexpr int Dynamic = Eigen::Dynamic;
-
-/// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
-/// DontAlign: Eigen's aligned storage depends on the instruction set for which a file is compiled, and an application may be compiled for
-/// another one than the library. Without alignment all files lay out, allocate and free these types alike.
-template <class T, int N = Dynamic>
-using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
-/// Rows x Columns; Matrix<T, N> is square, Matrix<T> of any shape: each use says which.
-template <class T, int Rows = Dynamic, int Columns = Rows>
-using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
-
-template <class T>
-struct Stored;
 
 /// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
 /// the noise variance sigma^2.
@@ -139,13 +123,13 @@ Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
     return step;
 }
 
-/// The health after rows that were processed without a step. taken: the rows were finite; determined: they determine theta; finite: theta
-/// and the gain are finite. Not taken is nonfinite, not determined is undetermined, not finite is nonfinite, in this order.
+/// The health after rows that were processed without a step. rows_finite: the rows were finite; determined: they determine theta;
+/// finite: theta and the gain are finite. The first of these that fails decides: nonfinite, undetermined, nonfinite.
 template <Scalar T>
-PerLane<T, Health> health_of(Truth<T> const& taken, Truth<T> const& determined, Truth<T> const& finite) {
+PerLane<T, Health> health_of(Truth<T> const& rows_finite, Truth<T> const& determined, Truth<T> const& finite) {
     using H = PerLane<T, Health>;
     H const answered = select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
-    return select(taken, answered, H(Health::nonfinite));
+    return select(rows_finite, answered, H(Health::nonfinite));
 }
 
 /// The value of a result that is not defined: NaN, or 0 in a scalar that has no NaN (the rationals).
@@ -247,5 +231,3 @@ public:
 };
 
 }  // namespace rlslab
-
-#include <rlslab/core/stored.hpp>  // completes Prior

@@ -1,6 +1,10 @@
 // The operations that a variant needs of its scalar, and the properties of a scalar that the rest of the library needs.
 #pragma once
 
+#if __cplusplus < 202002L && (!defined(_MSVC_LANG) || _MSVC_LANG < 202002L)
+#error "rlslab needs C++20: compile with -std=c++20"
+#include <a compiler of C++20>  // is not there: the compiler stops here, before a thousand errors that follow from the first
+#endif
 // Every operation is rounded once, in the order written. These options allow a compiler to fuse, reorder or drop operations.
 #if (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__FAST_MATH__)
 #error "rlslab: -ffast-math or -ffinite-math-only (-Ofast) takes infinities and NaN away: a breakdown would be reported sound"
@@ -169,11 +173,11 @@ constexpr int significand_bits() {
     return ArithmeticTraits<T>::digits;
 }
 
-/// While an Aside exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of operations
-/// are what they were before. A scalar that has such a stream or tally specialises this.
+/// While an UncountedScope exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of
+/// operations are what they were before. A scalar that has such a stream or tally specialises this.
 template <class T>
-struct Aside {
-    Aside() {}
+struct UncountedScope {
+    UncountedScope() {}
 };
 
 /// The distance from 1 to the next larger number, 2^(1-p) = 2u. Error budgets are stated in it.

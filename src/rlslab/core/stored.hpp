@@ -1,7 +1,8 @@
 // The numbers that a filter stores for P, before any factor is multiplied out or inverted.
 #pragma once
 
-#include <rlslab/core/problem.hpp>
+#include <rlslab/core/complex.hpp>
+#include <rlslab/core/matrices.hpp>
 
 namespace rlslab {
 

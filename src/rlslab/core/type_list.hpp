@@ -19,15 +19,14 @@ void for_each(TypeList<Types...>, Visit visit) {
 }
 
 namespace detail {
-template <class T, class Kept, class... Types>
+template <class T, class Chosen, class... Types>
 struct OverScalar {
-    using type = Kept;
+    using type = Chosen;
 };
-template <class T, class... Kept, class First, class... Rest>
-struct OverScalar<T, TypeList<Kept...>, First, Rest...> {
-    using type =
-        typename OverScalar<T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Kept..., First>, TypeList<Kept...>>,
-                            Rest...>::type;
+template <class T, class... Chosen, class First, class... Rest>
+struct OverScalar<T, TypeList<Chosen...>, First, Rest...> {
+    using type = typename OverScalar<
+        T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Chosen..., First>, TypeList<Chosen...>>, Rest...>::type;
 };
 template <int N, template <RootedScalar, int> class F, RootedScalar T, int M>
 std::type_identity<F<T, N>> at_size(std::type_identity<F<T, M>>);

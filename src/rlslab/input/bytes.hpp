@@ -19,7 +19,9 @@ std::string name_of_file(std::string const& path);
 /// be read.
 ByteSource bytes_of_file(std::string const& path);
 
+namespace detail {
 /// The first `count` bytes of the source, or all if it has fewer. The source returns them again when it is read.
 std::string peek(ByteSource& source, std::size_t count);
+}  // namespace detail
 
 }  // namespace rlslab

@@ -41,7 +41,7 @@ struct Split {
     bool values = false, words = false;  ///< all cells are values; some are text
     Split(std::string_view text, char separator) {
         Row row;
-        if (row.take(text, separator) != Row::Taken::whole) return;
+        if (row.split(text, separator) != Row::Result::whole) return;
         cells = row.size();
         values = true;
         for (std::size_t i = 0; i < cells; ++i) {
@@ -78,10 +78,10 @@ struct CsvFile::State {
     std::optional<std::string_view> next_text();
     bool look_below();
     char separator_of(std::string const& text);
-    void take(std::string_view text);
+    void split_row(std::string_view text);
     bool first_row();
     bool next_row();
-    void take_numbers_for_names(std::vector<std::string> const& asked);
+    void use_numbers_as_names(std::vector<std::string> const& asked);
     void pass(std::optional<Marks::Fault> const& fault) const {
         if (fault) fail(fault->at.line, fault->at.column, fault->message);
     }
@@ -108,7 +108,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
     line = lines.number();
     if (text->find('"') == text->npos) return text;
     Quotes quotes(format.separator);
-    quotes.take(*text);
+    quotes.follow(*text);
     if (!quotes.open()) return text;
     whole.clear();
     while (quotes.open()) {
@@ -116,7 +116,7 @@ std::optional<std::string_view> CsvFile::State::next_text() {
         whole += '\n';
         text = whole.size() <= longest_line ? lines.next() : std::nullopt;
         if (!text) return whole;
-        quotes.take(*text);
+        quotes.follow(*text);
     }
     return whole += *text;
 }
@@ -135,7 +135,7 @@ bool CsvFile::State::look_below() {
 /// The separator, from the first row and, if that has only blanks between words, from the row below.
 char CsvFile::State::separator_of(std::string const& text) {
     Quotes quotes(0);
-    quotes.take(text);
+    quotes.follow(text);
     for (char const sure : {'\t', ';'})
         if (quotes.saw(sure)) return sure;
     char const one_column = format.decimal == ',' ? ';' : ',';
@@ -158,10 +158,10 @@ char CsvFile::State::separator_of(std::string const& text) {
     return one_column;
 }
 
-void CsvFile::State::take(std::string_view text) {
-    auto const taken = row.take(text, format.separator);
-    if (taken == Row::Taken::open) fail(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
-    if (taken == Row::Taken::broken) fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
+void CsvFile::State::split_row(std::string_view text) {
+    auto const result = row.split(text, format.separator);
+    if (result == Row::Result::open) fail(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
+    if (result == Row::Result::broken) fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
 }
 
 bool CsvFile::State::first_row() {
@@ -170,30 +170,30 @@ bool CsvFile::State::first_row() {
     std::string const copy(*text);
     if (format.separator == 0) format.separator = separator_of(copy);
     first = line;
-    take(copy);
+    split_row(copy);
     return true;
 }
 
 bool CsvFile::State::next_row() {
     if (below_line) {
         line = *std::exchange(below_line, std::nullopt);
-        take(below);
+        split_row(below);
         return true;
     }
     auto const text = next_text();
-    if (text) take(*text);
+    if (text) split_row(*text);
     return text.has_value();
 }
 
 /// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are asked for by number.
-void CsvFile::State::take_numbers_for_names(std::vector<std::string> const& asked) {
+void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& asked) {
     std::vector<std::string> numbers;
     for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(std::to_string(i + 1));
     auto const number_of = [&](std::string const& name) { return std::ranges::find(numbers, name) - numbers.begin(); };
     std::ptrdiff_t const none = std::ssize(numbers);
     if (std::ranges::any_of(asked, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
     Row under;
-    if (under.take(below, format.separator) != Row::Taken::whole || under.size() != names.size()) return;
+    if (under.split(below, format.separator) != Row::Result::whole || under.size() != names.size()) return;
     bool number = false, text = false;
     for (std::size_t i = 0; i < names.size(); ++i) {
         Kind const here = reading_of(names[i]).kind, there = reading_of(under[i]).kind;
@@ -245,7 +245,7 @@ Columns CsvFile::read(std::vector<std::string> const& asked) {
     expects(!asked.empty(), "the name of a column at least");
     expects(!s.finished, "a file that was not read before");
     s.finished = true;
-    if (s.header) s.take_numbers_for_names(asked);
+    if (s.header) s.use_numbers_as_names(asked);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
     for (auto const& name : asked) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));

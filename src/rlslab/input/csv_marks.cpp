@@ -36,7 +36,7 @@ char mark_shown(std::string_view cell) {
 
 }  // namespace
 
-std::optional<Marks::Fault> Marks::take_mark(char mark, Cell at) {
+std::optional<Marks::Fault> Marks::set_mark(char mark, Cell at) {
     if (mark_ == 0) {
         mark_ = mark;
         line_ = at.line;
@@ -52,8 +52,7 @@ std::optional<Marks::Fault> Marks::number(Kind kind, long line, std::size_t colu
     bool const doubtful = kind == Kind::comma_or_group || kind == Kind::point_or_group;
     if (!doubtful && kind != Kind::comma && kind != Kind::point) return std::nullopt;
     char const mark = kind == Kind::comma || kind == Kind::comma_or_group ? ',' : '.';
-    if (!doubtful || (mark_ != 0 && mark_ != mark))
-        return mark_ == mark ? std::nullopt : take_mark(mark, {line, column, std::string(text)});
+    if (!doubtful || (mark_ != 0 && mark_ != mark)) return mark_ == mark ? std::nullopt : set_mark(mark, {line, column, std::string(text)});
     auto& first = mark == ',' ? comma_group_ : point_group_;
     if (!given_ && !first) first = Cell{line, column, std::string(text)};
     return std::nullopt;

@@ -36,7 +36,7 @@ private:
     std::optional<Cell> comma_group_, point_group_;  // the first like "1,234" and "1.234"
     std::optional<Cell> comma_, point_;              // the first decimal comma and point in any column
 
-    std::optional<Fault> take_mark(char mark, Cell at);
+    std::optional<Fault> set_mark(char mark, Cell at);
 };
 
 }  // namespace rlslab::csv

@@ -99,7 +99,7 @@ At after(At at, char c, bool separates) {
     }
 }
 
-void Quotes::take(std::string_view line) {
+void Quotes::follow(std::string_view line) {
     for (char const c : line) {
         bool const separates = !open() && separators_.find(c) != separators_.npos;
         if (separates && !saw(c)) seen_ += c;
@@ -107,7 +107,7 @@ void Quotes::take(std::string_view line) {
     }
 }
 
-Row::Taken Row::take(std::string_view row, char separator) {
+Row::Result Row::split(std::string_view row, char separator) {
     text_.clear();
     ends_.clear();
     at_ = At::start;
@@ -119,13 +119,13 @@ Row::Taken Row::take(std::string_view row, char separator) {
             continue;
         }
         At const before = std::exchange(at_, after(at_, c, false));
-        if (at_ == At::broken) return Taken::broken;
+        if (at_ == At::broken) return Result::broken;
         if (before == At::start && at_ == At::quoted) text_.resize(begin(ends_.size()));  // spaces before the quote
         else if (at_ != At::quote && at_ != At::closed) text_ += c;
     }
-    if (at_ == At::quoted) return Taken::open;
+    if (at_ == At::quoted) return Result::open;
     if (!blanks || at_ != At::start || ends_.empty()) end_cell();
-    return Taken::whole;
+    return Result::whole;
 }
 
 std::size_t Row::with_one(char c, std::size_t i) const {

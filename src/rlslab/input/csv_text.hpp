@@ -57,7 +57,7 @@ class Quotes {
 public:
     /// separator 0: not known yet.
     explicit Quotes(char separator);
-    void take(std::string_view line);
+    void follow(std::string_view line);
     bool open() const { return at_ == At::quoted; }
     bool saw(char separator) const { return seen_.find(separator) != seen_.npos; }
 };
@@ -76,12 +76,12 @@ class Row {
     }
 
 public:
-    enum class Taken { whole, open, broken };  // open: inside quotes; broken: text behind a closing quote
+    enum class Result { whole, open, broken };  // open: inside quotes; broken: text behind a closing quote
     std::size_t size() const { return ends_.size(); }
     /// The next cell from i on that contains c exactly once; size(): there is none.
     std::size_t with_one(char c, std::size_t i) const;
     std::string_view operator[](std::size_t i) const { return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i))); }
-    Taken take(std::string_view row, char separator);
+    Result split(std::string_view row, char separator);
 };
 
 }  // namespace rlslab::csv

@@ -20,4 +20,6 @@ std::string wrapped(std::string_view text, size_t at, size_t indent, size_t widt
     return out + std::string(text);
 }
 
+size_t line_width(size_t columns, size_t most) { return columns > 0 ? std::clamp<size_t>(columns, 40, most) : most; }
+
 }  // namespace rlslab

@@ -10,4 +10,7 @@ namespace rlslab {
 /// word longer than a line stays whole. There is no line end after the last line.
 std::string wrapped(std::string_view text, size_t at, size_t indent, size_t width);
 
+/// The width of text on a terminal of so many columns: at least 40, at most `most`. 0 columns, no terminal: `most`.
+size_t line_width(size_t columns, size_t most);
+
 }  // namespace rlslab

@@ -3,7 +3,8 @@
 // Each part of a number has the bits that kernels.hpp gives a real one. Sizes are not checked. Any argument may be any other.
 #pragma once
 
-#include <rlslab/linalg/kernels.hpp>
+#include <rlslab/linalg/divisor.hpp>
+#include <rlslab/linalg/storage.hpp>
 
 namespace rlslab {
 

@@ -111,8 +111,6 @@ template <class T>
 inline constexpr ByColumns by_columns_from<SweepCarlson<T>>{640, 768};
 template <class T>
 inline constexpr ByColumns by_columns_from<SweepRotations<T>>{640, 1600};
-/// The same for a ThenMultiply whose rows are shared among threads, which pays from `shared_from` on.
-inline constexpr Index by_columns_from_shared = 1300, shared_from = 384;
 
 /// RotateInRows is faster than RotateIn for one row after another from this d on.
 inline constexpr Index together_from = 5;

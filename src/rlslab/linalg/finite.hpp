@@ -100,7 +100,7 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
     if (all(solved_in_range<T>(
             x.size(), [&](Index j) { return Bound(real_part(X(j, j))); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
         return kept;
-    Aside<T> const aside;
+    UncountedScope<T> const aside;
     x = psi;
     solve_outer(L, D, x);
     return kept && all_finite(x);
@@ -109,7 +109,7 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
 /// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, updated
 /// with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d), or O(d^2) where the proof fails.
 template <Scalar T, int N = Dynamic>
-class Lengths {
+class ColumnLengths {
     using Bound = BoundOf<T>;
     StateVector<Bound, N> squares_;
     Bound right_ = Bound(0);
@@ -140,10 +140,10 @@ class Lengths {
         right_ = weight * right_ + square(y);
         return {squares_.data(), psi, weight};
     }
-    /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (Aside).
+    /// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (UncountedScope).
     template <class Solve>
     static Truth<T> solved_finitely(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
-        Aside<T> const aside;
+        UncountedScope<T> const aside;
         x = right;
         solve(x);
         return all_finite(x);
@@ -163,7 +163,7 @@ class Lengths {
     }
 
 public:
-    explicit Lengths(Index size) : squares_(size) {}
+    explicit ColumnLengths(Index size) : squares_(size) {}
 
     /// The sums at the start, from a filter's first L (and D) and z.
     void start(StateMatrix<T, N> const& L, StateVector<T, N> const& z) {
@@ -189,7 +189,7 @@ public:
     }
 
     /// Takes the row [psi' y] of weight w out of the sums, with what rounding may have put into them: they stay bounds.
-    void take_back(T const& w, Regressor<T> psi, T const& y) {
+    void remove_row(T const& w, Regressor<T> psi, T const& y) {
         Bound slack(0);
         if constexpr (Real<T>) slack = Bound(std::ldexp(1.0, 3 - significand_bits<Bound>()));
         auto const less = [&](Bound& sum, T const& x) {
@@ -202,15 +202,15 @@ public:
 
     /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
     /// (d) is overwritten.
-    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L, StateVector<T, N> const& z,
-                  StateVector<T, N>& x) {
+    Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
+                     StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), with(lambda, psi.data(), y), [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return solved(L, z, psi, x);
         return determined_ = proven;
     }
-    Truth<T> take(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
-                  StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
+    Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
+                     StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), with(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : solved(L, D, z, psi, x);
@@ -221,9 +221,9 @@ public:
         for (Index j = 0; j < squares_.size(); ++j) square_of(j);
         determined_ = nonsingular(L);
     }
-    /// The same for a block: take_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
+    /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
     template <class Block>
-    void take_rows(RealOf<T> const& weight, Block const& A) {
+    void add_rows(RealOf<T> const& weight, Block const& A) {
         Index const d = squares_.size();
         constexpr Index abreast = Hardware<T> ? 4 : 1;  // columns: one sum's additions wait for one another
         for (Index j = 0; j <= d; j += abreast) {

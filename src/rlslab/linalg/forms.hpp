@@ -50,7 +50,7 @@ struct RootInformation {
     T &lambda, &root_lambda;
     StateVector<T, N>&z, &x, &c, &s;  // x, c, s: workspace
     StateMatrix<T, N>& L;
-    Lengths<T, N>& lengths;
+    ColumnLengths<T, N>& lengths;
 };
 /// P^-1 = L diag(D) L', L unit lower triangular, z = L'theta.
 template <Field T, int N>
@@ -60,7 +60,7 @@ struct UnitInformation {
     StateVector<T, N>&z, &x, &c, &s, &f, &g;  // x, c, s, f, g: workspace
     StateVector<T, N>& D;
     StateMatrix<T, N>& L;
-    Lengths<T, N>& lengths;
+    ColumnLengths<T, N>& lengths;
 };
 /// P^-1 = X, b = X theta; where `solved`, L, D and theta are those of X and b.
 template <Scalar T, int N>

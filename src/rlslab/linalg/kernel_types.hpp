@@ -166,8 +166,6 @@ struct ThenMultiply : S {
     using T = std::remove_const_t<std::remove_pointer_t<decltype(S::A)>>;
     T const* x;
     T* out;
-    /// The rows [first, last) alone are changed and multiplied; both multiples of 8, or last = d. Not for triangles, nor for single rows.
-    Index first = 0, last = S::d;
 };
 /// A_ij = t + t correction, t = A_ij - (x_i g_j' + g_i x_j'); A is symmetric (Hermitian).
 template <class T>

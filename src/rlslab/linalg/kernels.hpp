@@ -9,9 +9,8 @@
 // unless the docstring says what throws. An output may be one of the inputs only where the docstring says so.
 #pragma once
 
+#include <rlslab/linalg/complex_vectors.hpp>
 #include <rlslab/linalg/dispatch.hpp>
-
-#include <tuple>
 
 namespace rlslab {
 
@@ -93,7 +92,7 @@ void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVe
     run_kernel<T, N>(kernels::AddProduct<T>{{out.size(), x.data(), out.data()}, y.data(), z.data()});
 }
 template <Real T, int N>
-void take_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
+void square_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
@@ -115,25 +114,6 @@ RealOf<T> prefix_sums(std::type_identity_t<RealOf<T>> const& s, StateVector<T, N
     scale_conjugated(x, y, after);
     return prefix_sums(s, after, before, after);
 }
-
-/// x / r for 1/2 <= r <= 1, computed as x + x c with c = (1 - r) / r: no division in the loop. 1 - r is exact there, so that the error of c
-/// adds at most about (1 - r) / r units in the last place. The product of x with the rounded 1 / r would repeat one and the same error at
-/// every step, which sums to u / (1 - r) in a stationary filter. r = 1 leaves x as it is. For r < 1/2 the result is x / r to a few u.
-template <Field T>
-class DivisorNearOne {
-    T correction_;
-
-public:
-    explicit DivisorNearOne(T const& r) : correction_((T(1) - r) / r) {}
-    T operator()(T const& x) const { return x + x * correction_; }
-    template <ComplexScalar C>
-        requires std::same_as<RealOf<C>, T>
-    C operator()(C const& x) const {
-        return x + x * correction_;
-    }
-    T const& correction() const { return correction_; }
-    static auto state(auto& divisor) { return std::tie(divisor.correction_); }
-};
 
 /// out = x / r. out may be x.
 template <Field T, int N>
@@ -197,5 +177,3 @@ void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... m
 }
 
 }  // namespace rlslab
-
-#include <rlslab/linalg/complex_vectors.hpp>

@@ -8,69 +8,34 @@
 
 namespace rlslab {
 
-/// Who shares the rows of a large P in an update: a Crew of threads (crew.hpp).
-class Helpers {
-public:
-    /// work(part, parts), part = 0 ... parts - 1. It does not throw.
-    struct Work {
-        void const* data;
-        void (*call)(void const* data, Index part, Index parts);
-        void operator()(Index part, Index parts) const { call(data, part, parts); }
-    };
-    /// Does all parts at the same time, as many as it has threads, and returns when they are done.
-    virtual void run(Work const& work) = 0;
-
-protected:
-    ~Helpers() = default;
-};
-
 /// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise `multiply` and the
 /// functions below do what those without a NextRow do. The product has the bits that `multiply` gives it.
 template <Scalar T, int N>
 class NextRow {
     T const* psi_ = nullptr;
-    Helpers* helpers_ = nullptr;
     bool multiplied_ = false;
     StateVector<T, N> product_;
-
-    /// The rows of one part begin at a multiple of 64: at whole blocks of rows, and at whole cache lines of a column.
-    static Index first_row(Index part, Index parts, Index d) { return part == parts ? d : part * d / parts / 64 * 64; }
-    template <class Pass>
-    void run_in_parts(kernels::ThenMultiply<Pass> const& all) {
-        auto const part_of = [](void const* data, Index part, Index parts) {
-            auto some = *static_cast<kernels::ThenMultiply<Pass> const*>(data);
-            some.first = first_row(part, parts, some.d), some.last = first_row(part + 1, parts, some.d);
-            run_kernel<T, N>(some);
-        };
-        helpers_->run({&all, part_of});
-    }
 
     /// Runs the pass with the product and returns true; or does nothing and returns false, where two passes are faster. Not inlined: an
     /// update of few parameters, row by row, takes a tenth longer with all of that in it.
     template <class Pass>
     [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
-        bool const shared = !kernels::UpperSweep<Pass> && helpers_ && pass.d >= kernels::shared_from;
-        multiplied_ = shared || kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
-        if (!multiplied_) return false;
-        kernels::ThenMultiply<Pass> const both{pass, psi_, product_.data()};
-        if (shared) run_in_parts(both);
-        else run_kernel<T, N>(both);
-        return true;
+        multiplied_ = kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
+        if (multiplied_) run_kernel<T, N>(kernels::ThenMultiply<Pass>{pass, psi_, product_.data()});
+        return multiplied_;
     }
 
 public:
     explicit NextRow(Index size) : product_(size) {}
     /// psi: d numbers that stay as they are until the next call, or nullptr.
     void announce(T const* psi) { psi_ = psi; }
-    /// helpers: for passes over a large P that also multiply, until the next call; or nullptr.
-    void share(Helpers* helpers) { helpers_ = helpers; }
 
     template <class Pass>
     [[gnu::always_inline]] void run(Pass const& pass) {
         if (psi_ == nullptr || !run_and_multiply(pass)) run_kernel<T, N>(pass);
     }
     /// Moves the product to f, if it has been computed.
-    bool take(StateVector<T, N>& f) {
+    bool move_product(StateVector<T, N>& f) {
         if (!multiplied_) return false;
         std::swap(f, product_);
         multiplied_ = false;
@@ -84,18 +49,17 @@ class NextRow<T, N> {
 public:
     explicit NextRow(Index) {}
     void announce(T const*) {}
-    void share(Helpers*) {}
     template <class Pass>
     void run(Pass const& pass) {
         run_kernel<T, N>(pass);
     }
-    bool take(StateVector<T, N>&) { return false; }
+    bool move_product(StateVector<T, N>&) { return false; }
 };
 
 /// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of A.
 template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<T, N>& next) {
-    if (!next.take(f)) multiply(A, x, f);
+    if (!next.move_product(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
 template <Scalar T, int N>
@@ -113,25 +77,20 @@ void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x
 /// out = S'x, S upper triangular, or the product that `next` has computed already, of x and S as for `multiply`.
 template <Scalar T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<T, N>& next) {
-    if (!next.take(out)) multiply_upper_transposed(S, x, out);
+    if (!next.move_product(out)) multiply_upper_transposed(S, x, out);
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
-/// std::invalid_argument for other shapes, before any row is processed. From kernels::shared_from parameters on, `helpers` share each pass
-/// that changes P and multiplies by the next row (which it does not where psi is a view of f's theta or gain: a row changes those behind
-/// it); the first product and the last change are this thread's, and so is all of it in other arithmetics than float and double, and where
-/// size is fixed below 16. Nobody else may use the helpers meanwhile.
+/// std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or gain, which each row changes,
+/// no product is computed ahead.
 template <Scalar T, int N, class F>
-Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y,
-                    Helpers* helpers = nullptr) {
+Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
     auto const theta = f.theta(), gain = f.gain();
     Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
-    bool const stay = detail::apart(psi.data(), numbers, theta.data(), d) && detail::apart(psi.data(), numbers, gain.data(), d);
-    next.share(helpers);
+    bool const stay = detail::disjoint(psi.data(), numbers, theta.data(), d) && detail::disjoint(psi.data(), numbers, gain.data(), d);
     for (Index k = 0;; ++k) {
         bool const last = k + 1 == y.size();
         next.announce(last || !stay ? nullptr : psi.col(k + 1).data());
-        if (last) next.share(nullptr);
         Step<T> const step = f.update({psi.col(k).data(), d}, y[k]);
         if (last) return step;
     }

@@ -8,10 +8,7 @@
 
 namespace rlslab {
 
-/// A block of rows, or the transpose of one: any number of rows and columns.
-template <class T>
-using Rows = Matrix<T>;
-
+namespace detail {
 /// x^n by repeated squaring, n >= 0: for x = lambda the weight of a row that is n steps old.
 template <Field T>
 T power(T x, Index n) {
@@ -20,14 +17,14 @@ T power(T x, Index n) {
         if (n % 2 == 1) out *= x;
     return out;
 }
-
-/// A hint, which any number may be: what comes of it is in cache after the reflections, where the next block lies behind this one.
-inline void fetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_cast<void const*>(address)); }
+/// A hint: the next block, where it lies behind this one in memory, is in cache after the reflections. Any address is allowed.
+inline void prefetch(std::uintptr_t address) { __builtin_prefetch(reinterpret_cast<void const*>(address)); }
+}  // namespace detail
 
 /// A (B x (d + 1)) becomes the rows [psi_k' y_k] root^(B-1-k), k = 0 ... B-1, the oldest first: psi is d x B, y has B numbers, and root is
 /// sqrt(lambda). Returns root^B, the weight of what was before the block. Allocates if A has another shape.
 template <Scalar T>
-RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root, Rows<T>& A) {
+RealOf<T> weighted_rows(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y, RealOf<T> const& root, Matrix<T>& A) {
     Index const d = psi.rows();
     A.resize(y.size(), d + 1);
     RealOf<T> weight = RealOf<T>(1);
@@ -48,7 +45,8 @@ RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<
         for (Index i = 0; i < d; ++i, ++from, to += rows) {
             if constexpr (Hardware<T>)
                 if (i % 8 == 0)
-                    for (Index k = 0; k < end - first; ++k) fetch(std::uintptr_t(from) + size_t((k + rows) * stride) * sizeof(T));
+                    for (Index k = 0; k < end - first; ++k)
+                        detail::prefetch(std::uintptr_t(from) + size_t((k + rows) * stride) * sizeof(T));
             if (end - first == together) {
 #pragma GCC unroll 8
                 for (Index k = 0; k < together; ++k) to[k] = weights[k] * from[k * stride];
@@ -72,7 +70,7 @@ RealOf<T> weighted_rows(Eigen::Ref<Rows<T> const> const& psi, Eigen::Ref<Vector<
 /// column of zeros is skipped.
 /// Source: Golub 1965; Golub & Van Loan 2013, 5.1.
 template <Real T, int N>
-T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
+T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Matrix<T>& A) {
     Index const d = z.size(), rows = A.rows();
     for (Index i = 0; i < d; ++i) {
         for (Index j = i; j < d; ++j) L(j, i) *= weight;
@@ -113,7 +111,7 @@ T reflect_block_into(T const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z
 /// that this takes.
 template <RootedScalar T, int N>
     requires ComplexScalar<T>
-RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Rows<T>& A) {
+RealOf<T> reflect_block_into(RealOf<T> const& weight, StateMatrix<T, N>& L, StateVector<T, N>& z, Matrix<T>& A) {
     using R = RealOf<T>;
     Index const d = z.size(), rows = A.rows();
     auto const exchange = [&] {

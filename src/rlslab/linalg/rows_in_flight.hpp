@@ -66,9 +66,10 @@ auto update_rows(F& f, Flight const&, Index d, Eigen::Ref<Matrix<typename F::sca
                  Eigen::Ref<Vector<typename F::scalar> const> const& y, Fold fold, Shown const&... shown) {
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
     [[maybe_unused]] Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
-    bool const apart = (... && (detail::apart(y.data(), y.size(), shown.data(), d) && detail::apart(psi.data(), numbers, shown.data(), d)));
+    bool const stay =
+        (... && (detail::disjoint(y.data(), y.size(), shown.data(), d) && detail::disjoint(psi.data(), numbers, shown.data(), d)));
     Index k = 0;
-    if (apart && Flight::are_faster(d))
+    if (stay && Flight::are_faster(d))
         for (; k + Flight::together < y.size(); k += Flight::together) fold(k);
     for (;; ++k) {
         auto const step = f.update({psi.col(k).data(), d}, y[k]);

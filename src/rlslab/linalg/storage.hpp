@@ -71,7 +71,7 @@ struct MovedSize {
 
 /// Whether n numbers at a and m at b have none in common.
 template <class T>
-bool apart(T const* a, Index n, T const* b, Index m) {
+bool disjoint(T const* a, Index n, T const* b, Index m) {
     std::less_equal<> const up_to;
     return up_to(a + n, b) || up_to(b + m, a);
 }

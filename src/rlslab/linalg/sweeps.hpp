@@ -83,8 +83,8 @@ RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& be
     RealOf<T> const sum = prefix_sums(RealOf<T>(1), a, a, before, after);
     Truth<T> const in_range = is_finite(sum);
     if (all(in_range)) {
-        take_roots(before, before);
-        take_roots(after, after);
+        square_roots(before, before);
+        square_roots(after, after);
         return after[a.size() - 1];
     }
     RealOf<T> b = RealOf<T>(1);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <rlslab/many/threads.hpp>
-#include <rlslab/arithmetic/carried.hpp>
+#include <rlslab/arithmetic/thread_state.hpp>
 #include <rlslab/core/process.hpp>
 #include <rlslab/core/records.hpp>
 
@@ -49,7 +49,7 @@ inline constexpr Index rows_a_part = 4096;
 ///   ((F(problem) + part 0) + part 1) + ...
 ///
 /// The bits depend on B, not on the number of threads (0: one for each core), also if the arithmetic takes a length or a random stream from
-/// the calling thread (Carried). Memory: one part and two filters for each thread, for any N. Throws what the source and F throw;
+/// the calling thread (ThreadState). Memory: one part and two filters for each thread, for any N. Throws what the source and F throw;
 /// std::invalid_argument if the source does not have the problem's size, or if B < 1.
 /// Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source>
@@ -60,7 +60,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
     without_prior.prior.reset();
     Index const rows = source.rows(), parts = rows / part + (rows % part > 0);
 
-    Carried<typename F::scalar> const carried;
+    ThreadState<typename F::scalar> const state;
     std::atomic<Index> next = 0;  // part to be taken
     Index merged = 0;             // parts that are in `whole`
     std::exception_ptr failure;
@@ -70,7 +70,7 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
         try {
             Matrix<double> block(source.size() + 1, std::min(part, rows));
             for (Index i = next++; i < parts; i = next++) {
-                typename Carried<typename F::scalar>::Part const here_as_there(carried, std::uint64_t(i));
+                typename ThreadState<typename F::scalar>::Part const here_as_there(state, std::uint64_t(i));
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
                 source.read(i * part, block.leftCols(here));

@@ -55,7 +55,7 @@ struct Triangle {
     explicit Triangle(Records const& records) : L(records.parameters()), z(records.parameters()) {
         Index const d = records.parameters(), N = records.rows();
         constexpr Index block = 64;
-        Rows<double> A;
+        Matrix<double> A;
         for (Index k = 0; k < N; k += block) {
             Index const rows = std::min(block, N - k);
             A.resize(rows, d + 1);

@@ -1,6 +1,7 @@
 // Recursion in model order: the estimates of all orders 0 ... n in one pass, by bordering the inverse of the Gram matrix.
 #pragma once
 
+#include <rlslab/core/family.hpp>
 #include <rlslab/linalg/kernels.hpp>
 
 namespace rlslab {
@@ -37,6 +38,7 @@ class OrderRecursive {
 public:
     using scalar = T;
     static constexpr std::string_view name = "order_recursive";
+    static constexpr Family family{Family::other};
 
     /// For at most `most` columns of Y's length N.
     OrderRecursive(Vector<T> Y, Index most)

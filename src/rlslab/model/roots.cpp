@@ -29,14 +29,14 @@ public:
         fmpz_poly_init(p_);
         balls::Integer mantissa, exponent, least;
         bool first = true;
-        auto const take = [&](double x) { arf_get_fmpz_2exp(mantissa, exponent, balls::Float(x)); };
+        auto const split = [&](double x) { arf_get_fmpz_2exp(mantissa, exponent, balls::Float(x)); };
         for (double const x : p) {
-            take(x);
+            split(x);
             if (x != 0 && (first || fmpz_cmp(exponent, least) < 0)) fmpz_set(least, exponent), first = false;
         }
         for (size_t i = 0; i < p.size(); ++i) {
             if (p[i] == 0) continue;
-            take(p[i]);
+            split(p[i]);
             fmpz_sub(exponent, exponent, least);
             fmpz_mul_2exp(mantissa, mantissa, fmpz_get_ui(exponent));
             fmpz_poly_set_coeff_fmpz(p_, long(i), mantissa);

@@ -30,7 +30,7 @@ struct Samples {
 };
 
 /// G = rows R in the unit 2^(2 unit), from the lags' sums over k = n-1 ... N-1; if centred, rows^2 R.
-void take_gram(IntegerMatrix& G, Samples const& x, std::vector<Integer> const& lags, Integer const& sum, bool centred) {
+void set_gram(IntegerMatrix& G, Samples const& x, std::vector<Integer> const& lags, Integer const& sum, bool centred) {
     Index const n = G.rows(), N = Index(x.m.size());
     auto const at = [&](Index k) -> fmpz const* { return x.m[size_t(k)]; };
     for (Index j = 0; j < n; ++j) fmpz_set(G(0, j), lags[size_t(j)]);
@@ -93,7 +93,7 @@ void window_spectra(std::vector<double> const& x, Index most, bool centred, std:
         for (Index k = n - 1; k < N; ++k) fmpz_addmul(newest, samples.m[size_t(k)], samples.m[size_t(k - n + 1)]);
         double const rows = double(N - n + 1);
         IntegerMatrix G(n, n);
-        take_gram(G, samples, lags, sum, centred);
+        set_gram(G, samples, lags, sum, centred);
         if (!each(n, spectrum_of(G, samples.unit, centred ? rows * rows : rows))) return;
     }
 }

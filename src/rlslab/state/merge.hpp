@@ -22,7 +22,7 @@ namespace detail {
 ///
 /// False where a D' is not positive. Source: Gentleman 1974.
 template <Field T>
-bool take_weighted_row(StateMatrix<T>& L, StateVector<T>& D, StateVector<T>& z, Vector<T>& x, T y, T w) {
+bool add_weighted_row(StateMatrix<T>& L, StateVector<T>& D, StateVector<T>& z, Vector<T>& x, T y, T w) {
     for (Index i = 0; i < x.size(); ++i) {
         if (x[i] == T(0) || w == T(0)) continue;
         T const weighed = w * x[i], sum = D[i] + weighed * x[i];
@@ -61,10 +61,10 @@ struct InformationRows {
         multiply_lower_transposed(L, theta, z);
     }
     /// Takes the rows of `other`, each weight times `weight`.
-    bool take(InformationRows const& other, T const& weight) {
+    bool add(InformationRows const& other, T const& weight) {
         for (Index i = 0; i < D.size(); ++i) {
             Vector<T> x = other.L.view().col(i);
-            if (!take_weighted_row(L, D, z, x, other.z[i], T(weight * other.D[i]))) return false;
+            if (!add_weighted_row(L, D, z, x, other.z[i], T(weight * other.D[i]))) return false;
         }
         return true;
     }
@@ -77,7 +77,7 @@ Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, Info
     if (Health const health = worse(sum.health, added.health); health != Health::sound) return health;
     expects(sum.D.size() == start.size && added.D.size() == start.size, "parts of the problem's size");
     for (Index i = 0; i < start.size; ++i) sum.D[i] *= mu;
-    if (!sum.take(added, T(1)) || (prior && !sum.take(*prior, T(-mu)))) return Health::indefinite;
+    if (!sum.add(added, T(1)) || (prior && !sum.add(*prior, T(-mu)))) return Health::indefinite;
     start.prior = Prior<T>{.theta = solved_lower_transposed(sum.L, sum.z)};
     start.prior->stored = Stored<T>{Stored<T>::Quantity::information, Stored<T>::Form::factor, sum.L.view(), sum.D.view()};
     Health const health = health_of(Triangle<T>(*start.prior->stored).turn_into(false, true));
@@ -112,7 +112,7 @@ Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<ty
         prior.emplace(before.stored(), before.theta());
     }
     Problem<T> start{.size = detail::size_of<F> == Dynamic ? problem.size : detail::size_of<F>, .forgetting = problem.forgetting};
-    T const mu = power(problem.forgetting, newer.rows);
+    T const mu = detail::power(problem.forgetting, newer.rows);
     Health const health = detail::merge_rows(sum, added, prior ? &*prior : nullptr, mu, start);  // (2)
     if (health != Health::sound) return {.health = health};
     return {.filter = Part<F>{F(start), older.rows + newer.rows}};

@@ -9,11 +9,11 @@ namespace rlslab {
 Columns read_data(DataFile const& file, std::vector<std::string> const& asked) {
     ByteSource bytes = bytes_of_file(file.path);
     std::string const name = name_of_file(file.path);
-    std::string begin = peek(bytes, mat_begin);
+    std::string begin = detail::peek(bytes, mat_begin);
     bool const compressed = begin.starts_with(gzip_begins);
     if (compressed) {
         bytes = unpacked(std::move(bytes), name);
-        begin = peek(bytes, mat_begin);
+        begin = detail::peek(bytes, mat_begin);
     }
     if (!is_mat(begin)) return CsvFile(std::move(bytes), name, file.format).read(asked);
     if (file.format.separator != 0 || file.format.decimal != 0)

@@ -126,7 +126,7 @@ template <class B, int C, class S>
 template <class B, int C, class S>
 [[gnu::always_inline]] inline void group(ThenMultiply<S> const& s, Index j0) {
     SumAcross<B, C> product(s.x + j0, s.out);
-    change<B, C>(static_cast<S const&>(s), j0, s.first, s.last, product);
+    change<B, C>(static_cast<S const&>(s), j0, 0, s.d, product);
 }
 template <class B, int C, class S>
     requires UpperSweep<S>
@@ -167,7 +167,7 @@ template <class B, class S>
 [[gnu::always_inline]] inline void start_sums(ThenMultiply<S> const& s) {
     B start;
     start.empty_sum();
-    fill(s.out, s.first, s.last, start);
+    fill(s.out, 0, s.d, start);
 }
 /// C columns side by side while there are so many, then one after another.
 template <class B, int C, class S>
@@ -195,15 +195,11 @@ template <class B, ByRows S>
         if (s.d >= columns_from<B, S>) return by_columns<B, columns_together<B, S>>(s);
     groups<B, blocks_together<B, S>>(s, 0, s.d);
 }
-/// Where threads share the rows, the way by columns pays later: what the hardware fetches ahead of a part's rows are lines that another
-/// thread writes. (At 256 parameters two threads took four times as long as one; by rows, 0.6 of the time.)
 template <class B, class S>
     requires(B::rows > 1)
 [[gnu::always_inline]] inline void evaluate(ThenMultiply<S> const& s) {
-    bool const shared = s.first > 0 || s.last < s.d;
-    if (UpperSweep<S> || s.d >= (shared ? by_columns_from_shared : columns_from<B, ThenMultiply<S>>))
-        return by_columns<B, columns_together<B, S>>(s);
-    if constexpr (!UpperSweep<S>) groups<B, blocks_together<B, ThenMultiply<S>>>(s, s.first, s.last);
+    if (UpperSweep<S> || s.d >= columns_from<B, ThenMultiply<S>>) return by_columns<B, columns_together<B, S>>(s);
+    if constexpr (!UpperSweep<S>) groups<B, blocks_together<B, ThenMultiply<S>>>(s, 0, s.d);
 }
 /// For single rows: one pass, then the other.
 template <class B, class S>

@@ -1,5 +1,5 @@
 // Rounding a problem, and solving it exactly along each order of its rows.
-#include "compare/stored_problem.hpp"
+#include "compare/rounded_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,9 +40,9 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
     return out;
 }
 
-StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
-                             std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved) {
-    StoredProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
+RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
+                               std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved) {
+    RoundedProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
     Prior<double> const& prior = *out.problem.prior;
     Vector<double> const P0 = prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
     out.in_range = is_forgetting_factor(out.problem.forgetting) && (P0.array() > 0).all() && P0.allFinite();

@@ -1,6 +1,6 @@
-// The advice in words, in JSON, and in C++ to paste.
-#include "advise/advise.hpp"
+// What keeps the digits that are wanted: in words, in JSON, and in C++ to paste.
 #include "compare/answer.hpp"
+#include "compare/digits_answer.hpp"
 #include "compare/words.hpp"
 
 #include <rlslab/input/text.hpp>
@@ -22,35 +22,35 @@ std::string bold(std::string const& text, bool colour) { return colour ? "\x1b[1
 double tenth_below(double digits) { return std::floor(10 * digits) / 10 + 0.0; }
 std::string digits_text(double digits) { return digits > 0 ? fmt::format("{:.1f}", tenth_below(digits)) : "no"; }
 
-std::vector<std::string> zeros(Tried const& t) {
+std::vector<std::string> zeros(ArithmeticTrial const& t) {
     std::vector<std::string> out;
     for (size_t i = 0; i < t.is_zero.size(); ++i)
         if (t.is_zero[i]) out.push_back(t.comparison.names[i]);
     return out;
 }
 
-/// What an arithmetic came to that does not keep what is wanted.
-std::string failing(Tried const& t) {
+/// Why an arithmetic is not the answer.
+std::string failing(ArithmeticTrial const& t) {
     std::string const where = t.exponents.empty() ? t.arithmetic : t.arithmetic + ", columns scaled";
     if (!t.in_range) return where + ": P0 or lambda leaves its range";
-    Kept const* const most = t.most();
+    KeptDigits const* const most = t.most();
     if (!most) return where + ": every variant that takes single rows broke down";
     std::string out = fmt::format("{}: {} keeps {} digits along the record, {} of least squares at the end", where,
                                   most->result->entry->variant, digits_text(most->along), digits_text(most->at_end));
-    for (Storage const& s : t.comparison.storage)
+    for (RoundingEffect const& s : t.comparison.rounding)
         if (s.theta_digits && *s.theta_digits < t.wanted)
             out += fmt::format("; rounding the data to it leaves {} of theta", digits_text(*s.theta_digits));
     return out;
 }
 
-std::vector<double> diagonal(Tried const& t) {
+std::vector<double> diagonal(ArithmeticTrial const& t) {
     Matrix<double> const P0 = *t.comparison.scaled_prior->prior().covariance;
     std::vector<double> out;
     for (Index i = 0; i < P0.rows(); ++i) out.push_back(P0(i, i));
     return out;
 }
 
-std::string scaling_text(Tried const& t) {
+std::string scaling_text(ArithmeticTrial const& t) {
     if (t.exponents.empty()) return "none: P0 is scaled to the columns";
     std::vector<std::string> factors;
     for (int const e : t.exponents) factors.push_back(fmt::format("2^{}", e));
@@ -59,9 +59,9 @@ std::string scaling_text(Tried const& t) {
         fmt::join(factors, ", "), t.output_exponent, -t.output_exponent);
 }
 
-std::string guard_text(Advice const& a) {
+std::string guard_text(DigitsAnswer const& a) {
     if (!a.guard) return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant, a.chosen()->arithmetic);
-    GuardCounts const& n = a.guard->counts;
+    CompositionCounts const& n = a.guard->counts;
     std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
                                         n.windups, n.breakdowns, n.unusable);
     if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
@@ -70,44 +70,38 @@ std::string guard_text(Advice const& a) {
         "filter if that is what you want",
         met);
 }
-bool guarded(Advice const& a) { return a.guard && a.guard->same_bits; }
-
-std::string paste(Advice const& a) {
-    Tried const& t = *a.chosen();
-    return code(t.comparison, {.variant = std::string(a.choice()->result->entry->variant),
-                               .arithmetic = t.arithmetic,
-                               .guarded = guarded(a),
-                               .exponents = t.exponents,
-                               .output_exponent = t.output_exponent});
-}
 
 }  // namespace
 
-std::string as_text(Advice const& a, bool colour, size_t columns) {
-    size_t const width = columns > 0 ? std::clamp<size_t>(columns, 40, text_width) : text_width;
+std::string code(DigitsAnswer const& a) {
+    ArithmeticTrial const* const t = a.chosen();
+    return t ? code(t->comparison, {.variant = std::string(a.choice()->result->entry->variant),
+                                    .arithmetic = t->arithmetic,
+                                    .guarded = a.guarded(),
+                                    .exponents = t->exponents,
+                                    .output_exponent = t->output_exponent})
+             : "";
+}
+
+std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
+    size_t const width = line_width(columns, text_width);
     auto const paragraph = [width](std::string const& text) { return wrapped(text, 0, 4, width) + "\n"; };
     auto const line = [width](std::string const& head, std::string const& text) {
         return "  " + head + std::string(12 - head.size(), ' ') + wrapped(text, 14, 14, width) + "\n";
     };
-    Comparison const& last = a.tried.back().comparison;
-    std::string out =
-        paragraph(fmt::format("{}: {} rows{}, {} parameter{}, lambda {:g}; wanted: {:g} digits of every parameter", last.model.file,
-                              last.rows, last.skipped > 0 ? fmt::format(" ({} with missing values left out)", last.skipped) : "", last.size,
-                              last.size == 1 ? "" : "s", a.options.forgetting, a.options.digits));
-    out += paragraph(
-        "digits: those in which a filter agrees with the least-squares solution for these data; how well the data determine that is "
-        "another question");
-    for (std::string const& warning : warnings(last)) out += paragraph(warning);
-    if (auto const none = zeros(a.tried.back()); !none.empty())
+    std::string out = paragraph(fmt::format(
+        "wanted: {:g} digits of every parameter, those in which a filter agrees with the least-squares solution for these data; "
+        "how well the data determine that is another question",
+        a.wanted));
+    if (auto const none = zeros(a.trials.back()); !none.empty())
         out += paragraph(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")));
-    out += "\n";
-    for (Tried const& t : a.tried)
+    for (ArithmeticTrial const& t : a.trials)
         if (!t.first_enough()) out += paragraph(failing(t));
-    Tried const* const t = a.chosen();
+    ArithmeticTrial const* const t = a.chosen();
     if (!t)
         return out + bold("nothing tried keeps them", colour) +
                "; what may: a longer arithmetic (--arithmetic), less dependent regressors\n";
-    Kept const& k = *a.choice();
+    KeptDigits const& k = *a.choice();
     out += fmt::format("{}\n", bold(fmt::format("use {} in {}", k.result->entry->variant, t->arithmetic), colour));
     out += line("keeps", fmt::format("{} digits of the worst parameter after the last row{}, against least squares for the data as given",
                                      digits_text(k.at_end), k.result->runs > 1 ? fmt::format(" in each of {} runs", k.result->runs) : ""));
@@ -120,19 +114,19 @@ std::string as_text(Advice const& a, bool colour, size_t columns) {
     out += line("scaling", scaling_text(*t));
     out += line("guard", guard_text(a));
     std::vector<std::string> others;
-    for (Kept const& other : t->sound)
+    for (KeptDigits const& other : t->sound)
         if (&other != &k && other.both() >= t->wanted)
             others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()), *other.result->operations));
     out += line("also", others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
-    std::string const text = paste(a);
+    std::string const text = code(a);
     return out + (text.empty()  ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
                   : columns > 0 ? "\n" + folded(text, width)
                                 : "\n" + text);
 }
 
-std::string as_json(Advice const& a) {
+std::string answer_json(DigitsAnswer const& a) {
     auto const tenth = [](double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr); };
-    Comparison const& last = a.tried.back().comparison;
+    Comparison const& last = a.trials.back().comparison;
     Json means = Json::object();
     for (auto const& [column, mean] : last.model.means) means[column] = mean;
     Json out{{"file", last.model.file},
@@ -142,15 +136,15 @@ std::string as_json(Advice const& a) {
              {"regressors", last.model.regressors},
              {"output", last.model.output},
              {"means", means},
-             {"digits", a.options.digits},
-             {"forgetting", a.options.forgetting},
+             {"digits", a.wanted},
+             {"forgetting", last.options.forgetting},
              {"warnings", warnings(last)},
-             {"zero_parameters", zeros(a.tried.back())},
+             {"zero_parameters", zeros(a.trials.back())},
              {"tried", Json::array()}};
-    for (Tried const& t : a.tried) {
+    for (ArithmeticTrial const& t : a.trials) {
         Json one{{"arithmetic", t.arithmetic},           {"in_range", t.in_range},   {"p0", diagonal(t)}, {"exponents", t.exponents},
                  {"output_exponent", t.output_exponent}, {"variants", Json::array()}};
-        for (Kept const& k : t.sound)
+        for (KeptDigits const& k : t.sound)
             one["variants"].push_back({{"variant", k.result->entry->variant},
                                        {"digits_along", tenth(k.along)},
                                        {"digits_at_end", tenth(k.at_end)},
@@ -159,15 +153,15 @@ std::string as_json(Advice const& a) {
         out["tried"].push_back(std::move(one));
     }
     out["advice"] = nullptr;
-    if (Kept const* const k = a.choice()) {
-        out["advice"] = {{"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", guarded(a)}};
+    if (KeptDigits const* const k = a.choice()) {
+        out["advice"] = {{"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
         if (a.guard)
             out["advice"]["guard_met"] = {{"outliers", a.guard->counts.outliers},
                                           {"changes", a.guard->counts.changes},
                                           {"windups", a.guard->counts.windups},
                                           {"breakdowns", a.guard->counts.breakdowns},
                                           {"unusable", a.guard->counts.unusable}};
-        out["advice"]["code"] = paste(a);
+        out["advice"]["code"] = code(a);
     }
     return out.dump(1) + "\n";
 }

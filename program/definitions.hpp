@@ -9,7 +9,7 @@
 namespace rlslab::program {
 
 /// An option, or with an empty `name` an argument without one.
-struct Described {
+struct CommandOption {
     std::string name;     ///< "--variants"
     std::string shorter;  ///< "-h", or empty
     std::string value;    ///< "A,B", "auto|always|never", "FILE"; empty for a flag
@@ -22,7 +22,7 @@ struct Described {
 /// A flag.
 bool takes_nothing(CLI::Option const& option);
 /// Arguments without a name first, then the options in the order of their definition. Hidden ones are left out.
-std::vector<Described> described(CLI::App const& command);
+std::vector<CommandOption> options_of(CLI::App const& command);
 /// Those that are not hidden, in the order of their definition.
 std::vector<CLI::App const*> shown_commands(CLI::App const& app);
 /// "rlslab compare FILE --output COLUMN [OPTION...]"

@@ -15,7 +15,7 @@ struct RowOrder {
 };
 
 /// Data, lambda and P0 rounded to an arithmetic, as its variants are given them, with the exact solutions of that problem.
-struct StoredProblem {
+struct RoundedProblem {
     Problem<double> problem;
     Records records;
     bool in_range;  ///< lambda and P0 as stored are positive and finite
@@ -30,8 +30,8 @@ std::vector<Index> checkpoints_of(Index rows);
 std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::uint64_t seed);
 
 /// `round`: how the arithmetic stores a number. `digits`: to which the exact solutions are certified. `solved` is called after each order.
-StoredProblem stored_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
-                             std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved = {});
+RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
+                               std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved = {});
 
 /// These rows of the record, in this order; all of them where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);

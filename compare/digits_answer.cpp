@@ -1,14 +1,15 @@
-// Tries one arithmetic after another by `compare`, with a prior that leaves the wanted digits.
-#include "advise/advise.hpp"
-#include <rlslab/catalogue/catalogue.hpp>
+// One arithmetic after another is compared, with a prior that leaves the digits that are wanted.
+#include "compare/digits_answer.hpp"
 #include "compare/recommend.hpp"
+#include "compare/score.hpp"
 
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/reference/certified.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace rlslab::compare {
 using namespace report;
@@ -17,17 +18,23 @@ namespace {
 constexpr double margin = 0.3;                             // digits that the prior leaves beyond those wanted
 constexpr double digits_a_doubling = 0.60205999132796239;  // 2 log10 2: the prior's weight falls with c^2
 
-std::vector<Arithmetic const*> asked(AdviseOptions const& options) {
-    std::vector<std::string_view> names;
+/// Those that the options name, in that order, or all; each once, and with one of the variants.
+std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
+    std::vector<std::string_view> names, wanted;
     for (Arithmetic const& a : arithmetics()) names.push_back(a.name);
-    std::vector<Arithmetic const*> out;
-    if (options.arithmetics.empty()) throw InputError("--arithmetic: expected at least one");
     for (std::string const& name : options.arithmetics) {
         expect_one_of(names, name, "--arithmetic", "arithmetic");
-        Arithmetic const* const a = &*std::ranges::find(arithmetics(), name, &Arithmetic::name);
-        if (std::ranges::find(out, a) != out.end()) throw InputError(fmt::format("--arithmetic: {} is named twice", name));
-        out.push_back(a);
+        if (std::ranges::find(wanted, name) == wanted.end()) wanted.push_back(name);
     }
+    std::vector<Arithmetic const*> out;
+    for (std::string_view const name : wanted.empty() ? names : wanted)
+        if (std::ranges::any_of(catalogue(), [&](CatalogueEntry const& e) {
+                return e.arithmetic->name == name &&
+                       (options.variants.empty() || std::ranges::find(options.variants, e.variant) != options.variants.end());
+            }))
+            out.push_back(&*std::ranges::find(arithmetics(), name, &Arithmetic::name));
+    if (wanted.empty()) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
+    if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
@@ -35,8 +42,8 @@ std::vector<Arithmetic const*> asked(AdviseOptions const& options) {
 
 int exponent(double largest) { return largest > 0 ? std::ilogb(largest) : 0; }
 
-/// exponents and output_exponent; none where no number asks for them.
-void choose_scaling(Records const& records, Arithmetic const& arithmetic, Tried& t) {
+/// exponents and output_exponent; none where every number is well within the range.
+void choose_scaling(Records const& records, Arithmetic const& arithmetic, ArithmeticTrial& t) {
     int const quarter = arithmetic.max_exp / 4;
     auto const fits = [&](double largest) { return largest == 0 || std::abs(exponent(largest)) <= quarter; };
     Vector<double> const columns = records.psi.cwiseAbs().rowwise().maxCoeff();
@@ -48,7 +55,7 @@ void choose_scaling(Records const& records, Arithmetic const& arithmetic, Tried&
     t.output_exponent = -exponent(output);
 }
 
-Records scaled(Records records, Tried const& t) {
+Records scaled(Records records, ArithmeticTrial const& t) {
     if (t.exponents.empty()) return records;
     for (Index i = 0; i < records.parameters(); ++i)
         for (double& x : records.psi.row(i)) x = std::ldexp(x, t.exponents[size_t(i)]);
@@ -58,13 +65,13 @@ Records scaled(Records records, Tried const& t) {
 
 // --- (4) ------------------------------------------------------------------------------------------------------------------------
 
-Comparison compared(Records const& records, AdviseOptions const& options, Arithmetic const& arithmetic, int doublings) {
-    return compare(records, {.forgetting = options.forgetting,
-                             .prior_times = std::ldexp(1.0, doublings),
-                             .arithmetics = {std::string(arithmetic.name)},
-                             .seed = options.seed,
-                             .threads = options.threads,
-                             .timings = false});
+Comparison compared(Records const& records, CompareOptions options, Arithmetic const& arithmetic, int doublings) {
+    options.prior_times = std::ldexp(1.0, doublings);
+    options.arithmetics = {std::string(arithmetic.name)};
+    options.p0.reset();
+    options.composition = {};
+    options.timings = false;
+    return compare(records, options);
 }
 
 /// Doublings of c after which P0 is still in range: P0_ii = (c / s_i)^2 below 2^(e - 8).
@@ -73,7 +80,7 @@ int most_doublings(DefaultPrior const& prior, Arithmetic const& arithmetic) {
     return std::max(0, (std::min(arithmetic.max_exp, 1000) - 8 - largest) / 2);
 }
 
-Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<bool> const& is_zero, AdviseOptions const& options,
+Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<bool> const& is_zero, CompareOptions const& options,
                                            Arithmetic const& arithmetic) {
     Comparison out = compared(records, options, arithmetic, 0);
     int const most = most_doublings(*out.scaled_prior, arithmetic);
@@ -81,7 +88,7 @@ Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<b
         double left = 99;  // by the prior, of what has digits
         for (size_t i = 0; i < out.agreement.size(); ++i)
             if (!is_zero[i]) left = std::min(left, out.agreement[i]);
-        double const missing = std::min(options.digits, arithmetic.decimal_digits()) + margin - left;
+        double const missing = std::min(wanted_digits(options), arithmetic.decimal_digits()) + margin - left;
         if (missing <= 0) break;
         // by the law of the norm; a component may ask for more
         doublings = std::min(doublings + int(std::ceil(missing / digits_a_doubling)), most);
@@ -107,23 +114,21 @@ std::vector<bool> zeros_of(Vector<Reference> const& exact, Records const& record
 }
 
 /// Digits of the worst parameter that is not zero.
-double digits_of(Vector<Reference> const& theta, Vector<Reference> const& exact, std::vector<bool> const& is_zero) {
+double worst_digits(Vector<Reference> const& theta, Vector<Reference> const& exact, std::vector<bool> const& is_zero) {
     double out = INFINITY;
     for (Index i = 0; i < theta.size(); ++i) {
         if (!is_finite(theta[i])) return -INFINITY;
-        if (is_zero[size_t(i)]) continue;
-        Reference const error = absolute(Reference(theta[i] - exact[i])), size = absolute(exact[i]);
-        if (error != 0) out = std::min(out, static_cast<double>(Reference(-log10(Reference(error / size)))));
+        if (!is_zero[size_t(i)]) out = std::min(out, digits_of(Reference(theta[i] - exact[i]), exact[i]));
     }
     return out;
 }
 
-static_assert(std::is_nothrow_move_constructible_v<Tried> && !std::is_copy_constructible_v<Tried>);  // Kept points into it
+static_assert(std::is_nothrow_move_constructible_v<ArithmeticTrial> && !std::is_copy_constructible_v<ArithmeticTrial>);  // see there
 
-Tried tried(Records const& records, AdviseOptions const& options, Arithmetic const& arithmetic) {
-    Tried out;
+ArithmeticTrial tried(Records const& records, CompareOptions const& options, Arithmetic const& arithmetic) {
+    ArithmeticTrial out;
     out.arithmetic = arithmetic.name;
-    out.wanted = options.digits;
+    out.wanted = wanted_digits(options);
     choose_scaling(records, arithmetic, out);
     Records const taken = scaled(records, out);
     Vector<Reference> const exact =
@@ -132,39 +137,56 @@ Tried tried(Records const& records, AdviseOptions const& options, Arithmetic con
             .theta();
     out.is_zero = zeros_of(exact, taken);
     out.comparison = with_a_prior_that_leaves_digits(taken, out.is_zero, options, arithmetic);
-    for (Storage const& s : out.comparison.storage) out.in_range = s.in_range;
+    for (RoundingEffect const& s : out.comparison.rounding) out.in_range = s.in_range;
     std::vector<Result const*> sound;
     for (Result const& r : out.comparison.results)
         if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
-    std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
-    for (Result const* r : sound) {
+    for (Result const* r : ranked(sound, out.wanted)) {
         double at_end = arithmetic.decimal_digits();
-        for (Vector<Reference> const& theta : r->ends) at_end = std::min(at_end, digits_of(theta, exact, out.is_zero));
+        for (Vector<Reference> const& theta : r->ends) at_end = std::min(at_end, worst_digits(theta, exact, out.is_zero));
         out.sound.push_back({r, r->worst_low, at_end});
     }
     return out;
 }
 
+/// nullopt for an arithmetic other than float and double, and for a variant that cannot be guarded.
+std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records) {
+    if (std::ranges::find(composed_arithmetics(), entry.arithmetic->name) == composed_arithmetics().end()) return {};
+    auto const alone = entry.make(problem, Seed{1});
+    auto const guarded = composed({.guard = "reset"}, entry.variant, entry.arithmetic->name, problem);
+    if (!guarded) return {};
+    bool same_bits = true;
+    for (Index k = 0; k < records.rows(); ++k) {
+        alone->update(records.sample(k), records.y[k]);
+        guarded->update(records.sample(k), records.y[k]);
+        same_bits = same_bits && alone->theta() == guarded->theta();
+    }
+    return GuardTrial{guarded->counts(), same_bits};
+}
+
 }  // namespace
 
-Kept const* Tried::first_enough() const {
-    auto const found = std::ranges::find_if(sound, [&](Kept const& k) { return k.both() >= wanted; });
+KeptDigits const* ArithmeticTrial::first_enough() const {
+    auto const found = std::ranges::find_if(sound, [&](KeptDigits const& k) { return k.both() >= wanted; });
     return found == sound.end() ? nullptr : &*found;
 }
-Kept const* Tried::most() const { return sound.empty() ? nullptr : &*std::ranges::max_element(sound, {}, &Kept::both); }
+KeptDigits const* ArithmeticTrial::most() const {
+    return sound.empty() ? nullptr : &*std::ranges::max_element(sound, {}, &KeptDigits::both);
+}
 
-Advice advise(Records const& records, AdviseOptions const& options, Progress const& progress) {
-    Advice out{.options = options, .tried = {}, .guard = {}};
-    std::vector<Arithmetic const*> const arithmetics = asked(options);
+DigitsAnswer digits_answer(Records const& records, CompareOptions const& options, ModelText const& model, Progress const& progress) {
+    DigitsAnswer out{.wanted = wanted_digits(options), .trials = {}, .guard = {}};
+    std::vector<Arithmetic const*> const arithmetics = arithmetics_of(options);
     for (Arithmetic const* const a : arithmetics) {
-        out.tried.push_back(tried(records, options, *a));
-        if (progress) progress(double(out.tried.size()) / double(arithmetics.size()));
+        out.trials.push_back(tried(records, options, *a));
+        out.trials.back().comparison.model = model;
+        if (progress) progress(double(out.trials.size()) / double(arithmetics.size()));
         if (out.chosen()) break;
     }
-    if (Tried const* const t = out.chosen()) {
+    if (ArithmeticTrial const* const t = out.chosen()) {
         Problem<double> const problem{
             .size = records.parameters(), .forgetting = options.forgetting, .prior = t->comparison.scaled_prior->prior()};
-        out.guard = guard_trial(out.choice()->result->entry->variant, t->arithmetic, problem, scaled(records, *t));
+        out.guard = guard_trial(*out.choice()->result->entry, problem, scaled(records, *t));
     }
     return out;
 }
