@@ -155,7 +155,7 @@ Figure costs(Comparison const& c) {
                   .log_x = true,
                   .panels = {},
                   .own_y = true};
-    figure.names = true, figure.legend = false;
+    figure.names = true;
     std::vector<std::string> uncounted;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
         Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};

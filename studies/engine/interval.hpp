@@ -21,7 +21,7 @@ constexpr double claim_risk = 0.001;
 constexpr size_t fewest_seeds = 11;
 
 // Each interval is valid for the distributions named with it. In 10^5 simulated claims on these it misses its number with at most 1.5
-// times the probability `risk` (a test holds that). If all values are equal, only the median's interval is a point.
+// times the probability `risk` (tests/studies/coverage.cpp). If all values are equal, only the median's interval is a point.
 
 /// [x_(k), x_(n + 1 - k)] with the greatest k for which P(median outside) <= risk: 2 P(Bin(n, 1/2) < k) <= risk. For every distribution.
 /// Unbounded if even k = 1 has more risk (n < 11 at 0.001), and for a NaN.

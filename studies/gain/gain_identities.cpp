@@ -217,7 +217,7 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
         "gain: an error of it reaches P in first order, unless it enters after the last column, and never touches definiteness. An "
         "error of s or of f is one of K alone in Joseph's form by products, and stays of second order; in joseph_rank_two it is of "
         "first order (formulas (4) and (5) of its page, evaluated here: the page lets K be changed only after them). The root forms "
-        "obey their laws to 1e-60 (tests/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
+        "obey their laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
         "gain_error_size, gain_error_definiteness.",
     .data = "random rational P, rows and errors, d = 2, 3, 4",
     .factors =
