@@ -1,4 +1,4 @@
-// What the report says. Its page, figures and formulas are report/'s.
+// The text of the report. report/ makes its page, figures and formulas.
 #include "studies/engine/report.hpp"
 
 #include "report/page.hpp"

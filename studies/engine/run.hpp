@@ -23,7 +23,7 @@ struct Outcome {
     Table table;
     std::vector<Judgement> judgements;    ///< one for each claim
     std::vector<std::string> provenance;  ///< "key: value", the lines above the CSV's header
-    size_t trials, resumed;               ///< all trials, and those of them that an interrupted run had finished
+    size_t trials, resumed;               ///< all trials, and the trials that an interrupted run had finished
     bool holds() const;                   ///< every claim
 };
 

@@ -35,7 +35,7 @@ inline Records shuffled(Records records, Seed seed) {
     return records;
 }
 
-/// Each entry is met within 0.7 in file order. Beside those that are not: what other orders of the rows give.
+/// Judges that each entry is met within 0.7 in file order. Adds the range over other orders of the rows for the entries that are not met.
 inline Judgement table_is_met(Table const& t) {
     int met = 0, entries = 0;
     std::string missed;

@@ -51,7 +51,7 @@ TEST_F(Program, RefusesStudiesThatAreNotThere) {
 }
 TEST_F(Program, RefusesAFolderThatAnotherRunIsWriting) {
     fs::create_directory(folder / "busy");
-    rlslab::FolderLock const other(folder / "busy");
+    rlslab::studies::FolderLock const other(folder / "busy");
     refused("study gain_error --out busy", "busy: another run is writing there");
     EXPECT_FALSE(fs::exists(folder / "busy" / "gain_error.csv"));
 }

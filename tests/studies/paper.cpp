@@ -4,9 +4,8 @@
 
 #include <regex>
 
+namespace rlslab::studies {
 namespace {
-
-using rlslab::Claim, rlslab::Study;
 
 struct Quoted {
     std::string study, number, words;
@@ -19,7 +18,7 @@ std::vector<Quoted> quoted(std::string const& text) {
 }
 /// "" or what is wrong with the quotation.
 std::string wrong_with(Quoted const& q) {
-    for (Study const* study : rlslab::studies())
+    for (Study const* study : studies())
         if (study->name == q.study) {
             size_t const n = std::stoul(q.number);
             if (n < 1 || n > study->claims.size()) return q.study + " has no claim " + q.number;
@@ -39,16 +38,16 @@ TEST(Paper, QuotesClaimsThatExist) {
 }
 
 TEST(Latex, EscapesWhatItWouldRead) {
-    EXPECT_EQ(rlslab::latex("a_b 5 % & {x} ^2 #1 $ ~ \\"),
+    EXPECT_EQ(latex("a_b 5 % & {x} ^2 #1 $ ~ \\"),
               "a\\_\\allowbreak{}b 5 \\% \\& \\{x\\} \\textasciicircum{}2 \\#1 \\$ \\textasciitilde{} \\textbackslash{}");
-    EXPECT_EQ(rlslab::latex("λ ≤ 1 ± u²"), "$\\lambda$ $\\le$ 1 $\\pm$ u$^2$");
-    EXPECT_EQ(rlslab::latex(""), "");
+    EXPECT_EQ(latex("λ ≤ 1 ± u²"), "$\\lambda$ $\\le$ 1 $\\pm$ u$^2$");
+    EXPECT_EQ(latex(""), "");
 }
 
 TEST(Latex, KnowsEverySignOfTheClaims) {
-    for (Study const* study : rlslab::studies())
+    for (Study const* study : studies())
         for (Claim const& claim : study->claims)
-            for (char const c : rlslab::latex(claim.text + study->question)) {
+            for (char const c : latex(claim.text + study->question)) {
                 EXPECT_GE(static_cast<unsigned char>(c), ' ') << study->name << ": " << claim.text;
                 EXPECT_LT(static_cast<unsigned char>(c), 0xc4) << "beyond Latin letters: " << study->name << ": " << claim.text;
             }
@@ -65,3 +64,4 @@ TEST_F(Program, AStudyLeavesTablesAndNumbersForPapers) {
 }
 
 }  // namespace
+}  // namespace rlslab::studies

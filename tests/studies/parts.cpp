@@ -12,9 +12,9 @@
 #include <mutex>
 #include <set>
 
+namespace rlslab::studies {
 namespace {
 
-using rlslab::FolderLock, rlslab::Judgement, rlslab::Part, rlslab::RunOptions, rlslab::Share, rlslab::Study, rlslab::Table;
 using testing::HasSubstr;
 
 /// Trials that a run has measured, of all studies made here.
@@ -29,23 +29,23 @@ Study study_of(std::string name, int trials, Measured& measured) {
             .formula = "",
             .interpretation = "",
             .factors =
-                [trials](rlslab::Budget) {
-                    return std::vector<rlslab::Factor>{{"n", rlslab::counted(trials)}};
+                [trials](Budget) {
+                    return std::vector<Factor>{{"n", counted(trials)}};
                 },
             .measures = {"draw"},
             .measure =
-                [name, &measured](rlslab::Trial const& trial, rlslab::TrialOutput& out) {
-                    rlslab::Seed seed = trial.seed({"n"});
+                [name, &measured](Trial const& trial, TrialOutput& out) {
+                    Seed seed = trial.seed({"n"});
                     out({seed.uniform()});
                     std::lock_guard const lock(measured.mutex);
-                    measured.trials.insert(name + rlslab::as_text(trial.value("n")));
+                    measured.trials.insert(name + as_text(trial.value("n")));
                 },
             .plots = {},
             .claims = {{"one row a trial",
                         [trials](Table const& t) {
                             return Judgement{t.rows().size() == size_t(trials), ""};
                         },
-                        rlslab::verification("n")}}};
+                        verification("n")}}};
 }
 
 struct Parts : Program {
@@ -58,14 +58,14 @@ struct Parts : Program {
 };
 
 TEST_F(Parts, TakeEachTrialOnceAndGiveTheBytesOfOneRun) {
-    rlslab::run_studies(both, into("whole"), {});
+    run_studies(both, into("whole"), {});
     auto const all = measured.trials;
     ASSERT_EQ(all.size(), 42u);
     for (int const of : {2, 3, 5, 41, 60}) {
         measured.trials.clear();
         std::string const out = "of" + std::to_string(of);
         for (int number = of; number >= 1; --number) {
-            Share const share = rlslab::run_part(both, into(out), {number, of}, {});
+            Share const share = run_part(both, into(out), {number, of}, {});
             EXPECT_EQ(share.all, 42u);
             EXPECT_EQ(share.resumed, 0u);
             EXPECT_GE(share.own, size_t(42 / of)) << of;
@@ -73,7 +73,7 @@ TEST_F(Parts, TakeEachTrialOnceAndGiveTheBytesOfOneRun) {
             EXPECT_FALSE(fs::exists(folder / out / "first.csv"));
         }
         EXPECT_EQ(measured.trials, all) << of;
-        auto const outcomes = rlslab::run_studies(both, into(out), {});
+        auto const outcomes = run_studies(both, into(out), {});
         EXPECT_EQ(outcomes[0].resumed + outcomes[1].resumed, 42u) << of;
         EXPECT_EQ(measured.trials, all) << of;
         EXPECT_EQ(tables(out), tables("whole")) << of;
@@ -81,18 +81,18 @@ TEST_F(Parts, TakeEachTrialOnceAndGiveTheBytesOfOneRun) {
 }
 
 TEST_F(Parts, GoOnInAnyNumberOfParts) {
-    rlslab::run_studies(both, into("whole"), {});
-    rlslab::run_part(both, into("out"), {2, 3}, {});
+    run_studies(both, into("whole"), {});
+    run_part(both, into("out"), {2, 3}, {});
     {  // a line that was being written when the part was killed
         std::ofstream file(folder / "out" / ".trials" / "first.2-of-3", std::ios::app);
         file << "0123456789abcdef 1|1,0.";
     }
     measured.trials.clear();
     size_t resumed = 0;
-    for (int number : {1, 2, 3, 4}) resumed += rlslab::run_part(both, into("out"), {number, 4}, {}).resumed;
+    for (int number : {1, 2, 3, 4}) resumed += run_part(both, into("out"), {number, 4}, {}).resumed;
     EXPECT_EQ(resumed, 14u);
     EXPECT_EQ(measured.trials.size(), 42u - 14u);
-    rlslab::run_studies(both, into("out"), {});
+    run_studies(both, into("out"), {});
     EXPECT_EQ(tables("out"), tables("whole"));
     for (auto const& file : fs::directory_iterator(folder / "out" / ".trials"))
         EXPECT_EQ(file.path().filename().string().find("-of-"), std::string::npos) << file.path();
@@ -101,30 +101,30 @@ TEST_F(Parts, GoOnInAnyNumberOfParts) {
 TEST_F(Parts, TrialsOfAnotherSeedAreNotTaken) {
     RunOptions other = into("out");
     other.seed = 2;
-    rlslab::run_part(both, other, {1, 2}, {});
-    EXPECT_EQ(rlslab::run_part(both, into("out"), {1, 2}, {}).resumed, 0u);
+    run_part(both, other, {1, 2}, {});
+    EXPECT_EQ(run_part(both, into("out"), {1, 2}, {}).resumed, 0u);
 }
 
 TEST_F(Parts, OneRunOfAPartAtATimeAndNoneBesideTheWhole) {
     FolderLock const part(folder, {1, 2});
     EXPECT_NO_THROW(FolderLock(folder, {2, 2}));
-    EXPECT_THROW(FolderLock(folder, {1, 2}), rlslab::InputError);
-    EXPECT_THROW(FolderLock(folder, {}), rlslab::InputError);
+    EXPECT_THROW(FolderLock(folder, {1, 2}), InputError);
+    EXPECT_THROW(FolderLock(folder, {}), InputError);
 }
 
 TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
     auto const run = [&](std::string const& words) { return shell("rlslab study gain_identities " + words); };
     ASSERT_EQ(run("--out whole").code, 0);
-    Outcome const half = run("--part 1/2 --out a");
+    ::Outcome const half = run("--part 1/2 --out a");
     ASSERT_EQ(half.code, 0) << half.err;
     EXPECT_THAT(half.err, HasSubstr("rlslab: part 1 of 2: "));
     EXPECT_EQ(half.out, "");
-    Outcome const early = shell("rlslab merge a --out merged");
+    ::Outcome const early = shell("rlslab merge a --out merged");
     EXPECT_EQ(early.code, 2);
     EXPECT_THAT(early.err, HasSubstr("trials are missing, the first of gain_identities"));
     EXPECT_FALSE(fs::exists(folder / "merged")) << "nothing is written before all are there";
     ASSERT_EQ(run("--part 2/2 --out b").code, 0);
-    Outcome const merged = shell("rlslab merge a b --out merged");
+    ::Outcome const merged = shell("rlslab merge a b --out merged");
     EXPECT_EQ(merged.code, 0) << merged.err;
     for (char const* file : {"gain_identities.csv", "verdicts.json", "verdicts.csv", "report.html"})
         EXPECT_EQ(read(folder / "merged" / file), read(folder / "whole" / file)) << file;
@@ -165,9 +165,9 @@ TEST_F(Parts, AreNotMergedIntoAFolderThatAnotherRunIsWriting) {
     run_part(both, into("a"), {2, 2}, {});
     fs::create_directory(folder / "busy");
     FolderLock const other(folder / "busy");
-    EXPECT_THROW(rlslab::merge_parts(both, into("busy"), {folder / "a"}), rlslab::InputError);
+    EXPECT_THROW(merge_parts(both, into("busy"), {folder / "a"}), InputError);
     EXPECT_FALSE(fs::exists(folder / "busy" / ".trials"));
-    EXPECT_NO_THROW(rlslab::merge_parts(both, into("free"), {folder / "a"}));
+    EXPECT_NO_THROW(merge_parts(both, into("free"), {folder / "a"}));
 }
 
 /// Trials of another program look like those of another seed: what no run of this program can use is refused, and stays.
@@ -195,7 +195,7 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     std::string const whole = read(folder / "whole" / "gain_identities.csv");
     for (int const number : {1, 2, 3, 4}) {
         std::string const out = "ranks" + std::to_string(number);
-        Outcome const run = ranks(number, "study gain_identities --out " + out);
+        ::Outcome const run = ranks(number, "study gain_identities --out " + out);
         EXPECT_EQ(run.code, 0) << run.err;
         EXPECT_EQ(read(folder / out / "gain_identities.csv"), whole) << number;
     }
@@ -207,14 +207,14 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     ASSERT_EQ(shell("rlslab study gain_error --out other").code, 0);
     EXPECT_EQ(read(folder / "killed" / "gain_error.csv"), read(folder / "other" / "gain_error.csv"));
     for (std::string const option : {"--part 1/2", "--fresh"}) {
-        Outcome const refused = ranks(2, "study gain_identities " + option);
+        ::Outcome const refused = ranks(2, "study gain_identities " + option);
         EXPECT_EQ(refused.err.find("does not go with ranks"), refused.err.rfind("does not go with ranks")) << refused.err;
         EXPECT_NE(refused.code, 0);
     }
     std::string const help = ranks(2, "study --help").out;
     EXPECT_EQ(help.find("Usage: "), help.rfind("Usage: ")) << help;
     EXPECT_NE(help.find("Usage: "), help.npos);
-    Outcome const wrong = ranks(2, "study gain_identities --budget slow");
+    ::Outcome const wrong = ranks(2, "study gain_identities --budget slow");
     EXPECT_NE(wrong.code, 0);
     EXPECT_EQ(wrong.err.find("--budget: expected"), wrong.err.rfind("--budget: expected")) << wrong.err;
 }
@@ -223,3 +223,4 @@ TEST(Mpi, Ranks) { GTEST_SKIP() << "MPI was not found (Debian: libopenmpi-dev, o
 #endif
 
 }  // namespace
+}  // namespace rlslab::studies
