@@ -217,7 +217,7 @@ Comparison described(Records const& records, CompareOptions const& options, Solv
                    .results = {},
                    .recommendations = {}};
     out.model.regressors = out.names;
-    bool const estimated = options.composition.control == "fortescue" && std::isnan(options.composition.parameters[0]);
+    bool const estimated = needs_noise_variance(options.composition);
     out.options.composition = completed(options.composition, given.problem, estimated ? noise_variance(records, given.without) : 0);
     return out;
 }
