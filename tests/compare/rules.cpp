@@ -25,7 +25,7 @@ struct Made {
 
     Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",
                 long operations = 100) {
-        entries.push_back({name, &arithmetic, false, 1, propagates, false, nullptr, nullptr});
+        entries.push_back({name, &arithmetic, false, 1, propagates, false, Family{}, nullptr, nullptr});
         Result r{.entry = &entries.back()};
         r.spread = {theta, worst, P};
         r.runs = 4;
