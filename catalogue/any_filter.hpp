@@ -2,6 +2,8 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/family.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/core/records.hpp>
 #include <rlslab/core/stored.hpp>
@@ -20,7 +22,7 @@ public:
     /// One row, with relative errors in the vector that plays the gain in the update of P. One column: K_i (1 + relative_i)
     /// in place of K_i, wherever it is used, in a sweep's running gain too. A column for each number of the gain: column j are
     /// errors that enter a sweep's running gain after its column j, and stay; a gain computed at once takes the last. Throws
-    /// std::invalid_argument unless Entry::gain_perturbable, and for errors of another shape.
+    /// std::invalid_argument unless CatalogueEntry::gain_perturbable, and for errors of another shape.
     virtual Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) = 0;
     /// Rows first ... last-1 of the records, in blocks if the variant TakesBlocks, otherwise one by one. Returns the step of the last row;
     /// after blocks its numbers are NaN and its health is that of the last block.
@@ -62,7 +64,7 @@ inline Records as_stored(Records records, double (*round)(double)) {
 inline Records as_stored(Records records, Arithmetic const& arithmetic) { return as_stored(std::move(records), arithmetic.round); }
 
 /// One pair of variant and arithmetic.
-struct Entry {
+struct CatalogueEntry {
     std::string_view variant;
     Arithmetic const* arithmetic;
     bool starts_without_prior;

@@ -7,14 +7,10 @@
 
 namespace rlslab {
 
-std::string breakdown(AnyFilter const& filter, Arithmetic const& arithmetic) {
+Health breakdown(AnyFilter const& filter, Arithmetic const& arithmetic, Health last) {
     double const widening = arithmetic.digits > 53 ? 0x1p-53 : 0;
-    if (surely_positive(filter.stored_in_double(), widening)) return "";
-    switch (definiteness(filter.stored())) {
-        case Definiteness::positive: return "";
-        case Definiteness::not_positive: return "indefinite";
-        default: return "nonfinite";
-    }
+    Health const stored = surely_positive(filter.stored_in_double(), widening) ? Health::sound : definiteness(filter.stored());
+    return stored == Health::sound && last == Health::nonfinite && !is_finite(filter.theta()) ? last : stored;
 }
 
 bool is_finite(Vector<Reference> const& x) {

@@ -12,7 +12,7 @@ namespace {
 
 struct Lists {
     std::vector<Arithmetic> arithmetics;
-    std::vector<Entry> entries;
+    std::vector<CatalogueEntry> entries;
 };
 
 template <int... I>
@@ -21,7 +21,7 @@ Lists const& gathered(std::integer_sequence<int, I...>) {
     std::vector<Instances> all{instances<I>()...};
     for (Instances const& one : all) lists.arithmetics.push_back(one.arithmetic);
     for (size_t a = 0; a < all.size(); ++a)
-        for (Entry entry : all[a].entries) {
+        for (CatalogueEntry entry : all[a].entries) {
             entry.arithmetic = &lists.arithmetics[a];
             lists.entries.push_back(entry);
         }
@@ -36,24 +36,26 @@ Lists const& lists() {
 }  // namespace
 
 std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
-std::vector<Entry> const& catalogue() { return lists().entries; }
+std::vector<CatalogueEntry> const& catalogue() { return lists().entries; }
 
-Entry const* find_entry(std::vector<Entry> const& entries, std::string_view variant, std::string_view arithmetic) {
-    auto const found =
-        std::ranges::find_if(entries, [&](Entry const& entry) { return entry.variant == variant && entry.arithmetic->name == arithmetic; });
+CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant, std::string_view arithmetic) {
+    auto const found = std::ranges::find_if(
+        entries, [&](CatalogueEntry const& entry) { return entry.variant == variant && entry.arithmetic->name == arithmetic; });
     return found == entries.end() ? nullptr : &*found;
 }
-Entry const* find_entry(std::string_view variant, std::string_view arithmetic) { return find_entry(catalogue(), variant, arithmetic); }
+CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic) {
+    return find_entry(catalogue(), variant, arithmetic);
+}
 
-std::vector<Entry const*> one_entry_each() {
-    std::vector<Entry const*> out;
-    for (Entry const& entry : catalogue())
-        if (std::ranges::find(out, entry.variant, &Entry::variant) == out.end()) out.push_back(&entry);
+std::vector<CatalogueEntry const*> one_entry_each() {
+    std::vector<CatalogueEntry const*> out;
+    for (CatalogueEntry const& entry : catalogue())
+        if (std::ranges::find(out, entry.variant, &CatalogueEntry::variant) == out.end()) out.push_back(&entry);
     return out;
 }
 
 std::optional<Family> family_of_variant(std::string_view name) {
-    for (Entry const* const entry : one_entry_each())
+    for (CatalogueEntry const* const entry : one_entry_each())
         if (entry->variant == name) return entry->family;
     return name == OrderRecursive<double>::name ? std::optional(OrderRecursive<double>::family) : std::nullopt;
 }

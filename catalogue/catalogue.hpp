@@ -18,15 +18,15 @@ struct Cost {
 };
 
 /// Every pair of variant and arithmetic: arithmetics from the shortest to the longest, variants in the order of the list.
-std::vector<Entry> const& catalogue();
+std::vector<CatalogueEntry> const& catalogue();
 /// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the length set by the `PrecisionScope`
 /// of the calling thread. It has no entry in the catalogue because its length is chosen at run time.
-std::vector<Entry> const& variable_precision_catalogue();
+std::vector<CatalogueEntry> const& variable_precision_catalogue();
 /// The entry of a variant in an arithmetic, of these or of the catalogue's; nullptr where there is none.
-Entry const* find_entry(std::vector<Entry> const& entries, std::string_view variant, std::string_view arithmetic);
-Entry const* find_entry(std::string_view variant, std::string_view arithmetic = "double");
+CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant, std::string_view arithmetic);
+CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic = "double");
 /// An entry of each variant of the catalogue, in the order of the list.
-std::vector<Entry const*> one_entry_each();
+std::vector<CatalogueEntry const*> one_entry_each();
 /// Of a variant of the catalogue, or of OrderRecursive; nullopt for another name.
 std::optional<Family> family_of_variant(std::string_view name);
 /// The arithmetics of the catalogue, in its order.

@@ -167,7 +167,7 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
 
 /// F's entry in the catalogue.
 template <RecursiveLeastSquares F>
-Entry entry_of(Arithmetic const* arithmetic) {
+CatalogueEntry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
     return {F::name,

@@ -7,7 +7,7 @@ namespace rlslab {
 
 struct Instances {
     Arithmetic arithmetic;
-    std::vector<Entry> entries;  ///< Entry::arithmetic is null; the catalogue sets it
+    std::vector<CatalogueEntry> entries;  ///< CatalogueEntry::arithmetic is null; the catalogue sets it
 };
 
 /// The instances of the I-th arithmetic of the list. catalogue/instances.cpp, compiled for that I, defines it.

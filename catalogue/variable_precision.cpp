@@ -13,13 +13,13 @@ Instances any_length() {
     static Arithmetic arithmetic;  // entries point to it
     Instances out = instances<bits_index>();
     arithmetic = out.arithmetic;
-    for (Entry& entry : out.entries) entry.arithmetic = &arithmetic;
+    for (CatalogueEntry& entry : out.entries) entry.arithmetic = &arithmetic;
     return out;
 }
 
 }  // namespace
 
-std::vector<Entry> const& variable_precision_catalogue() {
+std::vector<CatalogueEntry> const& variable_precision_catalogue() {
     static Instances const all = any_length();
     return all.entries;
 }

@@ -101,9 +101,9 @@ std::string constants_text(Records const& records) {
 }
 
 /// The entries that the options select, in the catalogue's order.
-std::vector<Entry const*> chosen(CompareOptions const& options) {
+std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     std::vector<std::string_view> variants, scalars;
-    for (Entry const* const entry : one_entry_each()) variants.push_back(entry->variant);
+    for (CatalogueEntry const* const entry : one_entry_each()) variants.push_back(entry->variant);
     for (Arithmetic const& arithmetic : arithmetics()) scalars.push_back(arithmetic.name);
     for (std::string const& name : options.variants) expect_one_of(variants, name, "--variants", "variant");
     for (std::string const& name : options.arithmetics) expect_one_of(scalars, name, "--arithmetic", "arithmetic");
@@ -111,23 +111,23 @@ std::vector<Entry const*> chosen(CompareOptions const& options) {
         if (std::ranges::find(composed_arithmetics(), name) == composed_arithmetics().end())
             throw InputError(fmt::format("--arithmetic: --control, --window and --guard exist in {}, not in {}",
                                          fmt::join(composed_arithmetics(), " and "), name));
-    auto const selected = [](std::vector<std::string> const& asked, std::string_view name) {
-        return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
+    auto const selected = [](std::vector<std::string> const& names, std::string_view name) {
+        return names.empty() || std::ranges::find(names, name) != names.end();
     };
-    std::vector<Entry const*> out;
-    for (Entry const& entry : catalogue())
+    std::vector<CatalogueEntry const*> out;
+    for (CatalogueEntry const& entry : catalogue())
         if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
     if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
 /// The entries, unless none of them can be composed so.
-std::vector<Entry const*> composable(std::vector<Entry const*> const& entries, Composition const& composition) {
+std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*> const& entries, Composition const& composition) {
     if (composition.empty()) return entries;
     if (std::string const why = contradiction(composition); !why.empty())
         throw InputError("--control, --window, --guard: do not go together: " + why);
     std::vector<std::string> reasons;
-    for (Entry const* const entry : entries) {
+    for (CatalogueEntry const* const entry : entries) {
         std::string const why = obstacle(composition, entry->variant);
         if (why.empty()) return entries;
         if (std::string const text = fmt::format("{} {}", entry->variant, why); std::ranges::find(reasons, text) == reasons.end())
@@ -157,9 +157,9 @@ Composition as_stored(Composition composition, double (*round)(double)) {
 /// The ways in which the chosen arithmetics round the data: those that hold binary64 share one.
 std::string_view rounding_of(Arithmetic const& a) { return a.digits >= 53 ? std::string_view("double") : a.name; }
 
-std::vector<Arithmetic const*> arithmetics_of(std::vector<Entry const*> const& entries) {
+std::vector<Arithmetic const*> arithmetics_of(std::vector<CatalogueEntry const*> const& entries) {
     std::vector<Arithmetic const*> out;
-    for (Entry const* const entry : entries)
+    for (CatalogueEntry const* const entry : entries)
         if (out.empty() || out.back() != entry->arithmetic) out.push_back(entry->arithmetic);
     return out;
 }
@@ -247,7 +247,7 @@ Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& reco
     return out;
 }
 
-std::vector<Result> score_all(std::vector<Entry const*> const& entries, Prepared& prepared, CompareOptions const& options,
+std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared, CompareOptions const& options,
                               StagedProgress const& progress) {
     std::vector<Result> out(entries.size());
     std::vector<size_t> order(entries.size());
@@ -271,7 +271,7 @@ void time_all(std::vector<Result>& results, Prepared const& prepared, Records co
     for (Result& r : results) {
         if (!r.obstacle.empty()) continue;
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
-        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, ""}).step > 0)
+        if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
             r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records, Seed{options.seed});
     }
 }
@@ -285,7 +285,7 @@ std::vector<Recommendation> recommend_all(std::vector<Arithmetic const*> const& 
 }  // namespace
 
 Comparison compare(Records const& records, CompareOptions const& options, StagedProgress const& progress) {
-    std::vector<Entry const*> const entries = composable(chosen(options), options.composition);
+    std::vector<CatalogueEntry const*> const entries = composable(chosen(options), options.composition);
     std::vector<Arithmetic const*> const used = arithmetics_of(entries);
     std::set<std::string_view> roundings;
     for (Arithmetic const* const a : used) roundings.insert(rounding_of(*a));

@@ -51,13 +51,13 @@ struct Spread {
 
 /// The first step at which P (as stored: decided exactly) was not positive definite, or something was not finite.
 struct Breakdown {
-    Index step;        ///< from 1; 0: the prior itself, as this arithmetic stores it
-    std::string kind;  ///< "indefinite" or "nonfinite"
+    Index step;   ///< from 1; 0: the prior itself, as this arithmetic stores it
+    Health kind;  ///< indefinite or nonfinite
 };
 
 /// One row of the table.
 struct Result {
-    Entry const* entry;
+    CatalogueEntry const* entry;
     Digits last = {};                               ///< at the last row, in the record's order
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
     int runs = 0, broken = 0;                       ///< orders of rows (or draws) tried, and in how many the variant broke down

@@ -1,4 +1,4 @@
-// A composed filter processes the rows; its reference is solved for where the first filter asks for it.
+// A composed filter processes the rows; its reference is computed when the first filter needs it.
 #include "compare/composed_score.hpp"
 #include <rlslab/catalogue/composed.hpp>
 #include "compare/score.hpp"
@@ -112,10 +112,10 @@ bool intervened(Composition const& c, CompositionCounts const& h) {
     return h.unusable > 0 || (c.policy().intervenes() && h.outliers + h.changes + h.windups + h.breakdowns > 0);
 }
 
-Result score_composed(Entry const& entry, RoundedProblem const& rounded, CompositionReference& reference) {
+Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference) {
     Composition const& composition = reference.composition();
     if (std::string const why = obstacle(composition, entry.variant); !why.empty()) return {.entry = &entry, .obstacle = why};
-    if (!rounded.in_range || rounded.orders.front().exact.empty()) return {.entry = &entry, .breakdown = Breakdown{0, "indefinite"}};
+    if (!rounded.in_range || rounded.orders.front().exact.empty()) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
     Arithmetic const& arithmetic = *entry.arithmetic;
     std::unique_ptr<ComposedFilter> filter;
     try {

@@ -16,7 +16,7 @@ struct Recursion {
     std::vector<double> agreement;
 };
 
-/// What a composition's numbers are compared with, for one rounded problem. Solved when first asked for; any thread may ask.
+/// What a composition's numbers are compared with, for one rounded problem. Computed when first needed; several threads may use it.
 ///
 ///   (1) minimiser: theta and P of the least-squares problem that the rows in the window pose, or all rows so far where there is none, with
 ///       weights lambda^i and the prior; proven
@@ -47,7 +47,7 @@ public:
 bool intervened(Composition const& composition, CompositionCounts const& happened);
 
 /// The result of an entry with a composition around it, in the record's own order. Where the variant cannot be composed so,
-/// Result::obstacle says why.
-Result score_composed(Entry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
+/// Result::obstacle gives the reason.
+Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference);
 
 }  // namespace rlslab::compare

@@ -12,7 +12,7 @@ std::string against_text(Comparison const& comparison);
 /// What happened to one of the filters: "factored anew 3 times, 2 outliers"; "".
 std::string counts_text(Comparison const& comparison, Result const& result);
 
-/// What may not be as it was meant.
+/// What is odd about the composition on this record, a sentence each.
 std::vector<std::string> composition_warnings(Comparison const& comparison);
 
 /// The headers of <rlslab/adapt/...> that the composition needs, a line each.

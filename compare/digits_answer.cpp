@@ -28,7 +28,7 @@ std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
     }
     std::vector<Arithmetic const*> out;
     for (std::string_view const name : wanted.empty() ? names : wanted)
-        if (std::ranges::any_of(catalogue(), [&](Entry const& e) {
+        if (std::ranges::any_of(catalogue(), [&](CatalogueEntry const& e) {
                 return e.arithmetic->name == name &&
                        (options.variants.empty() || std::ranges::find(options.variants, e.variant) != options.variants.end());
             }))
@@ -150,7 +150,7 @@ ArithmeticTrial tried(Records const& records, CompareOptions const& options, Ari
 }
 
 /// nullopt for an arithmetic other than float and double, and for a variant that cannot be guarded.
-std::optional<GuardTrial> guard_trial(Entry const& entry, Problem<double> const& problem, Records const& records) {
+std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records) {
     if (std::ranges::find(composed_arithmetics(), entry.arithmetic->name) == composed_arithmetics().end()) return {};
     auto const alone = entry.make(problem, Seed{1});
     auto const guarded = composed({.guard = "reset"}, entry.variant, entry.arithmetic->name, problem);
@@ -161,7 +161,7 @@ std::optional<GuardTrial> guard_trial(Entry const& entry, Problem<double> const&
         guarded->update(records.sample(k), records.y[k]);
         same_bits = same_bits && alone->theta() == guarded->theta();
     }
-    return GuardTrial{guarded->happened(), same_bits};
+    return GuardTrial{guarded->counts(), same_bits};
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ struct ArithmeticTrial {
 
 /// A guarded filter, with the policy that resets, once through the record.
 struct GuardTrial {
-    Happened happened;
+    CompositionCounts counts;
     bool same_bits;  ///< after every row theta equals that of the filter alone, number for number
 };
 

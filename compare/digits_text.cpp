@@ -61,7 +61,7 @@ std::string scaling_text(ArithmeticTrial const& t) {
 
 std::string guard_text(DigitsAnswer const& a) {
     if (!a.guard) return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant, a.chosen()->arithmetic);
-    Happened const& n = a.guard->happened;
+    CompositionCounts const& n = a.guard->counts;
     std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
                                         n.windups, n.breakdowns, n.unusable);
     if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
@@ -156,11 +156,11 @@ std::string answer_json(DigitsAnswer const& a) {
     if (KeptDigits const* const k = a.choice()) {
         out["advice"] = {{"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
         if (a.guard)
-            out["advice"]["guard_met"] = {{"outliers", a.guard->happened.outliers},
-                                          {"changes", a.guard->happened.changes},
-                                          {"windups", a.guard->happened.windups},
-                                          {"breakdowns", a.guard->happened.breakdowns},
-                                          {"unusable", a.guard->happened.unusable}};
+            out["advice"]["guard_met"] = {{"outliers", a.guard->counts.outliers},
+                                          {"changes", a.guard->counts.changes},
+                                          {"windups", a.guard->counts.windups},
+                                          {"breakdowns", a.guard->counts.breakdowns},
+                                          {"unusable", a.guard->counts.unusable}};
         out["advice"]["code"] = code(a);
     }
     return out.dump(1) + "\n";

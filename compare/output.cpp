@@ -275,7 +275,7 @@ std::string as_json(Comparison const& c) {
              {"path", path},
              {"runs", r.runs},
              {"broken", r.broken},
-             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", r.breakdown->kind}} : Json(nullptr)},
+             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
@@ -314,7 +314,7 @@ std::string as_csv(Comparison const& c) {
     for (Result const& r : c.results) {
         out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
                            cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
-                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? r.breakdown->kind : "",
+                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? name_of(r.breakdown->kind) : "",
                            r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
                            r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
         for (auto const m : PerMeasure<Spread>::all())

@@ -52,7 +52,7 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
     double const y = curve.y[std::min(after, curve.y.size() - 1)];
     return {double(breakdown.step), std::isnan(y) ? least_digits : y,
             fmt::format(
-                "{}: {} at row {}{}", curve.name, breakdown.kind, breakdown.step,
+                "{}: {} at row {}{}", curve.name, name_of(breakdown.kind), breakdown.step,
                 breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
             curve.name};
 }
@@ -155,7 +155,7 @@ Figure costs(Comparison const& c) {
                   .log_x = true,
                   .panels = {},
                   .own_y = true};
-    figure.names = true, figure.legend = false;
+    figure.names = true;
     std::vector<std::string> uncounted;
     for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
         Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};
@@ -232,9 +232,9 @@ std::string as_page(Comparison const& c) {
     if (!plain)
         body += fmt::format("<p>Around each variant: {}. Digits are counted {}.</p>\n", escaped(composition_text(c.options.composition)),
                             escaped(against_text(c)));
-    std::string told;
-    for (std::string const& warning : warnings(c)) told += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
-    if (!told.empty()) body += "<ul class=\"claims\">" + told + "</ul>\n";
+    std::string list;
+    for (std::string const& warning : warnings(c)) list += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+    if (!list.empty()) body += "<ul class=\"claims\">" + list + "</ul>\n";
     if (c.digits) body += pre(answer_text(*c.digits, false));
     else body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty() && !c.digits) body += pre(paste);

@@ -66,7 +66,7 @@ Spread spread_of(std::vector<std::optional<double>> const& digits) {
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
         std::function<Digits(size_t)> const& digits_at) {
     Run out{};
-    if (std::string const kind = breakdown(filter, arithmetic); !kind.empty()) out.breakdown = Breakdown{0, kind};
+    if (Health const kind = breakdown(filter, arithmetic); kind != Health::sound) out.breakdown = Breakdown{0, kind};
     Index const rows = rounded.records.rows();
     std::vector<Index> const checkpoints = checkpoints_of(rows);
     Index first = 0;
@@ -76,21 +76,19 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
             Health const health = take_rows(filter, rounded.records, order, first, last, block);
             first = last;
             if (out.breakdown) continue;
-            std::string kind = breakdown(filter, arithmetic);  // the stored numbers decide, not the step's health
-            if (kind.empty() && health == Health::nonfinite && !is_finite(filter.theta())) kind = "nonfinite";
-            if (!kind.empty()) out.breakdown = Breakdown{last, kind};
+            if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound) out.breakdown = Breakdown{last, kind};
         }
         if (digits_at) out.digits.push_back(digits_at(c));
     }
     Stored<Reference> const last = filter.stored();
     out.theta = filter.theta();
-    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{rows, "nonfinite"};
+    if (!out.breakdown && !is_finite(out.theta)) out.breakdown = Breakdown{rows, Health::nonfinite};
     out.asymmetry = asymmetry_of(last);
     out.factor = last.form == Stored<Reference>::Form::factor;
     return out;
 }
 
-Result result_of(Entry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs) {
     Run const& first = runs.front();
     Result out{.entry = &entry,
                .runs = int(runs.size()),
@@ -115,9 +113,9 @@ Result result_of(Entry const& entry, RoundedProblem const& rounded, std::vector<
     return out;
 }
 
-Result score(Entry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed) {
     // Not in range: a zero where something positive should stand, or an infinity.
-    if (!rounded.in_range) return {.entry = &entry, .breakdown = Breakdown{0, "indefinite"}};
+    if (!rounded.in_range) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
     Arithmetic const& arithmetic = *entry.arithmetic;
     double const most = arithmetic.decimal_digits();
     std::vector<Run> runs;

@@ -30,10 +30,10 @@ struct Run {
 Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
         std::function<Digits(size_t)> const& digits_at);
 /// The result of these runs, the first of which is in the record's order: digits count from row 2 d on.
-Result result_of(Entry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs);
+Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs);
 
 /// The result of one entry on the rounded problem. It runs once for each order of rows; with stochastic rounding at least four times, each
 /// run with its own draws.
-Result score(Entry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
+Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
 
 }  // namespace rlslab::compare

@@ -31,7 +31,7 @@ std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("
 
 std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";
-    if (r.breakdown) return fmt::format("{} at {}", r.breakdown->kind, r.breakdown->step);
+    if (r.breakdown) return fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step);
     return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
 

@@ -38,7 +38,7 @@ bool is_recommended(Comparison const& comparison, Result const& result);
 /// The prior, and what it does to theta.
 std::string prior_text(Comparison const& comparison);
 
-/// Warnings: why the answer may not be the one that was wanted, and the remedy; a sentence each.
+/// Warnings: what is wrong with the question, and the remedy; a sentence each.
 std::vector<std::string> warnings(Comparison const& comparison);
 
 }  // namespace rlslab::compare

@@ -16,10 +16,10 @@
 namespace rlslab::identify {
 using namespace report;
 
-Entry const& entry_of(std::string const& variant) {
-    if (Entry const* const entry = find_entry(variant)) return *entry;
+CatalogueEntry const& entry_of(std::string const& variant) {
+    if (CatalogueEntry const* const entry = find_entry(variant)) return *entry;
     std::vector<std::string_view> known;
-    for (Entry const* const e : one_entry_each()) known.push_back(e->variant);  // each is in double
+    for (CatalogueEntry const* const e : one_entry_each()) known.push_back(e->variant);  // each is in double
     expect_one_of(known, variant, "--variant", "variant");
     throw std::logic_error("a variant without double");
 }
@@ -88,7 +88,7 @@ struct Run {
 };
 
 /// Runs the variant over the rows; its stored P is tested after every step.
-Run run(Entry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
+Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
     auto const filter = entry.make(problem, Seed{1});
     Run out;
     Index k = 0;
@@ -99,13 +99,12 @@ Run run(Entry const& entry, Problem<double> const& problem, Records const& recor
                 entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
             k = last;
             if (out.failure) continue;
-            std::string kind = breakdown(*filter, *entry.arithmetic);
-            if (kind.empty() && step.health == Health::nonfinite && !is_finite(filter->theta())) kind = "nonfinite";
-            if (!kind.empty()) out.failure = Failure{k, kind};
+            if (Health const kind = breakdown(*filter, *entry.arithmetic, step.health); kind != Health::sound)
+                out.failure = Failure{k, kind};
         }
         out.theta.push_back(filter->theta());
     }
-    if (!out.failure && !is_finite(out.theta.back())) out.failure = Failure{k, "nonfinite"};
+    if (!out.failure && !is_finite(out.theta.back())) out.failure = Failure{k, Health::nonfinite};
     return out;
 }
 
@@ -172,8 +171,8 @@ std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estima
     if (estimate.failure)
         out.push_back({Rank::breakdown,
                        fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
-                                   estimate.failure->kind == "indefinite" ? "the P it stores is not positive definite"
-                                                                          : "its numbers are no longer finite",
+                                   estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
+                                                                                : "its numbers are no longer finite",
                                    dependent        ? ""
                                    : better.empty() ? ": " + instead
                                                     : fmt::format(": --variant {} does not break down on this record", better)),

@@ -6,7 +6,7 @@
 namespace rlslab::identify {
 
 /// The variant's entry in double. Throws InputError.
-Entry const& entry_of(std::string const& variant);
+CatalogueEntry const& entry_of(std::string const& variant);
 
 /// Statistics of an estimate that the variant does not report.
 struct Uncertainty {

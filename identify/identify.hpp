@@ -57,7 +57,7 @@ struct TrajectoryPoint {
 /// The first row after which the variant's stored P was not positive definite, or a number was not finite.
 struct Failure {
     Index row;
-    std::string kind;  ///< indefinite, nonfinite
+    Health kind;  ///< indefinite or nonfinite
 };
 
 /// A pole and a zero (of every input) that the record cannot distinguish.

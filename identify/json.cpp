@@ -35,7 +35,7 @@ Json tracked_json(Tracked const& t) {
             {"quantile", number(t.quantile)},
             {"fit_one_step", number(t.fit)},
             {"covered", number(t.covered)},
-            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", t.kind}} : Json(nullptr)},
+            {"breakdown", t.broken > 0 ? Json{{"row", t.broken}, {"kind", name_of(t.kind)}} : Json(nullptr)},
             {"rows", rows}};
 }
 
@@ -105,7 +105,7 @@ std::string as_json(Identified const& m) {
                           : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
         {"orders", orders},
         {"parameters", parameters},
-        {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", m.failure->kind}} : Json(nullptr)},
+        {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", name_of(m.failure->kind)}} : Json(nullptr)},
         {"poles", model ? complexes(m.poles) : Json(nullptr)},
         {"cancelling", cancelling},
         {"inputs", inputs},

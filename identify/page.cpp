@@ -122,7 +122,6 @@ void draw_trajectory(std::vector<Figure>& out, Identified const& m) {
                       false,        false,
                       false,        {}};
     trajectory.own_y = true;
-    trajectory.names = true;
     for (size_t j = 0; j < m.parameters.size(); ++j) {
         Parameter const& p = m.parameters[j];
         int const input = j < m.terms.size() ? m.terms[j].input : -2;  // parameters of one signal have like sizes: a panel for each

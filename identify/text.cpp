@@ -44,7 +44,7 @@ std::string arithmetic_line(Identified const& m) {
     std::string const kappa = std::isfinite(m.condition) ? fmt::format("kappa = {:.3g}", m.condition) : "kappa > 1e308";
     if (m.failure)
         return fmt::format("arithmetic: {} broke down after row {} ({}); {}", m.options.variant, m.failure->row,
-                           m.failure->kind == "indefinite" ? "P not positive definite" : "not finite", kappa);
+                           m.failure->kind == Health::indefinite ? "P not positive definite" : "not finite", kappa);
     return fmt::format("arithmetic: {} agrees with the certified minimiser in {} of 15.9 digits ({} in its worst component); {}",
                        m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
                        number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);

@@ -27,7 +27,7 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
     composition = completed(composition, problem, noise);
-    Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0, .kind = ""};
+    Tracked out{.text = composition_text(composition), .rows = {}, .fit = std::nan(""), .covered = 0, .quantile = 0};
     out.warnings = warnings_of(composition, records.rows(), records.parameters());
     composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone
     out.quantile = normal_quantile(0.5 + confidence / 2);
@@ -51,8 +51,8 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
         }
         if (out.broken == 0) {
             out.kind = breakdown(*filter, arithmetic);
-            if (out.kind.empty() && !row.theta.allFinite()) out.kind = "nonfinite";
-            if (!out.kind.empty()) out.broken = row.row;
+            if (out.kind == Health::sound && !row.theta.allFinite()) out.kind = Health::nonfinite;
+            if (out.kind != Health::sound) out.broken = row.row;
         }
         out.rows.push_back(std::move(row));
     }
@@ -71,8 +71,8 @@ std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string
         t.text, number_text(t.fit, 4), last.happened.outliers > 0 ? " without the outliers" : "", number_text(100 * t.covered, 3),
         100 * confidence, number_text(last.noise_variance, 4), happened.empty() ? "" : "; " + happened)};
     if (t.broken > 0)
-        out.push_back(
-            fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on", t.text, t.kind, t.broken));
+        out.push_back(fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on", t.text,
+                                  name_of(t.kind), t.broken));
     for (std::string const& warning : t.warnings) out.push_back("warning: " + warning);
     std::vector<std::string> parts;
     for (Index j = 0; j < last.theta.size(); ++j)

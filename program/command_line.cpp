@@ -1,6 +1,6 @@
 // The program's command line: its commands, and the messages for lines that are no valid command.
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 
@@ -18,7 +18,7 @@ struct CommandLine {
                                         simulate_command(app), excitation_command(app), state_command(app),     list_command(app),
                                         help_command(app),     man_command(app),        completion_command(app)};
 
-    Manners manners;
+    OutputOptions output_options;
 
     CommandLine() {
         app.set_version_flag("--version", "rlslab " RLSLAB_VERSION, "the version of rlslab");
@@ -37,13 +37,13 @@ struct CommandLine {
     void take_manners(CLI::App& taker) {
         std::string const everywhere = "With every command";
         taker.set_help_flag("-h,--help", "this help")->group(everywhere);
-        taker.add_flag("--quiet", manners.quiet, "no progress on standard error: answers and errors alone")->group(everywhere);
+        taker.add_flag("--quiet", output_options.quiet, "no progress on standard error: answers and errors alone")->group(everywhere);
         taker
             .add_option_function<std::string>(
                 "--color",
                 [this](std::string const& when) {
-                    using enum Manners::Colour;
-                    manners.colour = when == "always" ? always : when == "never" ? never : automatic;
+                    using enum OutputOptions::Colour;
+                    output_options.colour = when == "always" ? always : when == "never" ? never : automatic;
                 },
                 "colours in the answer; default auto: on a terminal, unless NO_COLOR is set")
             ->check([](std::string const& when) {
@@ -88,7 +88,7 @@ struct CommandLine {
         if (!text.ends_with(required)) return text;
         std::string const name = text.substr(0, text.size() - required.size());
         auto const asked = app.get_subcommands().front();  // the program itself requires nothing
-        for (Described const& one : described(*asked))
+        for (CommandOption const& one : options_of(*asked))
             if (one.name == name || one.value == name)
                 return fmt::format("{0}: expected {1} (rlslab {0} --help)", asked->get_name(), one.spelling());
         return text;
@@ -146,7 +146,7 @@ std::function<int()> parse(std::vector<std::string> words) {
     for (Command const& command : line->commands)
         if (command.app->parsed())
             return [line, run = command.run] {
-                behave(line->manners);
+                set_output_options(line->output_options);
                 return run();
             };
     throw InputError(fmt::format("expected a command: {} (rlslab --help tells more)", fmt::join(line->names(), ", ")));

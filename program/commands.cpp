@@ -114,7 +114,7 @@ void print(std::string const& text) {
 
 namespace {
 
-Manners manners;
+OutputOptions output_options;
 
 /// A line that is written over itself, and wiped off in the end.
 class ProgressLine {
@@ -149,14 +149,14 @@ public:
 
 }  // namespace
 
-void behave(Manners const& asked) { manners = asked; }
+void set_output_options(OutputOptions const& options) { output_options = options; }
 
 void tell(std::string const& line) {
-    if (!manners.quiet) std::fputs(line.c_str(), stderr);
+    if (!output_options.quiet) std::fputs(line.c_str(), stderr);
 }
 
 StagedProgress stages_after_a_second() {
-    if (manners.quiet || !isatty(STDERR_FILENO)) return [](std::string_view, double) {};
+    if (output_options.quiet || !isatty(STDERR_FILENO)) return [](std::string_view, double) {};
     return [line = std::make_shared<ProgressLine>()](std::string_view stage, double part) { line->show(stage, part); };
 }
 Progress progress_after_a_second(std::string doing) {
@@ -169,7 +169,7 @@ size_t terminal_columns() {
 }
 
 bool colour() {
-    if (manners.colour != Manners::Colour::automatic) return manners.colour == Manners::Colour::always;
+    if (output_options.colour != OutputOptions::Colour::automatic) return output_options.colour == OutputOptions::Colour::always;
     auto const environment = [](char const* name) { return std::string_view(std::getenv(name) ? std::getenv(name) : ""); };
     return isatty(STDOUT_FILENO) && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }

@@ -50,12 +50,12 @@ size_t terminal_columns();
 bool colour();
 
 /// The options of every command that concern its output.
-struct Manners {
+struct OutputOptions {
     enum class Colour { automatic, always, never } colour = Colour::automatic;
     bool quiet = false;
 };
-/// Of this process, from now on.
-void behave(Manners const& manners);
+/// Sets them for this process.
+void set_output_options(OutputOptions const& options);
 
 /// After this call SIGINT, SIGTERM and SIGHUP leave no half-written file and no line of progress, and print this advice on standard error
 /// ("" for none). The process then ends by the signal, as its parent expects.

@@ -27,7 +27,7 @@ struct CompareArguments {
 };
 
 /// The options that make sense together; throws InputError.
-CompareOptions options_of(CompareArguments const& a) {
+CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
@@ -43,7 +43,7 @@ CompareOptions options_of(CompareArguments const& a) {
 
 /// 0 where some variant is recommended in some arithmetic, or keeps the digits that are wanted, else 1.
 int run_compare(CompareArguments const& a) {
-    CompareOptions const options = options_of(a);
+    CompareOptions const options = checked_options(a);
     Question const question = question_of(a.record);
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     comparison.model = question.model;
@@ -82,13 +82,11 @@ Command compare_command(CLI::App& app) {
         "finite history --window.\n\n" +
         control_notes() +
         "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths of the "
-        "checkpoints, and "
-        "after the last row of the least-squares solution for the data as given, in every order of the rows. For that it weakens the prior, "
-        "and scales columns whose numbers are near the ends of the arithmetic. The C++ has a guard if that changed nothing on this record. "
+        "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of the rows. For that "
+        "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a guard if that changed nothing on this record. "
         "The digits say how well a filter computes, not how well the data determine theta.\n\n"
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the checkpoints; 1 none of those "
-        "shown does; "
-        "2 no answer: wrong input, or it could not be written.");
+        "shown does; 2 no answer: wrong input, or it could not be written.");
     take_record(*comparing, a->record);
     take_forgetting(*comparing, a->options.forgetting);
     comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")

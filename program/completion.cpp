@@ -1,6 +1,6 @@
 // Completions for bash and zsh. What may stand behind an option follows from its name and the name of its value.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include "studies/engine/study.hpp"
 
@@ -25,7 +25,7 @@ std::vector<std::string> split(std::string const& text, char at) {
     return out;
 }
 
-Values values_of(CLI::App const& command, Described const& one) {
+Values values_of(CLI::App const& command, CommandOption const& one) {
     using enum Values::Kind;
     std::vector<std::string> names;
     auto const add = [&](std::string_view name) {
@@ -34,7 +34,7 @@ Values values_of(CLI::App const& command, Described const& one) {
     bool const list = one.value.find(',') != std::string::npos;
     if (one.value.find('|') != std::string::npos) return {words, split(one.value, '|')};
     if (one.name == "--variant" || one.name == "--variants") {
-        for (Entry const* const entry : one_entry_each()) add(entry->variant);
+        for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
         return {words, names, list};
     }
     if (one.name == "--arithmetic" || one.name == "--arithmetics") {
@@ -141,7 +141,7 @@ std::string bash_completion(CLI::App const& app) {
         std::string const name = command == &app ? "" : command->get_name();
         std::vector<std::string> known;
         std::string alone = command == &app ? "_rlslab_words " + join(names, " ") : "";
-        for (Described const& one : described(*command)) {
+        for (CommandOption const& one : options_of(*command)) {
             std::string const action = bash_case(values_of(*command, one));
             if (one.name.empty()) {
                 alone = action;
@@ -185,7 +185,7 @@ std::string zsh_action(Values const& values) {
 /// The words behind _arguments for one command, a line each.
 std::string zsh_arguments(CLI::App const& command, std::string const& indent) {
     std::string out;
-    for (Described const& one : described(command)) {
+    for (CommandOption const& one : options_of(command)) {
         std::string const action = zsh_action(values_of(command, one));
         std::string spec;
         if (one.name.empty()) spec = fmt::format("{}:{}:{}", one.many ? "*" : one.required ? "1" : "1:", plain(one.value), action);

@@ -1,5 +1,5 @@
 // The help: the definitions in lines of at most 79 letters.
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <rlslab/input/text.hpp>
 
@@ -39,9 +39,9 @@ std::string help_text(CLI::App const& command) {
     bool const whole = command.get_parent() == nullptr;
     std::string out =
         wrapped(command.get_description(), 0, 0, help_width) + "\n\n" + wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
-    std::vector<Described> const all = described(command);
+    std::vector<CommandOption> const all = options_of(command);
     std::vector<std::string> groups;
-    for (Described const& one : all) {
+    for (CommandOption const& one : all) {
         if (one.name.empty()) out += entry(one.value, one.text);
         else if (std::ranges::find(groups, one.group) == groups.end()) groups.push_back(one.group);
     }
@@ -54,7 +54,7 @@ std::string help_text(CLI::App const& command) {
     std::ranges::stable_sort(groups, {}, [](std::string const& group) { return group == "With every command"; });
     for (std::string const& group : groups) {
         out += group + ":\n";
-        for (Described const& one : all)
+        for (CommandOption const& one : all)
             if (!one.name.empty() && one.group == group) out += entry(one.spelling(), one.text + (one.required ? " (required)" : ""));
         out += '\n';
     }

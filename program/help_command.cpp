@@ -1,6 +1,6 @@
 // rlslab help, and two commands for the build: the manual page and the completions.
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <rlslab/input/suggestion.hpp>
 

@@ -1,7 +1,7 @@
 // rlslab list: the names of variants, arithmetics and studies.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "program/commands.hpp"
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 #include "studies/engine/study.hpp"
 
 #include <rlslab/core/rounding.hpp>
@@ -20,9 +20,9 @@ using Json = nlohmann::ordered_json;
 
 std::string variants_text(Json& out) {
     std::string text = "variants                  propagates   a prior   rows at once  in\n";
-    for (Entry const* const v : one_entry_each()) {
+    for (CatalogueEntry const* const v : one_entry_each()) {
         std::vector<std::string_view> in;
-        for (Entry const& e : catalogue())
+        for (CatalogueEntry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
         text += fmt::format("  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates, v->starts_without_prior ? "optional" : "needed",
                             v->block, in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));

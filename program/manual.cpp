@@ -1,5 +1,5 @@
 // The manual page: one page for the program and all its commands, in the man macros.
-#include "program/described.hpp"
+#include "program/definitions.hpp"
 
 #include <fmt/format.h>
 #include <sstream>
@@ -26,7 +26,7 @@ std::string roff(std::string_view text) {
 }
 
 /// "\fB\-\-order\fR \fIN\fR"
-std::string bold(Described const& one) {
+std::string bold(CommandOption const& one) {
     std::string const text =
         one.name.empty() ? "" : "\\fB" + (one.shorter.empty() ? "" : roff(one.shorter) + "\\fR, \\fB") + roff(one.name) + "\\fR";
     std::string const value = one.value.empty() ? "" : "\\fI" + roff(one.value) + "\\fR";
@@ -43,7 +43,7 @@ std::string as_written(std::string const& text) {
 
 std::string options(CLI::App const& command, bool everywhere) {
     std::string out;
-    for (Described const& one : described(command))
+    for (CommandOption const& one : options_of(command))
         if ((one.group == "With every command") == everywhere)
             out += listed(bold(one), one.text + (one.required && !one.name.empty() ? " (required)" : ""));
     return out;

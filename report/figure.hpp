@@ -64,10 +64,9 @@ struct Figure {
     std::vector<std::string> x_names = {};  ///< categories: x = 0, 1, ... stand for these
     std::vector<double> x_ticks = {};       ///< where the ticks are, if they should be at sizes that occur
     std::vector<double> y_holds = {};       ///< numbers that the range of y has to hold, such as 0
-    bool names = false;                     ///< each curve's name stands beside its last point, where there is room
+    bool names = false;                     ///< of single points: each stands beside its mark, where there is room
     std::string note = {};                  ///< a sentence under the title
     std::vector<size_t> strong_x = {};      ///< categories that stand out
-    bool legend = true;                     ///< whether a page lists the series above the panels
 };
 
 }  // namespace rlslab::report

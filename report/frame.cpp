@@ -89,7 +89,7 @@ Bottom bottom_of(Figure const& figure, Axis const& axis, double width, std::vect
 
 }  // namespace
 
-Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double names, double width, double height) {
+Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double width, double height) {
     double const columns = double(std::max<size_t>(1, cells.places.size()));
     Range const along = figure.cells || figure.square ? x_range(figure, &panel) : x_range(figure, nullptr);
     Axis x(along, figure.log_x, figure.cells ? 0.5 / columns : figure.x_names.empty() ? 0.03 : 0);
@@ -97,16 +97,16 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     Axis y(figure.cells ? Range{-0.5, double(cells.rows.size()) - 0.5}
                         : y_range(figure, figure.own_y || figure.square ? &panel : nullptr, logarithmic),
            logarithmic,
-           figure.cells           ? 0
-           : names_points(figure) ? 0.1
-                                  : 0.05);
+           figure.cells   ? 0
+           : figure.names ? 0.1
+                          : 0.05);
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
     // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the labels.
     Frame out{
         .axes = {x, y, {}}, .left = {}, .bottom = {}, .x_lines = wrapped(figure.x, label_size, width - 90, 3), .y_lines = {}, .widest = 0};
-    Box& box = out.axes.box = {0, 18, width - std::max(names, 20.0), 0};  // half a label of x stands beyond either side
+    Box& box = out.axes.box = {0, 18, width - 20, 0};  // half a label of x stands beyond either side
     for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
         out.left = figure.cells ? Ticks{} : y.ticks(about);
         for (size_t r = 0; r < cells.rows.size(); ++r)

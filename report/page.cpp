@@ -7,7 +7,10 @@
 #include "report/svg.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <functional>
+#include <numeric>
 
 namespace rlslab::report {
 
@@ -35,14 +38,17 @@ bool drawn(Figure const& figure, std::string const& name) {
     return false;
 }
 
-/// A panel, and under it the series whose names find no place in it.
-std::string panel_html(Figure const& figure, size_t i, double width, double height, bool named) {
-    std::string out = panel_svg(figure, i, width, height, named);
-    if (!named) return out;
-    std::string names;
-    for (Curve const* curve : not_named(figure, i, width, height))
-        names += fmt::format("{}<span>{}{}</span>", names.empty() ? "not labelled: " : ", ", key_svg(*curve), escaped(curve->name));
-    return names.empty() ? out : out + fmt::format("<p class=\"soft unnamed\">{}</p>\n", names);
+/// The numbers of the series as a legend beside a single panel lists them: from the top down as they stand at the end of their lines.
+std::vector<size_t> from_the_top(std::vector<Curve const*> const& legend) {
+    std::vector<size_t> out(legend.size());
+    std::iota(out.begin(), out.end(), 0);
+    if (std::ranges::all_of(legend, &Curve::line))
+        std::ranges::stable_sort(out, std::greater(), [&](size_t i) {
+            auto const& y = legend[i]->y;
+            auto const last = std::ranges::find_if(y.rbegin(), y.rend(), [](double v) { return std::isfinite(v); });
+            return last == y.rend() ? -std::numeric_limits<double>::infinity() : *last;
+        });
+    return out;
 }
 
 /// Stands out in some panel.
@@ -54,23 +60,23 @@ bool strong(Figure const& figure, std::string const& name) {
 }  // namespace
 
 std::string figure_html(Figure const& figure) {
-    std::string out = fmt::format("<figure id=\"{}\"><figcaption>{}</figcaption>\n", escaped(figure.name), escaped(figure.title));
-    if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
     size_t const panels = figure.panels.size();
+    std::vector<Curve const*> const legend = legend_of(figure);
     // Names beside points need room: such panels stand one below the other, as wide as the page.
-    bool const alone = panels == 1 || plot::names_points(figure);
-    bool const three = (figure.cells && panels > 4) || (figure.own_y && !figure.names && panels == 3);
-    bool at_ends = false;  // names at the curves' ends make a legend superfluous where they are shown
-    if (figure.names && panels == 1)
-        for (Curve const& curve : figure.panels[0].curves) at_ends |= curve.x.size() > 1 && curve.line;
+    bool const alone = panels == 1 || figure.names, three = (figure.cells && panels > 4) || (figure.own_y && panels == 3);
+    bool const beside = panels == 1 && !figure.cells && legend.size() > 6;  // the legend
+    std::string out = fmt::format("<figure id=\"{}\"{}><figcaption>{}</figcaption>\n", escaped(figure.name),
+                                  beside ? " class=\"beside\"" : "", escaped(figure.title));
+    if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
     if (figure.cells) {
         Range const shades = plot::shades_of(figure);
         out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low),
                            plot::number_text(shades.high), escaped(figure.y));
-    } else if (auto const legend = legend_of(figure);
-               figure.legend && (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty()))) {
-        out += fmt::format("<p class=\"legend{}{}\">", at_ends ? " ends" : "", panels > 2 ? " stays" : "");
-        for (size_t i = 0; i < legend.size(); ++i)
+    } else if (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
+        out += fmt::format("<p class=\"legend{}\">", panels > 2 ? " stays" : "");
+        std::vector<size_t> order = from_the_top(legend);
+        if (!beside) std::ranges::sort(order);
+        for (size_t const i : order)
             out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "",
                                key_svg(*legend[i]), escaped(legend[i]->name),
                                drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
@@ -81,15 +87,11 @@ std::string figure_html(Figure const& figure) {
         std::string const& name = figure.panels[i].name;
         out += "<div class=\"panel\">";
         if (!name.empty()) out += fmt::format("<h3>{}</h3>", escaped(name));
+        double const tall = figure.square ? 620 : panels > 1 ? 380 : 440;
         if (alone)
             out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-                               panel_html(figure, i, 1040,
-                                          figure.square ? 620
-                                          : panels > 1  ? 380
-                                                        : 440,
-                                          true),
-                               panel_html(figure, i, 400, figure.square ? 400 : 330, !at_ends));
-        else out += three ? panel_html(figure, i, 400, 300, true) : panel_html(figure, i, 520, 350, true);
+                               panel_svg(figure, i, beside ? 900 : 1040, tall), panel_svg(figure, i, 400, figure.square ? 400 : 330));
+        else out += three ? panel_svg(figure, i, 400, 300) : panel_svg(figure, i, 520, 350);
         out += "</div>\n";
     }
     return out + "</div></figure>\n";

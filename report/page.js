@@ -1,5 +1,5 @@
 // A table or a listing says when there is more of it to the right. The legend hides and shows series: a click one of them, a double
-// click all others. Everything is drawn without this.
+// click all others; under the pointer it stands out. Everything is drawn without this.
 'use strict';
 for (const box of document.querySelectorAll('.scroll, pre')) {
   const look = () => box.classList.toggle('more', box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
@@ -26,6 +26,10 @@ for (const figure of document.querySelectorAll('figure')) {
     key.setAttribute('aria-pressed', 'true');
     key.title = 'click: hide or show; double click: this one alone, or all';
     key.onclick = event => { if (event.detail < 2) toggle(s); };
+    for (const [event, on] of [['pointerenter', true], ['pointerleave', false]])
+      key.addEventListener(event, () => {
+        for (const g of figure.querySelectorAll('g.s')) g.classList.toggle('other', on && g.dataset.s !== s);
+      });
     key.onkeydown = event => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); toggle(s); } };
     key.ondblclick = () => {
       const alone = keys.every(k => k.dataset.s === s || hidden.has(k.dataset.s));

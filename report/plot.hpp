@@ -72,44 +72,19 @@ struct Frame {
     std::vector<std::string> x_lines, y_lines;
     double widest;  ///< of the labels on the left
 };
-/// `names`: the width of the margin on the right.
-Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double names, double width, double height);
+Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, double width, double height);
 std::string grid_group(Figure const& figure, Frame const& frame);
 std::string labels_group(Frame const& frame, double height);
 
 /// The place in the legend; its size if the name is not in it.
 size_t series_number(std::vector<Curve const*> const& legend, std::string const& name);
 
-/// Whether names stand beside single points: such a figure needs more space.
-bool names_points(Figure const& figure);
-
-/// Where a panel's curves are named in it: at their ends, in a margin of this width, or beside single points.
-struct Names {
-    double width = 0;
-    bool at_ends = false, beside = false;
-};
-Names names_of(Figure const& figure, Panel const& panel, bool named, double most);
-struct NamesGroup {
-    std::string svg;
-    std::vector<Curve const*> left_out;  ///< found no place
-};
-NamesGroup names_group(Panel const& panel, Names const& names, std::vector<Curve const*> const& legend, Axes const& axes);
-
-/// A single point that has a name: its mark, its error bar, the name's width.
-struct NamedPoint {
-    double x, y;
-    Box bar;
-    double width;
-    bool first = false;  ///< chooses before the others
-};
-constexpr double name_height = 13, leader_from = 13;  ///< a leader leads to a name that is farther from its mark
+constexpr double name_height = 13;
 /// The square of the distance.
 double distance2(Box const& box, double x, double y);
-/// A place for each name, or none:
-///   (1) inside `within`                          (2) touches no mark, bar or other name
-///   (3) is nearer to its mark than to any other  (4) its leader, if it needs one, crosses no other mark, name or leader
-/// As many names as twenty greedy passes find places for: those that found none go first in the next pass.
-std::vector<std::optional<Box>> places_beside(std::vector<NamedPoint> const& points, Box const& within);
+/// Names beside single points, those of strong curves first: at the first of eight places around the mark that is inside the panel, touches
+/// no mark, bar or other name, and is nearer to its own mark than to any other. A name that finds none is in the legend alone.
+std::string names_group(Panel const& panel, std::vector<Curve const*> const& legend, Axes const& axes);
 
 Cells cells_of(Figure const& figure, Panel const& panel);
 std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box, Range shades);

@@ -17,13 +17,11 @@ using namespace plot;
 constexpr char const* ink = "#1a1a1a";
 constexpr char const* font = "font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\"";
 
-/// Everything of a panel in width x height units. `left_out`: curves whose names find no place.
-std::string panel_body(Figure const& figure, Panel const& panel, double width, double height, bool named,
-                       std::vector<Curve const*>& left_out) {
+/// Everything of a panel in width x height units.
+std::string panel_body(Figure const& figure, Panel const& panel, double width, double height) {
     std::vector<Curve const*> const legend = legend_of(figure);
     Cells const cells = figure.cells ? cells_of(figure, panel) : Cells{};
-    Names const names = names_of(figure, panel, named, 0.35 * width);
-    Frame const frame = frame_of(figure, panel, cells, names.width, width, height);
+    Frame const frame = frame_of(figure, panel, cells, width, height);
     Axes const& axes = frame.axes;
     std::string out = grid_group(figure, frame);
     if (figure.cells) out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
@@ -36,9 +34,7 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
             size_t const series = series_number(legend, event.series);
             out += event_group(event, panel, series < legend.size() ? legend[series]->look : Look{"#555555"}, series, axes);
         }
-        NamesGroup named_here = names_group(panel, names, legend, axes);
-        out += named_here.svg;
-        left_out = std::move(named_here.left_out);
+        if (figure.names) out += names_group(panel, legend, axes);
     }
     out += labels_group(frame, height);
     bool any = false;
@@ -107,20 +103,13 @@ std::string key_svg(Curve const& curve) {
     return out + "</svg>";
 }
 
-std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named) {
+std::string panel_svg(Figure const& figure, size_t panel, double width, double height) {
     Panel const& drawn = figure.panels.at(panel);
-    std::vector<Curve const*> left_out;
     return fmt::format(
         "<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} "
         "fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
         fixed(width), fixed(height), font, ink, escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
-        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height, named, left_out));
-}
-
-std::vector<Curve const*> not_named(Figure const& figure, size_t panel, double width, double height) {
-    std::vector<Curve const*> out;
-    if (figure.names) panel_body(figure, figure.panels.at(panel), width, height, true, out);
-    return out;
+        escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height));
 }
 
 std::string svg(Figure const& figure) {
@@ -140,14 +129,9 @@ std::string svg(Figure const& figure) {
         if (!panel.name.empty())
             out += text_at(x + cell / 2, y + 8, shortened(panel.name, 13, cell),
                            "font-size=\"13\" font-weight=\"600\" text-anchor=\"middle\"");
-        std::vector<Curve const*> left_out;
         out += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", fixed(x), fixed(y + 8),
-                           panel_body(figure, panel, cell, panel_height, true, left_out));
-        std::string names;
-        for (Curve const* curve : left_out) names += (names.empty() ? "not labelled: " : ", ") + curve->name;
-        if (!names.empty())
-            out += text_at(x + 4, y + panel_height + 20, shortened(names, tick_size, cell - 8), fmt::format("font-size=\"{}\"", tick_size));
-        if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22 + (figure.names ? 16 : 0);
+                           panel_body(figure, panel, cell, panel_height));
+        if (i % columns == columns - 1 || i + 1 == panels) y += panel_height + 22;
     }
     if (figure.cells) {
         Range const shades = shades_of(figure);

@@ -9,12 +9,8 @@ namespace rlslab::report {
 /// The whole figure as a file of its own: title, panels, legend.
 std::string svg(Figure const& figure);
 
-/// One panel as an <svg> element for a page, `width` x `height` units, as large as its box. With `named` the names of the curves stand at
-/// their ends if Figure::names is set.
-std::string panel_svg(Figure const& figure, size_t panel, double width, double height, bool named);
-
-/// The curves whose names find no place in that drawing: to be listed under it.
-std::vector<Curve const*> not_named(Figure const& figure, size_t panel, double width, double height);
+/// One panel as an <svg> element for a page, `width` x `height` units, as large as its box.
+std::string panel_svg(Figure const& figure, size_t panel, double width, double height);
 
 /// What a legend lists: each name once, curves before guides, in order of appearance. The number of a series in the legend is
 /// the attribute data-s of what is drawn of it.

@@ -1,5 +1,5 @@
 // How many digits of theta and P are left as the regressors' condition number grows, and after which power of it they go.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -14,7 +14,7 @@ constexpr double noise = 1e-10;  // consistent data but for this: Wedin's kappa^
 
 /// The prior's variance is kappa^2: as much information as the weakest direction of the data holds.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const kappa = trial.number("kappa");
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = kappa * kappa}}, *entry.arithmetic);
     Records const records = as_stored(graded(size, rows, kappa, trial.seed({"kappa", "replicate"}), noise), *entry.arithmetic);
@@ -32,7 +32,7 @@ Table in_range(Table const& t, std::string const& arithmetic, int digits, int po
     return t.where("arithmetic", arithmetic).where("kappa", [=](double kappa) { return kappa > first && kappa < last; });
 }
 /// Slopes of these variants in quad and in double.
-Finding slopes(Table const& t, std::vector<std::string> const& variants, std::string const& y, int power, double from, double to) {
+Judgement slopes(Table const& t, std::vector<std::string> const& variants, std::string const& y, int power, double from, double to) {
     auto const in = [&](char const* name, int digits) {
         return labelled(name,
                         within(in_range(t, name, digits, power).where("variant", variants), {"variant"}, slope("kappa", y), from, to));
@@ -120,13 +120,13 @@ Study const accuracy_conditioning{
              [](Table const& t) {
                  Table const at =
                      t.where("arithmetic", "double").where("kappa", [](double kappa) { return std::abs(kappa / 1e6 - 1) < 1e-6; });
-                 Number const digits = [](Table const& rows) {
+                 Statistic const digits = [](Table const& rows) {
                      return correctly::log10(median("covariance_error")(rows.where("variant", "joseph")) /
                                              median("covariance_error")(rows.where("variant", "symmetric")));
                  };
                  return within(at, {}, digits, 2.3, 5);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

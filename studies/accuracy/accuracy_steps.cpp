@@ -1,6 +1,6 @@
 // Nothing is forgotten: how the errors of theta and P grow with the number of rows.
 #include "studies/engine/checkpoints.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ constexpr Index size = 4;
 /// Errors in units of u after 1, 2, 4 ... rows. The noise is as large as the signal, so that steps K e of a float's theta
 /// stay above its resolution to the end: with little noise theta stops, and so does its error.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const u = entry.arithmetic->unit_roundoff();
     Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = 128}}, *entry.arithmetic);
     std::vector<Index> steps;
@@ -29,14 +29,14 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const corrected = words(corrected_forms());
 
 /// After the prior is forgotten, which a large one costs the covariance forms tens of u.
-constexpr double settled = 256;
+constexpr double prior_forgotten = 256;
 
 /// The exponent of the rms over replicates, and over variants where several are in the table.
-Number growth_of(std::string y) {
+Statistic growth_of(std::string y) {
     return [y](Table const& t) {
         Table means({"rows", "rms"});
         for (Cell const& k : t.distinct("rows"))
-            if (std::get<double>(k) >= settled) means.add({k, root_mean_square(y)(t.where("rows", k))});
+            if (std::get<double>(k) >= prior_forgotten) means.add({k, root_mean_square(y)(t.where("rows", k))});
         return slope("rows", "rms")(means);
     };
 }
@@ -93,34 +93,34 @@ Study const accuracy_steps{
              reproduction("set with the earlier experiment, docs/literature.md 3.8")},
             {"its size from 1024 rows on: c = rms / (u sqrt(N/3)) in 0.25 ... 0.75 at every power of two",
              [](Table const& t) {
-                 Number const c([](Table const& at) { return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3); },
-                                Estimate::quadratic);
+                 Statistic const c([](Table const& at) { return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3); },
+                                   Estimate::quadratic);
                  return within(after(t.where("variant", corrected), 1024), {"arithmetic", "rows"}, c, 0.25, 0.75);
              },
-             finding("docs/theory.md 38")},
+             own_result("docs/theory.md 38")},
             {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 N u",
              [](Table const& t) {
-                 Number const share([](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); },
-                                    Estimate::quadratic);
+                 Statistic const share([](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); },
+                                       Estimate::quadratic);
                  std::vector<std::string> others = corrected;
                  for (char const* form : {"qr", "gentleman", "extended_qr", "information"}) others.emplace_back(form);
                  return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0, 0.25);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"the conventional form's P: exponent 1.00 +- 0.05 in double",
              [](Table const& t) {
                  return within(t.where("arithmetic", "double").where("variant", "conventional"), {}, growth_of("covariance_error"), 0.95,
                                1.05);
              },
-             finding("docs/theory.md 28, law ii")},
+             own_result("docs/theory.md 28, law ii")},
             {"inverse_qr's P in float: the drift is linear, exponent 1.0 +- 0.1 (fails: part of the run lies before its onset)",
              [](Table const& t) {
                  return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 0.9, 1.1);
              },
-             finding("docs/theory.md 45, in place of a band set after its run")},
+             own_result("docs/theory.md 45, in place of a band set after its run")},
             {"P in double of the forms without a drift: at most sqrt(N) u from 1024 rows on, but for the constant 2",
              [](Table const& t) {
-                 Number const share(
+                 Statistic const share(
                      [](Table const& at) { return root_mean_square("covariance_error")(at) / std::sqrt(median("rows")(at)); },
                      Estimate::quadratic);
                  Table const rows = after(t.where("arithmetic", "double"), 1024);
@@ -128,7 +128,7 @@ Study const accuracy_steps{
                                                       "qr", "gentleman", "information"}),
                                {"variant", "rows"}, share, 0, 2);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

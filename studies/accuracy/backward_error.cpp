@@ -1,6 +1,7 @@
 // Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition and prior.
+// Longer than 150 lines: 20 claims.
 #include "studies/engine/backward_errors.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
 
@@ -59,8 +60,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     GivenProblem const given(problem, records);
     CertifiedSolution const certain = certified(problem, records, {rows}, 60).front();
     auto const differs = [](auto const& a, auto const& b) { return frobenius(a - b) / frobenius(b); };
-    double const apart = std::max(differs(given.covariance(), certain.covariance()),
-                                  differs(Matrix<Reference>(given.theta()), Matrix<Reference>(certain.theta())));
+    double const difference = std::max(differs(given.covariance(), certain.covariance()),
+                                       differs(Matrix<Reference>(given.theta()), Matrix<Reference>(certain.theta())));
     for (Cell const& variant : without(row_forms(), {"conventional"})) {
         auto const filter = trial.entry(std::get<std::string>(variant)).make(problem, Seed{1});
         process_rows(*filter, records, 0, rows);
@@ -70,7 +71,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         double const P = given.covariance_error(stored), x = given.theta_error(theta);
         out({std::get<std::string>(variant), of_P / u, of_theta / u, P / u, x / u, given.covariance_condition(), given.theta_condition(),
              P / (given.covariance_condition() * of_P), x / (given.theta_condition() * of_theta), of_P / u / given.row_condition(),
-             given.row_condition(), given.condition(), std::isfinite(of_P) ? "yes" : "no", apart});
+             given.row_condition(), given.condition(), std::isfinite(of_P) ? "yes" : "no", difference});
     }
 }
 
@@ -95,16 +96,16 @@ Table with_P0_of_kappa(Table const& t) {
 }
 std::vector<std::string> const by_data{"variant", "data"};
 
-Finding slopes(Table const& t, std::string const& x, std::string const& y, double from, double to) {
+Judgement slopes(Table const& t, std::string const& x, std::string const& y, double from, double to) {
     return within(t, by_data, slope(x, y), from, to);
 }
-Finding of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data, std::string const& y, double from,
-                double to) {
-    Number const middle = median(y);
+Judgement of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data, std::string const& y, double from,
+                  double to) {
+    Statistic const middle = median(y);
     return labelled(data, within(some(t, variants).where("data", data), {"variant"}, middle, from, to));
 }
 /// A backward error over 10 sqrt(N/60).
-Number over_bound(std::string const& y) {
+Statistic over_bound(std::string const& y) {
     return {[y](Table const& t) {
                 std::vector<double> const e = t.numbers(y), rows = t.numbers("rows");
                 double greatest = 0;
@@ -114,11 +115,11 @@ Number over_bound(std::string const& y) {
             Estimate::most};
 }
 /// Of every form against one.
-Finding against(Table const& t, std::vector<std::string> const& variants, std::string const& other, std::string const& y, double from,
-                double to) {
-    std::vector<Finding> out;
+Judgement against(Table const& t, std::vector<std::string> const& variants, std::string const& other, std::string const& y, double from,
+                  double to) {
+    std::vector<Judgement> out;
     for (std::string const& variant : variants) {
-        Number const ratio([=](Table const& seed) {
+        Statistic const ratio([=](Table const& seed) {
             return median(seed.where("variant", variant).numbers(y)) / median(seed.where("variant", other).numbers(y));
         });
         out.push_back(labelled(variant, within(t, {}, ratio, from, to)));
@@ -232,27 +233,28 @@ Study const backward_error{
                  return labelled("P", within(some(t, rotations), {"variant", "data"}, over_bound("eta_P"), 0, 1)) &&
                         labelled("theta", within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
              },
-             finding("set before the run (B1)")},
+             own_result("set before the run (B1)")},
             {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in most runs",
              [](Table const& t) {
                  return within(some(t, sweeps), {"variant", "data"}, over_bound("eta_theta"), 0, 1);
              },
-             finding("as B1, set before the run")},
+             own_result("as B1, set before the run")},
             {"B2: carlson, ud, inverse_qr: the backward error of P is 0.02 to 3 times u cond(R), in most runs",
              [](Table const& t) {
-                 Number const share = least("over_cond_R"), most = greatest("over_cond_R");
+                 Statistic const share = least("over_cond_R"), most = greatest("over_cond_R");
                  return labelled("least", within(some(t, sweeps), by_data, share, 0.02, 3)) &&
                         labelled("greatest", within(some(t, sweeps), by_data, most, 0.02, 3));
              },
-             finding("set before the run (B2)")},
+             own_result("set before the run (B2)")},
             {"B3: P forms, P0 = kappa^2: the backward error of P has slope 2.0 +- 0.2 in kappa",
              [](Table const& t) { return slopes(some(with_P0_of_kappa(t), P_forms), "kappa", "eta_P", 1.8, 2.2); },
-             finding("set before the run (B3)")},
+             own_result("set before the run (B3)")},
             {"B3: P forms, kappa = 1000: the backward error of P has slope 0.75 to 1 in P0",
-             [](Table const& t) { return slopes(some(at_kappa(t), P_forms), "P0", "eta_P", 0.75, 1); }, finding("set before the run (B3)")},
+             [](Table const& t) { return slopes(some(at_kappa(t), P_forms), "P0", "eta_P", 0.75, 1); },
+             own_result("set before the run (B3)")},
             {"B3, B6: P forms, P0 = 1e10: the backward error of P has slope 0 +- 0.3 in kappa",
              [](Table const& t) { return slopes(some(at_P0(t), P_forms), "kappa", "eta_P", -0.3, 0.3); },
-             finding("set before the run (B3, B6)")},
+             own_result("set before the run (B3, B6)")},
             {"B3: potter, the same: slope 1.0 +- 0.2 in kappa if P0 = kappa^2, "
              "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
              [](Table const& t) {
@@ -261,31 +263,31 @@ Study const backward_error{
                         labelled("P0", slopes(some(at_kappa(t), potter), "P0", "eta_P", 0.25, 0.45)) &&
                         labelled("kappa", slopes(some(at_P0(t), potter), "kappa", "eta_P", -0.3, 0.3));
              },
-             finding("set before the run (B3)")},
+             own_result("set before the run (B3)")},
             {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, each to 0.1",
              [](Table const& t) {
                  return labelled("P0", slopes(some(at_kappa(t), {"joseph"}), "P0", "eta_P", 0.9, 1.1)) &&
                         labelled("kappa", slopes(some(at_P0(t), {"joseph"}), "kappa", "eta_P", 0.9, 1.1));
              },
-             finding("set before the run (B6)")},
+             own_result("set before the run (B6)")},
             {"P forms, the forward error of P: slope 0.75 to 1 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
              [](Table const& t) {
                  return labelled("P0", slopes(some(at_kappa(t), P_forms), "P0", "P_error", 0.75, 1)) &&
                         labelled("kappa", slopes(some(at_P0(t), P_forms), "kappa", "P_error", -0.3, 0.3));
              },
-             finding("as B3, set before the run")},
+             own_result("as B3, set before the run")},
             {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
              "last: 3 to 8 u; qr, gentleman 1 to 2 u",
              [](Table const& t) {
                  return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) && of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
                         of_data(t, rotations, "pair first", "eta_P", 1, 2) && of_data(t, rotations, "pair last", "eta_P", 1, 2);
              },
-             finding("set before the run (B4)")},
+             own_result("set before the run (B4)")},
             {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, inverse_qr)",
              [](Table const& t) {
                  return of_data(t, sweeps, "powers up", "eta_P", 3, 13) && of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
              },
-             finding("set before the run (B4)")},
+             own_result("set before the run (B4)")},
             {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 times qr's and more, "
              "the forward error the same to a factor of 3",
              [](Table const& t) {
@@ -293,30 +295,30 @@ Study const backward_error{
                  return labelled("backward", against(pair, sweeps, "qr", "eta_P", 1000, 1e300)) &&
                         labelled("forward", against(pair, sweeps, "qr", "P_error", 1.0 / 3, 3));
              },
-             finding("a factor of 3, set before the run (B5)")},
+             own_result("a factor of 3, set before the run (B5)")},
             {"B7: information, P0 = kappa^2: forward slope 2.0 +- 0.2, backward slope 1.0 +- 0.1 (P)",
              [](Table const& t) {
                  Table const rows = some(with_P0_of_kappa(t), {"information"}).where("kappa", [](double kappa) { return kappa < 2e5; });
                  return labelled("forward", slopes(rows, "kappa", "P_error", 1.8, 2.2)) &&
                         labelled("backward", slopes(rows, "kappa", "eta_P", 0.9, 1.1));
              },
-             finding("set before the run (B7)")},
+             own_result("set before the run (B7)")},
             {"B7: information, P0 = kappa^2: the backward error of P is 0.1 u kappa, to a factor of 3",
              [](Table const& t) {
-                 Number const ratio([](Table const& r) { return r.number("eta_P") / r.number("kappa"); });
+                 Statistic const ratio([](Table const& r) { return r.number("eta_P") / r.number("kappa"); });
                  return within(some(with_P0_of_kappa(t), {"information"}), {"data", "kappa"}, ratio, 0.1 / 3, 0.3);
              },
-             finding("a factor of 3, set before the run (B7)")},
+             own_result("a factor of 3, set before the run (B7)")},
             {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each of the data",
              [](Table const& t) {
-                 Number const share([](Table const& r) {
+                 Statistic const share([](Table const& r) {
                      std::vector<double> e = r.numbers("over_cond_R"), rows = r.numbers("rows");
                      for (size_t i = 0; i < e.size(); ++i) e[i] /= std::sqrt(rows[i] / 60);
                      return median(e);
                  });
                  return within(some(t, sweeps), by_data, share, 0.1, 2);
              },
-             finding("set after the first full run: B2 with N")},
+             own_result("set after the first full run: B2 with N")},
             {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman 0.01 to 0.1, "
              "carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
              [](Table const& t) {
@@ -325,7 +327,7 @@ Study const backward_error{
                  };
                  return of({"information"}, 0.5, 1) && of(rotations, 0.01, 0.1) && of(sweeps, 0.003, 0.03) && of(P_forms, 0, 1e-3);
              },
-             finding("set after the first full run")},
+             own_result("set after the first full run")},
             {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- 0.3, 0.5 to 1 in "
              "kappa at P0 = 1e10",
              [](Table const& t) {
@@ -335,10 +337,10 @@ Study const backward_error{
                  return of("potter", at_kappa(t), "P0", 0.3, 0.5) && of("joseph", at_kappa(t), "P0", 1, 1.25) &&
                         of("potter", at_P0(t), "kappa", -0.3, 0.3) && of("joseph", at_P0(t), "kappa", 0.5, 1);
              },
-             finding("set after the first full run")},
+             own_result("set after the first full run")},
             {"white rows, 60 to 6000: the backward error of P grows as N^0.35 to N^0.6 in every form",
              [](Table const& t) { return within(t.where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6); },
-             finding("set before the run")},
+             own_result("set before the run")},
         },
 };
 

@@ -1,6 +1,7 @@
 // The map: how many bits each variant needs, against the conditioning of the data.
+// Longer than 150 lines: the search in lengths, and eight claims.
 #include <rlslab/catalogue/catalogue.hpp>
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -20,12 +21,12 @@ constexpr int shortest = 4, longest = 53;
 constexpr double three_digits = 3;
 
 /// Right decimal digits at the end, of theta and of P, whichever has fewer; 0 if P was indefinite at any of 32 looks.
-double digits(Entry const& entry, Problem<double> const& problem, Records const& records, CertifiedSolution const& exact) {
+double digits(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records, CertifiedSolution const& exact) {
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
         process_rows(*filter, records, k, std::min(k + stride, rows));
-        if (!breakdown(*filter, *entry.arithmetic).empty()) return 0;
+        if (breakdown(*filter, *entry.arithmetic) != Health::sound) return 0;
     }
     Errors const e = errors(*filter, exact);
     return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));
@@ -81,7 +82,7 @@ std::vector<std::string> const factors = words(factor_forms());
 std::vector<std::string> const plain{"conventional_two_sided", "symmetric", "joseph_rank_two", "information"};
 
 /// needed - slope log2 kappa over the same rows.
-Finding offset(Table const& t, std::vector<std::string> const& variants, double slope_, double from, double to) {
+Judgement offset(Table const& t, std::vector<std::string> const& variants, double slope_, double from, double to) {
     return within(
         steep(t, variants, "needed"), {"lambda", "variant"},
         [=](Table const& g) {
@@ -159,43 +160,43 @@ Study const choose{
              [](Table const& t) {
                  return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.85, 1.15);
              },
-             finding("set with the earlier experiment, docs/literature.md 3.6")},
+             own_result("set with the earlier experiment, docs/literature.md 3.6")},
             {"P or its inverse stored plainly: 2.0 +- 0.2 bits for each bit of kappa",
              [](Table const& t) {
                  return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"), 1.8, 2.2);
              },
-             finding("set with the earlier experiment, docs/literature.md 3.6")},
+             own_result("set with the earlier experiment, docs/literature.md 3.6")},
             {"Joseph's products: 2.7 to 3.1 bits for each bit of kappa",
              [](Table const& t) {
                  return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.7, 3.1);
              },
-             finding("set with the earlier experiment, docs/literature.md 3.6")},
+             own_result("set with the earlier experiment, docs/literature.md 3.6")},
             {"factor forms: log2 kappa + c with c from 6 to 11", [](Table const& t) { return offset(t, factors, 1, 6, 11); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
              [](Table const& t) {
                  return offset(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, 2, 1, 7);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"to keep half of the digits takes twice the slopes: 2.0 +- 0.3 (factor forms together)",
              [](Table const& t) { return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.7, 2.3); },
-             finding("twice the band of docs/literature.md 3.6")},
+             own_result("twice the band of docs/literature.md 3.6")},
             {"and 4.0 +- 0.4 (symmetric, conventional_two_sided, joseph_rank_two together)",
              [](Table const& t) {
                  return within(steep(t, {"symmetric", "conventional_two_sided", "joseph_rank_two"}, "half"), {"lambda"},
                                linear_slope("log2_kappa", "half"), 3.6, 4.4);
              },
-             finding("twice the band of docs/literature.md 3.6")},
+             own_result("twice the band of docs/literature.md 3.6")},
             {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most runs",
              [](Table const& t) {
-                 Number const more(
+                 Statistic const more(
                      [](Table const& g) {
                          return median("needed")(g.where("variant", "conventional")) - median("needed")(g.where("variant", "symmetric"));
                      },
                      Estimate::most);
                  return within(t.where("lambda", 0.99).where("kappa", 1.0), {}, more, 10, INFINITY);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -11,7 +11,7 @@ namespace rlslab::studies {
 namespace {
 
 template <RecursiveLeastSquares F>
-Entry entry_in(Arithmetic const* arithmetic) {
+CatalogueEntry entry_in(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
     return {
@@ -21,19 +21,19 @@ Entry entry_in(Arithmetic const* arithmetic) {
 
 }  // namespace
 
-std::vector<Entry> const& fixed_point_filters() {
+std::vector<CatalogueEntry> const& fixed_point_filters() {
     static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return VariableFixed(x).value(); }};
-    static std::vector<Entry> const entries = [] {
-        std::vector<Entry> out;
+    static std::vector<CatalogueEntry> const entries = [] {
+        std::vector<CatalogueEntry> out;
         for_each(Variants<VariableFixed>{}, [&]<class F>() { out.push_back(entry_in<F>(&arithmetic)); });
         return out;
     }();
     return entries;
 }
 
-Entry const& symmetric_of_any_length() {
+CatalogueEntry const& symmetric_of_any_length() {
     static Arithmetic const arithmetic = arithmetic_of<VariablePrecision>();
-    static Entry const entry = entry_in<Symmetric<VariablePrecision>>(&arithmetic);
+    static CatalogueEntry const entry = entry_in<Symmetric<VariablePrecision>>(&arithmetic);
     return entry;
 }
 

@@ -6,12 +6,12 @@
 
 namespace rlslab::studies {
 
-/// Every dense variant in the words that the FixedScope of the calling thread has while the filter is made, fed and asked. Not in the
-/// catalogue, for the reason that significands of any length are not: the format is the question.
-std::vector<Entry> const& fixed_point_filters();
-/// symmetric, ud or qr in such words where every operation is rounded, not every sum; null for any other.
-Entry const* rounding_every_operation(std::string_view variant);
-/// The symmetric form in significands of any length (PrecisionScope), to compare with.
-Entry const& symmetric_of_any_length();
+/// Every dense variant in fixed point, in the format of the calling thread's FixedScope. These have no entry in the catalogue because their
+/// format is chosen at run time.
+std::vector<CatalogueEntry> const& fixed_point_filters();
+/// symmetric, ud or qr in the same format, with a rounding after every operation, not after every sum; null for any other.
+CatalogueEntry const* rounding_every_operation(std::string_view variant);
+/// The symmetric form in significands of any length (PrecisionScope), for comparison.
+CatalogueEntry const& symmetric_of_any_length();
 
 }  // namespace rlslab::studies

@@ -10,13 +10,14 @@
 
 namespace rlslab::studies {
 
-Entry const* rounding_every_operation(std::string_view variant) {
+CatalogueEntry const* rounding_every_operation(std::string_view variant) {
     using T = VariableFixedRounded;
     static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return T(x).value(); }};
-    static Entry const entries[] = {{Symmetric<T>::name, &arithmetic, false, 1, "covariance", true, &Erased<Symmetric<T>>::make, nullptr},
-                                    {Ud<T>::name, &arithmetic, false, 1, "covariance", false, &Erased<Ud<T>>::make, nullptr},
-                                    {Qr<T>::name, &arithmetic, true, 1, "information", false, &Erased<Qr<T>>::make, nullptr}};
-    for (Entry const& entry : entries)
+    static CatalogueEntry const entries[] = {
+        {Symmetric<T>::name, &arithmetic, false, 1, "covariance", true, &Erased<Symmetric<T>>::make, nullptr},
+        {Ud<T>::name, &arithmetic, false, 1, "covariance", false, &Erased<Ud<T>>::make, nullptr},
+        {Qr<T>::name, &arithmetic, true, 1, "information", false, &Erased<Qr<T>>::make, nullptr}};
+    for (CatalogueEntry const& entry : entries)
         if (entry.variant == variant) return &entry;
     return nullptr;
 }

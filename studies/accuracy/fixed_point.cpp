@@ -1,6 +1,7 @@
 // Fixed-point words: how many bits behind the point, before it and in all each variant needs, against memory, conditioning, size and scale.
+// Longer than 150 lines: 18 claims.
 #include "studies/accuracy/fixed_runs.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/reference/certified.hpp>
@@ -31,11 +32,11 @@ void measure(Trial const& trial, TrialOutput& out) {
             .front()
             .covariance_digits({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, in_double.P.cast<Reference>()});
     bool const first_model = d == 4 && down == 0;
-    for (Entry const& entry : fixed_point_filters()) {
+    for (CatalogueEntry const& entry : fixed_point_filters()) {
         Need const need = need_of(entry, setting, FixedRounding::nearest);
         bool const probed = down > 0 && (entry.variant == "symmetric" || entry.variant == "ud" || entry.variant == "qr");
         Need const truncated = probed ? need_of(entry, setting, FixedRounding::down) : Need{NAN, NAN};
-        Entry const* const rounding = down == 0 ? rounding_every_operation(entry.variant) : nullptr;
+        CatalogueEntry const* const rounding = down == 0 ? rounding_every_operation(entry.variant) : nullptr;
         Need const rounded = rounding ? need_of(*rounding, setting, FixedRounding::nearest) : Need{NAN, NAN};
         bool const keeps_theta = entry.variant == "symmetric" || entry.variant == "ud";
         double const noise = keeps_theta && trial.number("pole") == 0 ? theta_noise(entry, setting, lambda) : NAN;
@@ -65,8 +66,8 @@ Table that_survive(Table const& t) {
     return t.where("fraction", [](double bits) { return std::isfinite(bits); });
 }
 /// symmetric's mean on rows of variance 1, within a band for each pole of the table.
-Finding at_each_pole(Table const& t, std::string const& column, std::map<double, std::pair<double, double>> const& bands) {
-    std::vector<Finding> out;
+Judgement at_each_pole(Table const& t, std::string const& column, std::map<double, std::pair<double, double>> const& bands) {
+    std::vector<Judgement> out;
     for (Cell const& pole : t.distinct("pole")) {
         auto const [from, to] = bands.at(std::get<double>(pole));
         out.push_back(labelled("pole " + as_text(pole),
@@ -75,7 +76,7 @@ Finding at_each_pole(Table const& t, std::string const& column, std::map<double,
     return together(out);
 }
 /// The mean over seeds of what f says of the rows of one.
-Number of_each_seed(std::function<double(Table const&)> f) {
+Statistic of_each_seed(std::function<double(Table const&)> f) {
     return [=](Table const& t) {
         auto const seeds = t.groups({"replicate"});
         double sum = 0;
@@ -84,7 +85,7 @@ Number of_each_seed(std::function<double(Table const&)> f) {
     };
 }
 /// The column less what a law says of the same row.
-Number less(std::string column, std::function<double(Table const&)> law) {
+Statistic less(std::string column, std::function<double(Table const&)> law) {
     return of_each_seed([=](Table const& row) { return row.number(column) - law(row); });
 }
 double memory(Table const& row) { return row.number("log2_memory"); }
@@ -173,21 +174,21 @@ Study const fixed_point{
              [](Table const& t) {
                  return at_each_pole(t, "floating", {{0, {4, 9}}, {0.9, {8, 10}}, {0.99, {13, 14}}});
              },
-             finding("set after a pilot at the quick budget")},
+             own_result("set after a pilot at the quick budget")},
             {"X2: in most runs no variant survives with fewer than log2 1/(1 - lambda) bits behind the point",
              [](Table const& t) { return within(that_survive(t), by_data, less("fraction", memory).as(Estimate::most), 0, 48); },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"X2: forms that multiply by the root of lambda need one bit more than that, in most runs",
              [](Table const& t) {
                  return within(some(that_survive(t), doubly_root), by_data, less("fraction", memory).as(Estimate::most), 1, 48);
              },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"X3: forms that propagate P: log2 1/lambda_min + (1/2) log2 1/(1 - lambda^2) + 3 bits behind the point, to 2",
              [](Table const& t) {
                  return within(some(t, P_forms), by_data,
                                less("fraction", [](Table const& r) { return -r.number("log2_least_P") + half_memory(r) + 3; }), -2, 2);
              },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"X3: rows 2^3 times as large cost symmetric 6 bits behind the point, to 1, and no bit of the word, to 1",
              [](Table const& t) {
                  auto const between = [&](std::string column, double from, double to) {
@@ -198,16 +199,16 @@ Study const fixed_point{
                  };
                  return labelled("behind the point", between("fraction", 5, 7)) && labelled("word", between("word", -1, 1));
              },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"sums that are exact until stored save 0 to 2 bits behind the point against products that are rounded (symmetric, ud, qr)",
              [](Table const& t) {
                  return within(some(of_unit_rows(t), {"symmetric", "ud", "qr"}), by_data,
                                less("fraction_rounded", [](Table const& r) { return r.number("fraction"); }), 0, 2);
              },
-             finding("docs/theory.md 65, set before the run")},
+             own_result("docs/theory.md 65, set before the run")},
             {"X4: qr, rows of variance 1: log2 1/(1 - lambda) + 1 to 4 bits behind the point, whatever the colour",
              [](Table const& t) { return within(some(of_unit_rows(t), {"qr"}), by_data, less("fraction", memory), 1, 4); },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"about 8 bits behind the point suffice for qr (lambda up to 0.99, rows of variance 1)",
              [](Table const& t) {
                  return within(some(of_unit_rows(t), {"qr"}).where("lambda", [](double l) { return l < 0.995; }), by_data, mean("fraction"),
@@ -219,18 +220,18 @@ Study const fixed_point{
                  auto const law = [](Table const& r) { return r.number("log2_largest_psi") + r.number("log2_memory") / 2 + 2; };
                  return within(some(of_unit_rows(t), {"qr"}), by_data, less("integer", law).as(Estimate::most), -48, 0);
              },
-             finding("docs/theory.md 65, set before the run")},
+             own_result("docs/theory.md 65, set before the run")},
             {"X5: ud, rows of variance 1: 4 to 11 bits behind the point",
              [](Table const& t) { return within(some(of_unit_rows(t), {"ud"}), by_data, mean("fraction"), 4, 11); },
-             finding("set after a pilot at the quick budget")},
+             own_result("set after a pilot at the quick budget")},
             {"X5: what ends ud with a bit less is a D that became 0, in at least half of the runs",
              [](Table const& t) {
-                 Number const share = [](Table const& seed) {
+                 Statistic const share = [](Table const& seed) {
                      return double(seed.where("below", "zero_pivot").rows().size()) / double(seed.rows().size());
                  };
                  return within(some(t, {"ud"}), {}, share.as(Estimate::share), 0.5, 1);
              },
-             finding("set after a pilot at the quick budget")},
+             own_result("set after a pilot at the quick budget")},
             {"symmetric: the word takes log2 (largest / least eigenvalue of P in the run) + (1/2) log2 1/(1 - lambda^2) + 4 bits, to 3",
              [](Table const& t) {
                  return within(
@@ -239,13 +240,13 @@ Study const fixed_point{
                           [](Table const& r) { return r.number("log2_greatest_P") - r.number("log2_least_P") + half_memory(r) + 4; }),
                      -3, 3);
              },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"theta's noise from rounding is that of one rounding of K e: within a factor of 1.25 of the law (symmetric, ud; white rows)",
              [](Table const& t) {
                  return within(some(t.where("pole", 0.0), {"symmetric", "ud"}), by_data,
                                of_each_seed([](Table const& r) { return r.number("theta_noise"); }), 1 / 1.25, 1.25);
              },
-             finding("docs/theory.md 66, set before the run")},
+             own_result("docs/theory.md 66, set before the run")},
             {"in words of 32 bits, rows in [-1, 1), every dense variant survives most runs but conventional and kalman",
              [](Table const& t) {
                  Table words = in_unit_interval(t).where(
@@ -254,15 +255,15 @@ Study const fixed_point{
                                               "inverse_qr", "information", "qr", "gentleman", "extended_qr", "qr_block"});
                  return everywhere(words, "in_32", "survives");
              },
-             finding("set after a pilot at the quick budget")},
+             own_result("set after a pilot at the quick budget")},
             {"conventional and kalman survive in no word in most runs: their antisymmetric error grows as lambda^-k",
              [](Table const& t) {
                  return within(some(t, {"conventional", "kalman"}), by_data, least("fraction"), INFINITY, INFINITY);
              },
-             finding("docs/theory.md 28, law ii, set before the run")},
+             own_result("docs/theory.md 28, law ii, set before the run")},
             {"in words of 16 bits, rows in [-1, 1), qr survives most runs at lambda = 0.9",
              [](Table const& t) { return everywhere(some(in_unit_interval(t), {"qr"}).where("lambda", 0.9), "in_16", "survives"); },
-             finding("set after a pilot at the quick budget")},
+             own_result("set after a pilot at the quick budget")},
         },
 };
 

@@ -112,7 +112,7 @@ double sufficient_bits(Extremes const& x, double lambda) {
     return -correctly::log2(eps);
 }
 
-Run run_in(Entry const& entry, Setting& setting, FixedFormat format) {
+Run run_in(CatalogueEntry const& entry, Setting& setting, FixedFormat format) {
     FixedScope const scope(format);
     double const top = std::ldexp(1.0, format.bits - 1 - format.fraction) - std::ldexp(1.0, -format.fraction);
     if (setting.problem().prior->variance > top) return {"no_prior"};
@@ -128,15 +128,15 @@ Run run_in(Entry const& entry, Setting& setting, FixedFormat format) {
         if (step.health != Health::sound) return {std::string(name_of(step.health))};
         if (!(step.gamma > 0 && step.gamma <= 1)) return {"gamma"};
         if ((k + 1) % std::max<Index>(1, rows / looks) != 0) continue;
-        std::string const broken = breakdown(*filter, *entry.arithmetic);
-        if (broken == "nonfinite") return {"overflow"};
-        if (!broken.empty()) return {has_zero_pivot(*filter) ? "zero_pivot" : broken};
+        Health const broken = breakdown(*filter, *entry.arithmetic);
+        if (broken == Health::nonfinite) return {"overflow"};
+        if (broken != Health::sound) return {has_zero_pivot(*filter) ? "zero_pivot" : std::string(name_of(broken))};
     }
     double const error = relative_error(*filter, exact);
     return {error < 0.5 ? "survives" : "inaccurate", error};
 }
 
-Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
+Need need_of(CatalogueEntry const& entry, Setting& setting, FixedRounding rounding) {
     Need out;
     // One vector as row and column: its antisymmetric error grows as lambda^-k, and if 30 bits do not do no fewer will.
     if ((entry.variant == "conventional" || entry.variant == "kalman") &&
@@ -164,18 +164,18 @@ Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding) {
     return out;
 }
 
-double theta_noise(Entry const& entry, Setting& setting, double lambda) {
+double theta_noise(CatalogueEntry const& entry, Setting& setting, double lambda) {
     FixedFormat const format{48, 28};
     FixedScope const scope(format);
     auto const& stored = setting.stored(format.fraction, *entry.arithmetic);
     auto const filter = entry.make(stored.problem, Seed{1});
     InDouble exact(stored.problem);
-    Index const rows = stored.records.rows(), d = exact.theta.size(), settled = rows / 5;
+    Index const rows = stored.records.rows(), d = exact.theta.size(), transient = rows / 5;
     double sum = 0;
     for (Index k = 0; k < rows; ++k) {
         filter->update(stored.records.sample(k), stored.records.y[k]);
         exact.take(stored.records, k);
-        if (k < settled) continue;
+        if (k < transient) continue;
         Vector<Reference> const theta = filter->theta();
         for (Index i = 0; i < d; ++i) {
             double const error = static_cast<double>(theta[i]) - exact.theta[i];
@@ -184,11 +184,11 @@ double theta_noise(Entry const& entry, Setting& setting, double lambda) {
     }
     double const q = std::ldexp(1.0, -format.fraction), forgets = 1 - lambda;
     double const law = q / std::sqrt(12 * (2 * forgets - double(d + 2) * forgets * forgets));
-    return std::sqrt(sum / double((rows - settled) * d)) / law;
+    return std::sqrt(sum / double((rows - transient) * d)) / law;
 }
 
 double floating_bits(Setting const& setting) {
-    Entry const& entry = symmetric_of_any_length();
+    CatalogueEntry const& entry = symmetric_of_any_length();
     for (int p = 3; p <= 30; ++p) {
         PrecisionScope const precision(p);
         Setting here(setting.problem(), setting.records());
@@ -198,7 +198,8 @@ double floating_bits(Setting const& setting) {
         for (Index k = 0; k < records.rows() && alive; ++k) {
             Step<double> const step = filter->update(records.sample(k), records.y[k]);
             alive = step.health == Health::sound && step.gamma > 0;
-            if ((k + 1) % std::max<Index>(1, records.rows() / looks) == 0) alive = alive && breakdown(*filter, *entry.arithmetic).empty();
+            if ((k + 1) % std::max<Index>(1, records.rows() / looks) == 0)
+                alive = alive && breakdown(*filter, *entry.arithmetic) == Health::sound;
         }
         if (alive && relative_error(*filter, exact) < 0.5) return p;
     }

@@ -68,7 +68,7 @@ struct Run {
     std::string outcome;
     double error = INFINITY;
 };
-Run run_in(Entry const& entry, Setting& setting, FixedFormat format);
+Run run_in(CatalogueEntry const& entry, Setting& setting, FixedFormat format);
 
 /// The least bits behind the point from which on three lengths in a row survive, 48 bits in all: single ones survive by luck. And the
 /// least before it, with 24 behind it and room for P0 and the data. Infinity: none up to 30, to 23.
@@ -76,10 +76,10 @@ struct Need {
     double fraction = INFINITY, integer = INFINITY;
     std::string below = "none";  ///< how the run with a bit less behind the point ended
 };
-Need need_of(Entry const& entry, Setting& setting, FixedRounding rounding);
+Need need_of(CatalogueEntry const& entry, Setting& setting, FixedRounding rounding);
 
 /// The rms error of theta from rounding alone over the law's (docs/theory.md 66), in words with 28 bits behind the point.
-double theta_noise(Entry const& entry, Setting& setting, double lambda);
+double theta_noise(CatalogueEntry const& entry, Setting& setting, double lambda);
 /// The shortest significand of floating point with which the symmetric form survives, by the same criterion; infinity: none up to 30.
 double floating_bits(Setting const& setting);
 

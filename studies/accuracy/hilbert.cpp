@@ -1,5 +1,5 @@
 // Two matrices every author uses: Hilbert's, row by row, and Läuchli's, whose normal equations lose delta^2.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -24,7 +24,7 @@ Records rows_of(std::string const& matrix, double parameter) {
 }
 
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"));
     Records const records = rows_of(trial.text("matrix"), trial.number("parameter"));
     // A prior variance of 1e20 changes theta by less than binary64 can represent here.
     Problem<double> const problem{.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}};
@@ -88,28 +88,28 @@ Study const hilbert{
         {
             {"Hilbert, n = 2 ... 10, factor forms: theta to 3 kappa u",
              [](Table const& t) { return within(of(t, "hilbert").where("variant", factors), {"variant"}, greatest("per_kappa_u"), 0, 3); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"Hilbert, n >= 3, a prior of 1e20: no digit of P is right in a form that stores it, 6.5 and more in every factor form",
              [](Table const& t) {
                  Table const at = of(t, "hilbert").where("parameter", [](double n) { return n >= 3; });
-                 Finding const a = within(at.where("variant", covariances), {"variant"}, least("covariance_error"), 0.1, 1e99);
-                 Finding const b = within(at.where("variant", factors), {"variant"}, greatest("covariance_error"), 0, 3.2e-7);
+                 Judgement const a = within(at.where("variant", covariances), {"variant"}, least("covariance_error"), 0.1, 1e99);
+                 Judgement const b = within(at.where("variant", factors), {"variant"}, greatest("covariance_error"), 0, 3.2e-7);
                  return a && b;
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"Hilbert, information: theta is found to n = 7 and lost from n = 8, kappa^2 u = 47, on",
              [](Table const& t) {
                  Table const at = of(t, "hilbert").where("variant", "information");
-                 Finding const a = everywhere(at.where("parameter", [](double n) { return n < 8; }), "outcome", "solved");
-                 Finding const b = everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
+                 Judgement const a = everywhere(at.where("parameter", [](double n) { return n < 8; }), "outcome", "solved");
+                 Judgement const b = everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
                  return a && b;
              },
              reproduction("earlier experiment, docs/literature.md 3.6")},
             {"Läuchli, information: lost exactly from delta = 1e-8 on, the first decade with delta^2 < 2^-53",
              [](Table const& t) {
                  Table const at = of(t, "laeuchli").where("variant", "information");
-                 Finding const a = everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
-                 Finding const b = everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
+                 Judgement const a = everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
+                 Judgement const b = everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
                  return a && b;
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.6")},

@@ -1,5 +1,5 @@
 // Where to start: from c^2 I, or from a batch estimate of the first rows.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/catalogue/breakdown.hpp>
@@ -35,12 +35,12 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> problem = without;
     problem.prior = batch ? from_batch(without, records, first) : Prior<double>{.variance = trial.number("amount")};
     for (Cell const& variant : row_forms()) {
-        Entry const& entry = trial.entry(std::get<std::string>(variant));
+        CatalogueEntry const& entry = trial.entry(std::get<std::string>(variant));
         auto const filter = entry.make(problem, Seed{1});
         process_rows(*filter, records, first, rows);
         Errors const error = errors(*filter, exact);
-        std::string const status = breakdown(*filter, *entry.arithmetic);
-        out({variant, status.empty() ? "sound" : status, error.theta, error.covariance});
+        Health const status = breakdown(*filter, *entry.arithmetic);
+        out({variant, std::string(name_of(status)), error.theta, error.covariance});
     }
 }
 
@@ -48,7 +48,7 @@ Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // powers
     return t.where("start", "prior").where("amount", [=](double c2) { return from / 1.01 < c2 && c2 < to * 1.01; });
 }
 /// The least median error from any c^2 I, over the median error from the batch of 2 d rows: what the batch start gains.
-Number gain(std::string const& column) {
+Statistic gain(std::string const& column) {
     auto const gained = [column](Table const& t) {
         double least = INFINITY;
         for (auto const& [name, at] : from_prior(t).groups({"amount"})) least = std::min(least, median(at.numbers(column)));
@@ -57,22 +57,22 @@ Number gain(std::string const& column) {
     return {gained, Estimate::geometric};
 }
 /// The error from c^2 = 1e20 over that from the batch of 2 d rows.
-Number without_batch(std::string const& column) {
+Statistic without_batch(std::string const& column) {
     auto const ratio = [column](Table const& t) {
         return median(from_prior(t, 1e20, 1e20).numbers(column)) /
                median(t.where("start", "batch").where("amount", 2.0 * size).numbers(column));
     };
     return {ratio, Estimate::geometric};
 }
-Finding as_good(Table const& t, std::vector<std::string> const& variants) {
+Judgement as_good(Table const& t, std::vector<std::string> const& variants) {
     Table const of = t.where("variant", variants);
     return labelled("theta", within(of, {"variant", "lambda"}, without_batch("theta"), 0.25, 4)) &&
            labelled("P", within(of, {"variant", "lambda"}, without_batch("covariance"), 0.25, 4));
 }
-Finding gains(Table const& t, std::vector<std::string> const& variants, double from, double to) {
+Judgement gains(Table const& t, std::vector<std::string> const& variants, double from, double to) {
     Table const of = t.where("variant", variants);
-    Finding const theta = within(of, {"variant", "lambda"}, gain("theta"), from, to);
-    Finding const P = within(of, {"variant", "lambda"}, gain("covariance"), from, to);
+    Judgement const theta = within(of, {"variant", "lambda"}, gain("theta"), from, to);
+    Judgement const P = within(of, {"variant", "lambda"}, gain("covariance"), from, to);
     return labelled("theta", theta) && labelled("P", P);
 }
 std::vector<std::string> const plain = words(covariance_forms());
@@ -126,21 +126,21 @@ Study const initialisation{
              [](Table const& t) {
                  return within(from_prior(t, 1e8, 1e11), {"variant", "lambda"}, slope("amount", "theta"), -1.02, -0.98);
              },
-             finding("docs/theory.md 13")},
+             own_result("docs/theory.md 13")},
             {"covariance forms: a batch of 2d rows gains over the best c^2, at least a digit, in theta and in P",
-             [](Table const& t) { return gains(t, plain, 10, INFINITY); }, finding("set before the run: a digit")},
+             [](Table const& t) { return gains(t, plain, 10, INFINITY); }, own_result("set before the run: a digit")},
             {"and so in Potter's form", [](Table const& t) { return gains(t, {"potter"}, 10, INFINITY); },
-             finding("set before the run: a digit")},
+             own_result("set before the run: a digit")},
             {"triangular, UD and QR forms gain nothing: c^2 = 1e20 has between 1/4 and 4 of the batch start's error",
-             [](Table const& t) { return as_good(t, rooted); }, finding("set before the run: as of the information form")},
+             [](Table const& t) { return as_good(t, rooted); }, own_result("set before the run: as of the information form")},
             {"nor does the information form, whose u kappa^2 is that of its solve: between 1/4 and 4",
-             [](Table const& t) { return as_good(t, {"information"}); }, finding("first edition, set after its run")},
+             [](Table const& t) { return as_good(t, {"information"}); }, own_result("first edition, set after its run")},
             {"after a batch start every variant ends positive definite in most runs, whatever the length of the batch",
              [](Table const& t) { return everywhere(t.where("start", "batch"), "outcome", "sound"); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"from c^2 = 1e20 I the conventional form ends indefinite, in most runs",
              [](Table const& t) { return everywhere(from_prior(t, 1e20, 1e20).where("variant", "conventional"), "outcome", "indefinite"); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

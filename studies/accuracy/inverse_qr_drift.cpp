@@ -1,6 +1,7 @@
 // Without forgetting, float's inverse QR drifts: at which step of the array form, and what removes it.
+// Longer than 150 lines: six array forms written out, each with one step in double.
 #include "studies/engine/checkpoints.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 
@@ -144,45 +145,45 @@ Study const inverse_qr_drift{
         {
             {"inverse_qr drifts linearly: 0.20 ... 0.30 u per row from 16384 rows on, u / (2 sqrt(4)) = 0.25 u by the formula",
              [](Table const& t) { return within(late(t).where("form", "inverse_qr"), {"rows"}, median("per_row"), 0.20, 0.30); },
-             finding("docs/theory.md 45")},
+             own_result("docs/theory.md 45")},
             {"P_11 alone is too large by 0.5 u per row: 0.38 ... 0.55 at 32768 rows",
              [](Table const& t) {
                  Table const at = t.where("form", "inverse_qr").where("rows", 32768.0);
-                 Number const drift([](Table const& rows) { return median("first")(rows) / 32768; }, Estimate::middle);
+                 Statistic const drift([](Table const& rows) { return median("first")(rows) / 32768; }, Estimate::middle);
                  return within(at, {}, drift, 0.38, 0.55);
              },
-             finding("docs/theory.md 45")},
+             own_result("docs/theory.md 45")},
             {"one rotation after another, every quotient biased: 0.38 ... 0.60 u per row from 32768 rows on, on its way to 0.5",
              [](Table const& t) {
                  Table const rows = t.where("form", "givens").where("rows", [](double n) { return n > 32000; });
                  return within(rows, {"rows"}, median("per_row"), 0.38, 0.60);
              },
-             finding("docs/theory.md 45")},
+             own_result("docs/theory.md 45")},
             {"it is not the sweep: in double it leaves 0.20 ... 0.30 u per row",
              [](Table const& t) { return within(late(t).where("form", "sweep"), {"rows"}, median("per_row"), 0.20, 0.30); },
-             finding("docs/theory.md 45")},
+             own_result("docs/theory.md 45")},
             {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, with the quotients in "
              "double too at most 0.03",
              [](Table const& t) {
                  Table const at =
                      t.where("rows", [](double n) { return n > 16000 && n < 33000; });  // further on P loses rows in every form
-                 Finding const norms = within(at.where("form", "norms"), {"rows"}, median("per_row"), 0, 0.08);
-                 Finding const rotations = within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
+                 Judgement const norms = within(at.where("form", "norms"), {"rows"}, median("per_row"), 0, 0.08);
+                 Judgement const rotations = within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
                  return norms && rotations;
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"1 - c_j = a_j^2 / (b_j (b_j + b_{j-1})) removes it, all in float: at most 0.015 u per row at 16384 and 32768 rows",
              [](Table const& t) {
                  Table const at = t.where("form", "complement").where("rows", [](double n) { return n > 16000 && n < 33000; });
                  return within(at, {"rows"}, median("per_row"), 0, 0.015);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"symmetric and potter have no such drift: at most 0.015 u per row at 16384 and 32768 rows",
              [](Table const& t) {
                  Table const at = t.where("form", {"symmetric", "potter"}).where("rows", [](double n) { return n > 16000 && n < 33000; });
                  return within(at, {"form", "rows"}, median("per_row"), 0, 0.015);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // One row after a large prior: the variance that comes out, and when it is nothing.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace rlslab::studies {
 namespace {
 
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem = as_stored({.size = 1, .prior = Prior<double>{.variance = trial.number("variance")}}, *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     filter->update(Vector<double>(Vector<double>::Ones(1)), 1);
@@ -23,10 +23,10 @@ std::vector<std::string> const subtracting = words(subtracting_forms());
 std::vector<std::string> const others = words(without(row_forms(), joined(subtracting_forms(), {"potter"})));
 
 /// P_1 is 0 exactly from this variance on.
-Finding zero_from(Table const& t, std::string const& arithmetic, double variance) {
+Judgement zero_from(Table const& t, std::string const& arithmetic, double variance) {
     Table const at = t.where("arithmetic", arithmetic).where("variant", subtracting);
-    Finding const a = everywhere(at.where("variance", [=](double v) { return v < variance; }), "outcome", "positive");
-    Finding const b = everywhere(at.where("variance", [=](double v) { return v >= variance; }), "outcome", "zero");
+    Judgement const a = everywhere(at.where("variance", [=](double v) { return v < variance; }), "outcome", "positive");
+    Judgement const b = everywhere(at.where("variance", [=](double v) { return v >= variance; }), "outcome", "zero");
     return labelled(arithmetic + " before", a) && labelled("from there on", b);
 }
 Table of(Table const& t, std::string const& arithmetic, std::vector<std::string> const& variants) {
@@ -68,20 +68,20 @@ Study const large_prior{
         {
             {"the subtracting forms: P_1 = 0 exactly from P0 = 1e16 on in double and 1e8 in float",
              [](Table const& t) {
-                 Finding const a = zero_from(t, "double", 1e16), b = zero_from(t, "float", 1e8);
+                 Judgement const a = zero_from(t, "double", 1e16), b = zero_from(t, "float", 1e8);
                  return a && b;
              },
              reproduction("earlier experiment, docs/literature.md 3.8")},
             {"the same from 1e3 on in bfloat16 and from 1e4 in binary16",
              [](Table const& t) {
-                 Finding const a = zero_from(t, "bfloat16", 1e3), b = zero_from(t, "binary16", 1e4);
+                 Judgement const a = zero_from(t, "bfloat16", 1e3), b = zero_from(t, "binary16", 1e4);
                  return a && b;
              },
-             finding("docs/theory.md 41")},
+             own_result("docs/theory.md 41")},
             {"before that their error is u P0 to a factor of 3: at most 3 u P0 + 2 u",
              [](Table const& t) {
                  Table const at = t.where("outcome", "positive").where("variant", subtracting).where("arithmetic", {"float", "double"});
-                 Number const worst = [](Table const& rows) {
+                 Statistic const worst = [](Table const& rows) {
                      double const u = std::get<std::string>(rows.distinct("arithmetic").front()) == "float" ? 0x1p-24 : 0x1p-53;
                      double most = 0;
                      std::vector<double> const variance = rows.numbers("variance"), error = rows.numbers("error");
@@ -90,14 +90,14 @@ Study const large_prior{
                  };
                  return within(at, {"arithmetic", "variant"}, worst, 0, 1);
              },
-             finding("docs/theory.md 41, in place of a band set after its run")},
+             own_result("docs/theory.md 41, in place of a band set after its run")},
             {"joseph and every factor and information form but potter: P_1 to 5 u at every prior up to 1e20",
              [](Table const& t) {
-                 Finding const a = within(of(t, "double", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-53);
-                 Finding const b = within(of(t, "float", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-24);
+                 Judgement const a = within(of(t, "double", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-53);
+                 Judgement const b = within(of(t, "float", others), {"variant"}, greatest("error"), 0, 5 * 0x1p-24);
                  return a && b;
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

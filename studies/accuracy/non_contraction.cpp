@@ -1,5 +1,6 @@
 // One exact step can enlarge an error of theta however small P is, and yet no error grows in the metric of P^-1.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: exact data and a norm of its own.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/variants/symmetric.hpp>
@@ -130,23 +131,23 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
                      holds = holds && std::abs(measured - norm) <= last;
                      said += fmt::format("{}{:.8f}", said.empty() ? "" : ", ", measured);
                  }
-                 return Finding(holds, said);
+                 return Judgement(holds, said);
              },
              verification("docs/theory.md 24")},
             {"the formula is the norm to 1e-13 (to 1e-70 in 257 bits) in every case",
              [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }, verification("docs/theory.md 24")},
             {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
              [](Table const& t) {
-                 Number const over_one = [](Table const& rows) { return least("norm")(rows) - 1; };
+                 Statistic const over_one = [](Table const& rows) { return least("norm")(rows) - 1; };
                  std::vector<double> const chance = t.where("psi", "eigenvector").numbers("norm");
-                 Finding const one(std::ranges::all_of(chance, [](double norm) { return norm == 1; }),
-                                   fmt::format("{} eigenvectors", chance.size()));
+                 Judgement const one(std::ranges::all_of(chance, [](double norm) { return norm == 1; }),
+                                     fmt::format("{} eigenvectors", chance.size()));
                  return labelled("by at least", within(t.where("psi", "none"), {}, over_one, 1e-12, 1e9)) && one;
              },
              verification("docs/theory.md 24")},
             {"and still V = delta'P^-1 delta never grows: (I - K psi')P = P_k exactly, 0 < gamma < 1",
              [](Table const& t) {
-                 Finding const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
+                 Judgement const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
                  return a && labelled("gamma at most", b);
              },
              verification("docs/theory.md 25")},

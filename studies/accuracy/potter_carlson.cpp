@@ -1,5 +1,5 @@
 // Full against triangular square roots of the covariance: what a large prior costs Potter's form and not Carlson's.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <array>
@@ -121,26 +121,26 @@ Study const potter_carlson{
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"Potter's error of theta: slope 0.50 +- 0.05 in c^2 over 1e4 ... 1e24",
              [](Table const& t) { return within(lines(t, 1e4, 1e24).where("variant", "potter"), {}, slope("c2", "theta"), 0.45, 0.55); },
-             finding("docs/theory.md 44")},
+             own_result("docs/theory.md 44")},
             {"conventional and Joseph's forms: slope 1.0 +- 0.1 of theta over 1e3 ... 1e10, that is twice the digits",
              [](Table const& t) {
                  return within(lines(t, 1e3, 1e10).where("variant", {"conventional", "joseph"}), {"variant"}, slope("c2", "theta"), 0.9,
                                1.1);
              },
-             finding("set before the run: u c^2")},
+             own_result("set before the run: u c^2")},
             {"Carlson, UD and inverse QR: slope 0.00 +- 0.02 over 1e4 ... 1e36",
              [](Table const& t) {
                  return within(lines(t, 1e4, 1e36).where("variant", triangular), {"variant"}, slope("c2", "theta"), -0.02, 0.02);
              },
-             finding("docs/theory.md 44")},
+             own_result("docs/theory.md 44")},
             {"why: after the first row Potter's det P is off by u c |psi|: the median within a factor of 4 at every c^2 of 1e4 ... 1e24",
              [](Table const& t) {
                  return within(lines(t, 1e4, 1e24).where("variant", "potter"), {"c2"}, median("per_prediction"), 0.25, 4);
              },
-             finding("docs/theory.md 44")},
+             own_result("docs/theory.md 44")},
             {"while Carlson's, UD's and inverse QR's is right to 16 u at every c^2, in most draws",
              [](Table const& t) { return within(t.where("variant", triangular), {"variant"}, greatest("determinant"), 0, 16 * 0x1p-53); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -1,5 +1,6 @@
 // The law of the best prior variance: how it and its error go with the condition, the spectrum and the noise of the rows.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: ten claims, each on a range of its own.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
 
@@ -66,7 +67,7 @@ Table over_kappa(Table const& t) { return t.where("noise", first_noise); }
 Table over_noise(Table const& t) { return t.where("kappa", first_kappa); }
 
 /// Slope against x of the c^2 of the least error, or of that error: one number of each value of x.
-Number of_the_best(std::string const& x, bool error) {
+Statistic of_the_best(std::string const& x, bool error) {
     return {[=](Table const& t) {
         Table best({"x", "y"});
         for (Cell const& at : t.distinct(x)) {
@@ -80,8 +81,8 @@ Number of_the_best(std::string const& x, bool error) {
         return slope("x", "y")(best);
     }};
 }
-Finding best_follows(Table const& t, std::vector<std::string> const& variants, double c2_kappa, double error_kappa, double c2_noise,
-                     double error_noise) {
+Judgement best_follows(Table const& t, std::vector<std::string> const& variants, double c2_kappa, double error_kappa, double c2_noise,
+                       double error_noise) {
     auto const of = [&](char const* label, Table const& rows, char const* x, bool error, double exponent) {
         return labelled(label, within(some(rows, variants), by, of_the_best(x, error), exponent - 0.1, exponent + 0.1));
     };
@@ -89,14 +90,14 @@ Finding best_follows(Table const& t, std::vector<std::string> const& variants, d
            of("c^2 in the noise", over_noise(t), "noise", false, c2_noise) &&
            of("error in the noise", over_noise(t), "noise", true, error_noise);
 }
-Finding rounding_follows(Table const& t, std::vector<std::string> const& variants, double from, double to, double in_c2) {
+Judgement rounding_follows(Table const& t, std::vector<std::string> const& variants, double from, double to, double in_c2) {
     Table const rows = between(some(t, variants), from, to);
     return labelled("c^2", within(rows, {"variant", "spectrum", "kappa", "noise"}, slope("c2", "rounding"), in_c2 - 0.1, in_c2 + 0.1)) &&
            labelled("kappa", within(over_kappa(rows), by, slope("kappa", "rounding"), 0.9, 1.1)) &&
            labelled("noise", within(over_noise(rows), by, slope("noise", "rounding"), 0.9, 1.1));
 }
-Finding constant(Table const& t, std::vector<std::string> const& variants, double from, double to, double C) {
-    Number const median_of = median("of_law");
+Judgement constant(Table const& t, std::vector<std::string> const& variants, double from, double to, double C) {
+    Statistic const median_of = median("of_law");
     return within(between(some(t, variants), from, to), {"variant", "spectrum", "kappa", "noise"}, median_of, C / 3, C * 3);
 }
 
@@ -156,34 +157,36 @@ Study const prior_law{
                  return labelled("c^2", within(rows, {"spectrum", "kappa", "noise"}, slope("c2", "bias"), -1.02, -0.98)) &&
                         labelled("kappa", within(over_kappa(rows), {"spectrum"}, slope("kappa", "bias"), 1.98, 2.02));
              },
-             finding("docs/theory.md 72, set before the run")},
+             own_result("docs/theory.md 72, set before the run")},
             {"and the law's constant, as a root mean square over random directions, to a factor of 1.25",
              [](Table const& t) {
                  return within(between(some(t, {"qr"}), 1e14, 1e22), {"spectrum", "kappa", "noise"}, root_mean_square("bias_of_law"), 0.8,
                                1.25);
              },
-             finding("docs/theory.md 72, set before the run")},
+             own_result("docs/theory.md 72, set before the run")},
             {"P stored, rounding, c^2 = 1e11 to 1e15: slope 1.0 +- 0.1 in c^2, in kappa and in the noise",
-             [](Table const& t) { return rounding_follows(t, plain, 1e11, 1e15, 1); }, finding("docs/theory.md 72, set before the run")},
+             [](Table const& t) { return rounding_follows(t, plain, 1e11, 1e15, 1); }, own_result("docs/theory.md 72, set before the run")},
             {"and the law's constant is 0.4, to a factor of 3", [](Table const& t) { return constant(t, plain, 1e11, 1e15, 0.4); },
-             finding("the constant of study prior_size, condition 100; set before the run")},
+             own_result("the constant of study prior_size, condition 100; set before the run")},
             {"Potter's root, rounding, c^2 = 1e18 to 1e22: slope 0.5 +- 0.1 in c^2, 1.0 +- 0.1 in kappa and in the noise",
-             [](Table const& t) { return rounding_follows(t, potter, 1e18, 1e22, 0.5); }, finding("docs/theory.md 72, set before the run")},
+             [](Table const& t) { return rounding_follows(t, potter, 1e18, 1e22, 0.5); },
+             own_result("docs/theory.md 72, set before the run")},
             {"and the law's constant is 1.1, to a factor of 3", [](Table const& t) { return constant(t, potter, 1e18, 1e22, 1.1); },
-             finding("the constant of study prior_size, condition 100; set before the run")},
+             own_result("the constant of study prior_size, condition 100; set before the run")},
             {"Joseph's products obey the law of the others with the constant 2, to a factor of 3",
              [](Table const& t) { return constant(t, joseph, 1e11, 1e15, 2); },
-             finding("the constant of study prior_size, condition 100; set before the run")},
+             own_result("the constant of study prior_size, condition 100; set before the run")},
             {"carlson, ud, qr: no dependence on c^2 from 1e12 to 1e22, slope 0.00 +- 0.02",
              [](Table const& t) {
                  return within(between(some(t, rooted), 1e12, 1e22), {"variant", "spectrum"}, slope("c2", "rounding"), -0.02, 0.02);
              },
-             finding("docs/theory.md 34, 44, set before the run")},
+             own_result("docs/theory.md 34, 44, set before the run")},
             {"P stored: so the best c^2 goes with kappa^(1/2) and noise^(-1/2), its error with kappa^(3/2) and noise^(1/2), each to 0.1",
-             [](Table const& t) { return best_follows(t, plain, 0.5, 1.5, -0.5, 0.5); }, finding("docs/theory.md 72, set before the run")},
+             [](Table const& t) { return best_follows(t, plain, 0.5, 1.5, -0.5, 0.5); },
+             own_result("docs/theory.md 72, set before the run")},
             {"Potter: with kappa^(2/3), noise^(-2/3), kappa^(4/3) and noise^(2/3), each to 0.1",
              [](Table const& t) { return best_follows(t, potter, 2.0 / 3, 4.0 / 3, -2.0 / 3, 2.0 / 3); },
-             finding("docs/theory.md 72, set before the run")},
+             own_result("docs/theory.md 72, set before the run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // The size of the prior: bias falls with c^2, rounding may rise with it, and the best c^2 lies where they meet.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/catalogue/breakdown.hpp>
@@ -26,8 +26,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = trial.entry(name, trial.text("arithmetic")).make(problem, Seed{1});
         process_rows(*filter, records, 0, rows);
-        std::string const status = breakdown(*filter, arithmetic);
-        out({name, status.empty() ? "sound" : status, relative_change(with_prior, without), errors(*filter, with_prior).theta,
+        Health const status = breakdown(*filter, arithmetic);
+        out({name, std::string(name_of(status)), relative_change(with_prior, without), errors(*filter, with_prior).theta,
              errors(*filter, without).theta});
     }
 }
@@ -46,11 +46,11 @@ std::pair<double, double> best(Table const& t) {
     }
     return found;
 }
-Number const best_prior([](Table const& t) { return best(t).first; });
-Number const best_error([](Table const& t) { return best(t).second; });
+Statistic const best_prior([](Table const& t) { return best(t).first; });
+Statistic const best_error([](Table const& t) { return best(t).second; });
 
 /// The c^2 of the least error, and that error, each to a factor of 3.
-Finding valley(Table const& t, double c2, double error) {
+Judgement valley(Table const& t, double c2, double error) {
     return labelled("c^2", within(t, {"variant"}, best_prior, c2 / 3, c2 * 3)) &&
            labelled("error", within(t, {"variant"}, best_error, error / 3, error * 3));
 }
@@ -102,38 +102,38 @@ Study const prior_size{
         {
             {"the bias falls as 1/c^2: slope -1.00 +- 0.02 from c^2 = 1e6 on",
              [](Table const& t) { return within(in(t, "double", {"qr"}, 1e6, 1e40), {}, slope("c2", "bias"), -1.02, -0.98); },
-             finding("docs/theory.md 13")},
+             own_result("docs/theory.md 13")},
             {"covariance forms: rounding rises as c^2, slope 1.0 +- 0.1 over c^2 = 1e8 ... 1e16 in double",
              [](Table const& t) { return within(in(t, "double", plain, 1e8, 1e16), {"variant"}, slope("c2", "rounding"), 0.9, 1.1); },
-             finding("docs/theory.md 72, in place of a band set after its run")},
+             own_result("docs/theory.md 72, in place of a band set after its run")},
             {"Potter's full root: rounding rises as c, slope 0.5 +- 0.05 over c^2 = 1e14 ... 1e30 in double",
              [](Table const& t) { return within(in(t, "double", {"potter"}, 1e14, 1e30), {}, slope("c2", "rounding"), 0.45, 0.55); },
-             finding("docs/theory.md 44")},
+             own_result("docs/theory.md 44")},
             {"triangular, UD and QR forms: rounding does not depend on c^2, slope 0.00 +- 0.02 from c^2 = 1e6 to 1e40",
              [](Table const& t) { return within(in(t, "double", rooted, 1e6, 1e40), {"variant"}, slope("c2", "rounding"), -0.02, 0.02); },
-             finding("docs/theory.md 44 and 72, as in study potter_carlson")},
+             own_result("docs/theory.md 44 and 72, as in study potter_carlson")},
             {"so they have no best c^2, only a least: from 1e20 to 1e40 the median error of theta stays below kappa u = 1.1e-14",
              [](Table const& t) {
                  return within(in(t, "double", rooted, 1e20, 1e40), {"variant", "c2"}, median("total"), 0, 1.1e-14);
              },
-             finding("docs/theory.md 49, in place of a band set after its run")},
+             own_result("docs/theory.md 49, in place of a band set after its run")},
             {"the information form likewise, at the u kappa^2 = 1.1e-12 of normal equations, within a factor of 3",
              [](Table const& t) {
                  return within(in(t, "double", {"information"}, 1e20, 1e40), {"c2"}, median("total"), 1.1e-12 / 3, 1.1e-12 * 3);
              },
-             finding("docs/theory.md 50, to a factor of 3")},
+             own_result("docs/theory.md 50, to a factor of 3")},
             {"covariance forms in double: the best c^2 is 1.7e12, the error there 5.4e-9, by the law with C = 1, to a factor of 3",
              [](Table const& t) { return valley(in(t, "double", plain, 1, 1e40), 1.7e12, 5.4e-9); },
-             finding("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
+             own_result("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
             {"Potter in double: the best c^2 is 8.7e15, the error there 1.5e-12, by the law with C = 1, to a factor of 3",
              [](Table const& t) { return valley(in(t, "double", {"potter"}, 1, 1e40), 8.7e15, 1.5e-12); },
-             finding("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
+             own_result("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
             {"covariance forms in float: the best c^2 is 7.1e7, the error there 1.3e-4, by the law with C = 1, to a factor of 3",
              [](Table const& t) { return valley(in(t, "float", plain, 1, 1e30), 7.1e7, 1.3e-4); },
-             finding("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
+             own_result("docs/theory.md 72, derived after this study had run; C = 1 to a factor of 3 are the constants of that run")},
             {"every triangular, UD, QR form keeps P positive definite at every c^2, in most runs",
              [](Table const& t) { return everywhere(t.where("variant", rooted), "outcome", "sound"); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

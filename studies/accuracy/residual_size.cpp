@@ -1,5 +1,6 @@
 // Which variants inherit kappa^2 ||r||, the sensitivity of least squares to its residual, on data that are not integers?
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: outputs with a given residual, a first-order law, and seven claims.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
 
@@ -88,8 +89,8 @@ Table between(Table const& t, char const* column, double from, double to) {
     return t.where(column, [=](double x) { return from / 1.01 <= x && x <= to * 1.01; });
 }
 /// error of one form over that of another on the same data, geometric mean of a seed's rows.
-Finding against(Table const& t, std::string const& variant, std::string const& other, double from, double to) {
-    Number const ratio([=](Table const& r) {
+Judgement against(Table const& t, std::string const& variant, std::string const& other, double from, double to) {
+    Statistic const ratio([=](Table const& r) {
         std::vector<double> const a = r.where("variant", variant).numbers("error"), b = r.where("variant", other).numbers("error");
         double sum = 0;
         for (size_t i = 0; i < a.size(); ++i) sum += correctly::log10(a[i] / b[i]) / double(a.size());
@@ -147,31 +148,31 @@ Study const residual_size{
             {"triangular, UD, QR forms: slope 0.0 +- 0.1 in ||r|| from 1e-7 to 1e-4 with kappa = 100, 1.0 +- 0.1 from 1e-3 to 1 with 1e5",
              [](Table const& t) {
                  Table const rows = some(t, rooted);
-                 Number const in_r = slope("rho", "error");
+                 Statistic const in_r = slope("rho", "error");
                  return labelled("small", within(between(rows.where("kappa", 1e2), "rho", 1e-7, 1e-4), by, in_r, -0.1, 0.1)) &&
                         labelled("large", within(between(between(rows, "kappa", 1e5, 1e5), "rho", 1e-3, 1), by, in_r, 0.9, 1.1));
              },
-             finding("docs/theory.md 49, 73; set before the run")},
+             own_result("docs/theory.md 49, 73; set before the run")},
             {"the same forms: slope 1.0 +- 0.1 in kappa with ||r|| = 1e-7, 2.0 +- 0.1 with ||r|| = 1",
              [](Table const& t) {
                  Table const rows = some(t, rooted);
                  return labelled("small", within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 0.9, 1.1)) &&
                         labelled("large", within(between(rows, "rho", 1, 1), by, slope("kappa", "error"), 1.9, 2.1));
              },
-             finding("docs/theory.md 49, 73; set before the run")},
+             own_result("docs/theory.md 49, 73; set before the run")},
             {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 times beyond, at "
              "every kappa and ||r||",
              [](Table const& t) {
                  return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"), 1.3 / 1.25, 3.75);
              },
-             finding("docs/theory.md 73 with the constant that study fused measured on NIST's sets; set before the run")},
+             own_result("docs/theory.md 73 with the constant that study fused measured on NIST's sets; set before the run")},
             {"carlson, ud, inverse_qr: errors are those of qr on the same rows to a factor of 3",
              [](Table const& t) {
                  return labelled("carlson", against(t, "carlson", "qr", 1.0 / 3, 3)) &&
                         labelled("ud", against(t, "ud", "qr", 1.0 / 3, 3)) &&
                         labelled("inverse_qr", against(t, "inverse_qr", "qr", 1.0 / 3, 3));
              },
-             finding("an order-of-magnitude law to a factor of 3; set before the run")},
+             own_result("an order-of-magnitude law to a factor of 3; set before the run")},
             {"information: slope 2.0 +- 0.1 in kappa already with ||r|| = 1e-7, and 0.0 +- 0.1 in ||r|| up to 0.01 with kappa = 1e4",
              [](Table const& t) {
                  Table const rows = some(t, {"information"});
@@ -179,16 +180,16 @@ Study const residual_size{
                         labelled("||r||", within(between(between(rows, "kappa", 1e4, 1e4), "rho", 1e-7, 1e-2), by, slope("rho", "error"),
                                                  -0.1, 0.1));
              },
-             finding("docs/theory.md 50, 73; set before the run")},
+             own_result("docs/theory.md 50, 73; set before the run")},
             {"with ||r|| = 1 the advantage of qr is gone: the information form's error is qr's to a factor of 3",
              [](Table const& t) { return against(between(t, "rho", 1, 1), "information", "qr", 1.0 / 3, 3); },
-             finding("docs/theory.md 73, an order-of-magnitude law to a factor of 3; set before the run")},
+             own_result("docs/theory.md 73, an order-of-magnitude law to a factor of 3; set before the run")},
             {"symmetric, c^2 = 1e12: slope 1.0 +- 0.1 in ||r|| over five decades, 1e-5 to 1, with kappa = 1e4: through the prior",
              [](Table const& t) {
                  return within(between(between(some(t, {"symmetric"}), "kappa", 1e4, 1e4), "rho", 1e-5, 1), {"spectrum"},
                                slope("rho", "error"), 0.9, 1.1);
              },
-             finding("docs/theory.md 72; set before the run")},
+             own_result("docs/theory.md 72; set before the run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // Short formats: how far the covariance of a running mean falls before rounding stops it.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr int rows = 20000;
 
 /// psi = 1 and nothing forgotten: P_k = 1 / (k + 1/P0), so k P should be 1.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem = as_stored({.size = 1, .prior = Prior<double>{.variance = trial.number("variance")}}, *entry.arithmetic);
     Seed seed = trial.seed({"arithmetic", "variance", "variant", "replicate"});
     auto const filter = entry.make(problem, Seed{seed.next()});
@@ -88,7 +88,7 @@ Study const stagnation{
             {"carlson, ud, gentleman and information freeze at 2^-8 in bfloat16 and 2^-11 in binary16, from both priors, to 0.2 %",
              [](Table const& t) {
                  std::vector<std::string> const forms{"carlson", "ud", "gentleman", "information"};
-                 std::vector<Finding> all;
+                 std::vector<Judgement> all;
                  for (double const variance : {100.0, 1e4})
                      for (auto const& [name, bits] : {std::pair<char const*, int>{"bfloat16", 8}, {"binary16", 11}}) {
                          double const level = std::ldexp(1.0, -bits);
@@ -98,24 +98,24 @@ Study const stagnation{
                      }
                  return together(all);
              },
-             finding("docs/theory.md 42")},
+             own_result("docs/theory.md 42")},
             {"rounded to nearest no variant comes down to 1 from P0 = 100: k P at k = 20000 is at least k u / sqrt(2) less a spacing, 54.8 "
              "in bfloat16 and 6.9 in binary16",
              [](Table const& t) {
-                 Finding const a = within(last(t, "bfloat16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 54.8, 300);
-                 Finding const b = within(last(t, "binary16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 6.9, 40);
+                 Judgement const a = within(last(t, "bfloat16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 54.8, 300);
+                 Judgement const b = within(last(t, "binary16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 6.9, 40);
                  return a && b;
              },
-             finding("docs/theory.md 42, in place of a band set after its run")},
+             own_result("docs/theory.md 42, in place of a band set after its run")},
             {"stochastic rounding from P0 = 100: the median of k P at k = 20000 in 0.8 ... 1.25 for every variant, and in bfloat16 of "
              "symmetric in 0.9 ... 1.1",
              [](Table const& t) {
-                 Finding const a = within(last(t, "bfloat16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
-                 Finding const b = within(last(t, "binary16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
-                 Finding const c = within(last(t, "bfloat16-stochastic", 100).where("variant", "symmetric"), {}, mean_rows_P, 0.9, 1.1);
+                 Judgement const a = within(last(t, "bfloat16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
+                 Judgement const b = within(last(t, "binary16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
+                 Judgement const c = within(last(t, "bfloat16-stochastic", 100).where("variant", "symmetric"), {}, mean_rows_P, 0.9, 1.1);
                  return a && b && c;
              },
-             finding("docs/theory.md 75, to a factor of 1.25; of symmetric first edition, set after its run")},
+             own_result("docs/theory.md 75, to a factor of 1.25; of symmetric first edition, set after its run")},
             {"from P0 = 1e4 > 1/u the subtracting forms are at P = 0 after one row in bfloat16 and binary16, and in most stochastic runs "
              "of bfloat16 too",
              [](Table const& t) {
@@ -124,14 +124,14 @@ Study const stagnation{
                                median("P").as(Estimate::fixed), 0, 0) &&
                         within(first.where("arithmetic", "bfloat16-stochastic"), {"variant"}, median("P"), 0, 0);
              },
-             finding("docs/theory.md 41")},
+             own_result("docs/theory.md 41")},
             {"joseph, carlson, ud, inverse_qr, qr, gentleman and information take P0 = 1e4: P = 1 to 1 % after one row, rounded to nearest",
              [](Table const& t) {
                  Table const first = t.where("variance", 1e4).where("rows", 1.0).where("arithmetic", {"bfloat16", "binary16"});
                  return within(first.where("variant", {"joseph", "carlson", "ud", "inverse_qr", "qr", "gentleman", "information"}),
                                {"arithmetic", "variant"}, median("P").as(Estimate::fixed), 0.99, 1.01);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -1,6 +1,6 @@
 // What a guard costs: operations of a row, counted.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 namespace rlslab::studies {
 namespace {
@@ -49,36 +49,36 @@ Study const guard_cost{
         {
             {"where P or a factor of it is stored a guard adds 4 to 6.5 operations a row for each parameter",
              [](Table const& t) { return within(of(t, of_P), {"variant"}, linear_slope("size", "extra").as(Estimate::fixed), 4, 6.5); },
-             finding("docs/theory.md 87")},
+             own_result("docs/theory.md 87")},
             {"at most 15 % of the filter's own from d = 16 on",
              [](Table const& t) {
                  Table const mine = of(t, of_P).where("size", [](double d) { return d >= 16; });
                  return within(mine, {"variant"}, greatest("share").as(Estimate::fixed), 0, 0.15);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"where a factor of P^-1 is stored: 4/3 d^2, within 15 % at d = 64",
              [](Table const& t) {
-                 Number const part([](Table const& g) { return mean("extra")(g) / 4096; }, Estimate::fixed);
+                 Statistic const part([](Table const& g) { return mean("extra")(g) / 4096; }, Estimate::fixed);
                  return within(of(t, of_information).where("size", 64.0), {"variant"}, part, 0.85 * 4 / 3, 1.15 * 4 / 3);
              },
-             finding("docs/theory.md 87")},
+             own_result("docs/theory.md 87")},
             {"which is 30 to 60 % of the filter's own",
              [](Table const& t) {
                  return within(of(t, of_information).where("size", 64.0), {"variant"}, mean("share").as(Estimate::fixed), 0.3, 0.6);
              },
-             finding("set before the run: 3 d^2 in qr, 2.5 d^2 in gentleman")},
+             own_result("set before the run: 3 d^2 in qr, 2.5 d^2 in gentleman")},
             {"on good rows policies that reset or rebuild take no operation more than one that reports, but in conventional, which breaks",
              [](Table const& t) {
-                 std::vector<Finding> parts;
+                 std::vector<Judgement> parts;
                  for (auto const& [name, group] : t.groups({"variant", "size"})) {
                      if (name.starts_with("conventional")) continue;
                      double const report = group.where("policy", "report").number("operations");
                      for (std::string const policy : {"reset", "rebuild"})
-                         parts.push_back(Finding(group.where("policy", policy).number("operations") == report, name));
+                         parts.push_back(Judgement(group.where("policy", policy).number("operations") == report, name));
                  }
                  size_t held = 0;
-                 for (Finding const& part : parts) held += part.holds();
-                 return Finding(held == parts.size() && held > 0, std::to_string(held) + " of " + std::to_string(parts.size()));
+                 for (Judgement const& part : parts) held += part.holds();
+                 return Judgement(held == parts.size() && held > 0, std::to_string(held) + " of " + std::to_string(parts.size()));
              },
              verification("guard.hpp")},
         },

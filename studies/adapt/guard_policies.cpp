@@ -1,6 +1,7 @@
 // What a guard saves: theta and P after eight disturbances, with each policy.
+// Longer than 150 lines: eight disturbances and 15 claims.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr Index d = 4, warm = 500, memories = 250;  // rows before the disturbance; five memories after it
 constexpr double lambda = 0.98, noise = 0.1;
-constexpr double settled = 0.020100756;  // noise sqrt(d (1 - lambda) / (1 + lambda)): the rms error of theta on white rows
+constexpr double stationary = 0.020100756;  // noise sqrt(d (1 - lambda) / (1 + lambda)): the rms error of theta on white rows
 
 struct Disturbance {
     char const* name;
@@ -67,8 +68,8 @@ std::string state_of(Watched const& filter) {
     for (double x : filter.theta())
         if (!std::isfinite(x)) return "not finite";
     switch (definiteness(filter.stored())) {
-        case Definiteness::positive: return "sound";
-        case Definiteness::not_positive: return "indefinite";
+        case Health::sound: return "sound";
+        case Health::indefinite: return "indefinite";
         default: return "not finite";
     }
 }
@@ -121,7 +122,7 @@ void disturb(Trial const& trial, TrialOutput& out) {
             Vector<double> const theta = filter->theta();
             if (i == 0) bare = theta;
             for (auto const& [rows_since, error] : since)
-                out({guard_policies_by_name()[i], disturbance, double(rows_since), error, std::sqrt(during) / settled, worst / noise,
+                out({guard_policies_by_name()[i], disturbance, double(rows_since), error, std::sqrt(during) / stationary, worst / noise,
                      at_its_end, state_of(*filter), same_numbers(theta, bare) ? "bare" : "own", double(counts.outliers - before.outliers),
                      double(counts.windups - before.windups), double(counts.breakdowns - before.breakdowns)});
         }
@@ -137,12 +138,12 @@ Table after(Table const& t, std::string const& disturbance, std::vector<std::str
             std::vector<std::string> const& variants) {
     return at_the_end(t).where("disturbance", disturbance).where("policy", policies).where("variant", variants);
 }
-Number rows_between(std::string const& signal) {
+Statistic rows_between(std::string const& signal) {
     return {[=](Table const& t) { return 1e4 / mean(signal)(t); }, Estimate::geometric};
 }
 /// The share of runs that are not sound, out of those of each variant.
-Finding share_lost(Table const& t, std::string const& column, double from, double to) {
-    std::vector<Finding> parts;
+Judgement share_lost(Table const& t, std::string const& column, double from, double to) {
+    std::vector<Judgement> parts;
     for (auto const& [name, group] : t.groups({"arithmetic", "variant"})) {
         size_t const sound = group.where(column, "sound").rows().size(), all = group.rows().size();
         parts.push_back(labelled(name, proportion(all - sound, all, from, to)));
@@ -206,12 +207,12 @@ Study const guard_policies{
                  return within(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric), {"arithmetic", "policy"},
                                greatest("error").as(Estimate::most), 0, 2);
              },
-             finding("set before the run: the aim of the guard")},
+             own_result("set before the run: the aim of the guard")},
             {"and P is positive definite then, in most runs",
              [](Table const& t) {
                  return everywhere(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric), "afterwards", "sound");
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"a guard that reports leaves the filter's own bits, in every variant and most runs, but where a row is not finite",
              [](Table const& t) {
                  return everywhere(at_the_end(t)
@@ -225,26 +226,26 @@ Study const guard_policies{
              [](Table const& t) {
                  return everywhere(at_the_end(t).where("policy", "none").where("disturbance", "not finite"), "afterwards", "not finite");
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"one outlier of 1e6 sigma, nothing done: 1e6 lambda^250 sqrt(1 - lambda^2) = 1274 times a fresh filter's error, 0.7 to 1.4 "
              "times that",
              [](Table const& t) {
                  return within(after(t, "outlier", watching, factors_and_symmetric), {"arithmetic", "variant"}, mean("error"), 0.7 * 1274,
                                1.4 * 1274);
              },
-             finding("docs/theory.md 84")},
+             own_result("docs/theory.md 84")},
             {"one outlier in 20, nothing done: during it the rms error is sqrt(1 + 0.05 100^2) = 22.4 times the settled one, within 20 %",
              [](Table const& t) {
                  return within(after(t, "outliers", watching, factors_and_symmetric), {"arithmetic", "variant"}, root_mean_square("during"),
                                0.8 * 22.4, 1.2 * 22.4);
              },
-             finding("docs/theory.md 84")},
+             own_result("docs/theory.md 84")},
             {"with a guard that skips them at most 1.25 times",
              [](Table const& t) {
                  return within(after(t, "outliers", acting, factors_and_symmetric), {"arithmetic", "variant", "policy"},
                                root_mean_square("during"), 0.9, 1.25);
              },
-             finding("set before the run: a row in 20 lost, and outliers below 7 sigma taken")},
+             own_result("set before the run: a row in 20 lost, and outliers below 7 sigma taken")},
             {"silence, nothing done: P overflows in float after ln(3.4e38 / 0.02) / -ln lambda = 4585 rows where it or D is stored, in "
              "most "
              "runs",
@@ -252,47 +253,47 @@ Study const guard_policies{
                  return everywhere(after(t.where("arithmetic", "float"), "silence", watching, {"conventional", "symmetric", "ud"}),
                                    "at_its_end", "not finite");
              },
-             finding("docs/theory.md 84")},
+             own_result("docs/theory.md 84")},
             {"and in most runs it does not where a root is",
              [](Table const& t) {
                  return everywhere(after(t.where("arithmetic", "float"), "silence", watching, {"potter", "carlson", "inverse_qr", "qr"}),
                                    "at_its_end", "sound");
              },
-             finding("docs/theory.md 84")},
+             own_result("docs/theory.md 84")},
             {"collinear rows, nothing done: symmetric is indefinite at their end in at least half of the runs",
              [](Table const& t) { return share_lost(after(t, "collinear", {"none"}, {"symmetric"}), "at_its_end", 0.5, 1); },
-             finding("set before the run: u lambda^-2500 is far above 1")},
+             own_result("set before the run: u lambda^-2500 is far above 1")},
             {"dither, nothing done: theta leaves by more than 1000 sigma in most runs of the factor forms",
              [](Table const& t) {
                  return within(after(t, "dither", watching, factors), {"arithmetic", "policy"}, least("worst").as(Estimate::most), 1e3,
                                1e7);
              },
-             finding("set before the run: sqrt(4 r (1 - lambda)) 1e6 = 2e5 sigma is settled")},
+             own_result("set before the run: sqrt(4 r (1 - lambda)) 1e6 = 2e5 sigma is settled")},
             {"with P held down it stays below 5 sqrt(d 1600 lambda^-d) = 416 sigma in most runs",
              [](Table const& t) {
                  return within(after(t, "dither", acting, factors_and_symmetric), {"arithmetic", "policy"},
                                greatest("worst").as(Estimate::most), 0, 416);
              },
-             finding("set before the run: five deviations of the largest P")},
+             own_result("set before the run: five deviations of the largest P")},
             {"theta -> -theta, nothing done: (2 |theta| / sigma) lambda^250 / 0.2 = 3.5 times a fresh filter's error, within 1.6 times",
              [](Table const& t) {
                  return within(after(t, "change", watching, factors_and_symmetric), {"arithmetic", "variant"}, mean("error"), 3.5 / 1.6,
                                3.5 * 1.6);
              },
-             finding("docs/theory.md 84")},
+             own_result("docs/theory.md 84")},
             {"good rows alone: conventional that is reset breaks down every 1053 to 1168 rows in double, every 58 to 173 in float",
              [](Table const& t) {
                  Table const mine = after(t, "none", {"reset"}, {"conventional"});
                  return within(mine.where("arithmetic", "double"), {}, rows_between("breakdowns"), 1053, 1168) &&
                         within(mine.where("arithmetic", "float"), {}, rows_between("breakdowns"), 58, 173);
              },
-             finding("docs/theory.md 84, c from 0.1 to 1")},
+             own_result("docs/theory.md 84, c from 0.1 to 1")},
             {"conventional that hands over is within 2 times a fresh filter's error after each disturbance, in most runs",
              [](Table const& t) {
                  return within(at_the_end(t).where("policy", "hand_over").where("variant", "conventional"), {"arithmetic"},
                                greatest("error").as(Estimate::most), 0, 2);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
         },
 };
 

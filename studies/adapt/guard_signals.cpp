@@ -1,6 +1,7 @@
 // How often a guard is wrong, what it misses, and how late it is.
+// Longer than 150 lines: the predicted rates of the signals stand here, and nine claims.
 #include "studies/adapt/watched.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -191,9 +192,9 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
 
 Table of(Table const& t, std::string const& signal) { return t.where("signal", signal); }
 /// The mean of what was measured over what was predicted: a ratio of means, since a seed may have measured 0.
-Number const over_predicted([](Table const& t) { return mean("measured")(t) / mean("predicted")(t); });
-Finding difference(Table const& t, std::vector<std::string> const& by, double from, double to) {
-    return within(t, by, Number([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }), from, to);
+Statistic const over_predicted([](Table const& t) { return mean("measured")(t) / mean("predicted")(t); });
+Judgement difference(Table const& t, std::vector<std::string> const& by, double from, double to) {
+    return within(t, by, Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }), from, to);
 }
 
 }  // namespace
@@ -256,7 +257,7 @@ Study const guard_signals{
                  Table const mine = of(t, "false alarms").where("size", 4.0).where("at", [](double c) { return c <= 3; });
                  return within(mine, {"at", "arithmetic", "variant"}, over_predicted, 0.75, 1.25);
              },
-             finding("docs/theory.md 86")},
+             own_result("docs/theory.md 86")},
             {"c = 6: fewer than one in 10^4 good rows, if rows count as independent",
              [](Table const& t) {
                  Table const mine = of(t, "false alarms").where("at", 6.0).where("variant", "ud").where("arithmetic", "double");
@@ -264,41 +265,41 @@ Study const guard_signals{
                  for (double x : mine.numbers("measured")) hits += x;
                  return proportion(size_t(hits + 0.5), mine.rows().size() * size_t(far), 0, 1e-4);
              },
-             finding("set before the run: 2e-9 by the normal tail")},
+             own_result("set before the run: 2e-9 by the normal tail")},
             {"and no other signal on good rows, in most runs",
              [](Table const& t) {
                  return within(of(t, "other signals"), {"arithmetic", "variant"}, greatest("measured").as(Estimate::most), 0, 0);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"the threshold of c = 6 is the predicted one within 10 %, at d = 2 to 32",
              [](Table const& t) {
                  return within(of(t, "threshold"), {"size", "arithmetic", "variant"}, over_predicted, 0.9, 1.1);
              },
-             finding("docs/theory.md 86")},
+             own_result("docs/theory.md 86")},
             {"so that at d = 32 it is 22 to 34 standard deviations, not 6",
              [](Table const& t) { return within(of(t, "threshold").where("size", 32.0), {}, mean("measured"), 22, 34); },
-             finding("docs/theory.md 86: 28, to 20 %")},
+             own_result("docs/theory.md 86: 28, to 20 %")},
             {"d = 4: the share of outliers of 4 to 15 sigma that is seen is the predicted one, within 0.05",
              [](Table const& t) {
                  return difference(of(t, "caught"), {"at", "arithmetic", "variant"}, -0.05, 0.05);
              },
-             finding("docs/theory.md 86")},
+             own_result("docs/theory.md 86")},
             {"a change of 30, 100 and 1000 sigma is met after as many rows as predicted, within 15 %",
              [](Table const& t) {
                  Table const mine = of(t, "delay").where("at", [](double step) { return step >= 30; });
                  return within(mine, {"at", "arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
-             finding("docs/theory.md 86, whose formula for one row was corrected after a quick run")},
+             own_result("docs/theory.md 86, whose formula for one row was corrected after a quick run")},
             {"and one of 10 sigma (fails: 37 % of these changes are not met in 2000 rows)",
              [](Table const& t) {
                  Table const mine = of(t, "delay").where("at", 10.0);
                  return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
-             finding("docs/theory.md 86, band set before the run")},
+             own_result("docs/theory.md 86, band set before the run")},
             {"windup is told of ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in most runs",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},
-                               Number([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }, Estimate::most), 0, 5);
+                               Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }, Estimate::most), 0, 5);
              },
              verification("docs/theory.md 86")},
         },

@@ -9,33 +9,34 @@
 
 namespace rlslab::studies {
 
-/// Data are binary64 and are rounded once to the filter's arithmetic.
+/// Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's ComposedFilter does not do: it reports no signal of a
+/// row, has no limit for the innovation, hands over from double to 113 bits, and has no counting arithmetic.
 class Watched {
 public:
     virtual ~Watched() = default;
     virtual std::unique_ptr<Watched> clone() const = 0;
-    /// What the guard says of the row; none where there is no guard.
+    /// Returns the guard's signal for the row; none without a guard.
     virtual GuardSignal update(double const* psi, double y) = 0;
     virtual Vector<double> theta() const = 0;
     virtual double variance(Index j) = 0;  ///< P_jj
     virtual Stored<Reference> stored() const = 0;
-    virtual GuardCounts counts() const = 0;  ///< zeros where there is no guard
+    virtual GuardCounts counts() const = 0;  ///< zeros without a guard
 };
 
-/// The policies by name: none, report, reset, rebuild, hand_over. The last goes on in ud in double, and ud in double in qr;
-/// potter has none to go on from.
+/// The policies by name: none, report, reset, rebuild, hand_over. hand_over continues in ud in double, or in qr from ud in
+/// double. potter cannot hand over.
 std::vector<std::string> const& guard_policies_by_name();
 /// conventional, symmetric, potter, carlson, ud, inverse_qr, qr, gentleman.
 std::vector<std::string> const& guarded_variants();
 
-/// In "float" or "double". Null where there is no such pair of variant and policy.
+/// In "float" or "double". Null if there is no such pair of variant and policy.
 std::unique_ptr<Watched> watched(std::string_view variant, std::string_view arithmetic, std::string_view policy, Problem<double> const&,
                                  double innovation = 6);
-/// Operations of one row, the mean over 20 d of them: white rows after a memory, a guard armed and nothing wrong. In double.
+/// The mean operations of a row over 20 d white rows, after a memory, with the guard armed and nothing wrong. In double.
 double operations_of_a_row(std::string_view variant, std::string_view policy, Index size);
 
 using MakeWatched = std::unique_ptr<Watched> (*)(Problem<double> const&, double innovation);
-/// Null for a name that is not there; one for each arithmetic, in a file of its own.
+/// Null for another name. Each arithmetic has a file of its own.
 MakeWatched watched_in_float(std::string_view variant, std::string_view policy);
 MakeWatched watched_in_double(std::string_view variant, std::string_view policy);
 MakeWatched watched_counting(std::string_view variant, std::string_view policy);

@@ -1,6 +1,7 @@
 // Downdating with an alarm: how much worse than a fresh filter a window becomes, how often it is factored anew, and what else helps.
+// Longer than 150 lines: two experiments, a search and a slide, and 15 claims.
 #include "studies/adapt/windows.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -177,7 +178,7 @@ Table between(Table const& t, double from, double to) {
     return t.where("model", "outlier").where("q", [=](double q) { return from <= q && q <= to; });
 }
 /// The worst of the run over the prediction at the same row.
-Number of_prediction([](Table const& t) {
+Statistic of_prediction([](Table const& t) {
     auto const over = t.numbers("over_fresh"), predicted = t.numbers("predicted");
     double sum = 0;
     for (size_t i = 0; i < over.size(); ++i) sum += correctly::log10(over[i] / predicted[i]) / double(over.size());
@@ -185,7 +186,7 @@ Number of_prediction([](Table const& t) {
 });
 
 /// The power of the outlier's size that the error goes with.
-Number const power([](Table const& g) {
+Statistic const power([](Table const& g) {
     Table logs({"q", "digits"});
     auto const q = g.numbers("q"), error = g.numbers("error");
     for (size_t i = 0; i < q.size(); ++i) logs.add({q[i], correctly::log10(error[i])});
@@ -256,96 +257,96 @@ Study const window_downdating{
              [](Table const& t) {
                  return within(slid(t, "alarm"), {"arithmetic", "model", "variant"}, greatest("over_fresh").as(Estimate::most), 0, 10);
              },
-             finding("set before the run: the aim of the window")},
+             own_result("set before the run: the aim of the window")},
             {"than the worst of four orders of these rows, triangular forms, in most runs",
              [](Table const& t) {
                  return within(slid(t, "alarm").where("variant", triangular), {"arithmetic", "model", "variant"},
                                greatest("over_orders").as(Estimate::most), 0, 10);
              },
-             finding("the same band; the measure set after a quick run, where lucky fresh filters decided")},
+             own_result("the same band; the measure set after a quick run, where lucky fresh filters decided")},
             {"and potter's full root, in most runs",
              [](Table const& t) {
                  return within(slid(t, "alarm").where("variant", "potter"), {"arithmetic", "model"},
                                greatest("over_orders").as(Estimate::most), 0, 10);
              },
-             finding("the same band; the measure set after a quick run, where lucky fresh filters decided")},
+             own_result("the same band; the measure set after a quick run, where lucky fresh filters decided")},
             {"and forms that store P, in most runs",
              [](Table const& t) {
                  return within(slid(t, "alarm").where("variant", plain), {"arithmetic", "model", "variant"},
                                greatest("over_orders").as(Estimate::most), 0, 10);
              },
-             finding("the same band; the measure set after a quick run, where lucky fresh filters decided")},
+             own_result("the same band; the measure set after a quick run, where lucky fresh filters decided")},
             {"nor does a search over recipes of rows find a window that is, in most runs",
              [](Table const& t) {
                  return within(t.where("model", "search"), {"arithmetic", "variant"}, greatest("over_orders").as(Estimate::most), 0, 10);
              },
-             finding("set before the run: the aim of the window")},
+             own_result("set before the run: the aim of the window")},
             {"white rows, double: it is factored anew every 15 W / (4 d + 2) = 41.7 rows, within 30 %",
              [](Table const& t) {
                  Table const mine = slid(t, "alarm").where("arithmetic", "double").where("q", 0.0).where("model", "outlier");
-                 Number const apart([](Table const& g) { return 2000 / g.where("step", 2000.0).number("refactored"); });
-                 return within(mine, {"variant"}, apart, 0.7 * 41.7, 1.3 * 41.7);
+                 Statistic const interval([](Table const& g) { return 2000 / g.where("step", 2000.0).number("refactored"); });
+                 return within(mine, {"variant"}, interval, 0.7 * 41.7, 1.3 * 41.7);
              },
-             finding("docs/theory.md 85")},
+             own_result("docs/theory.md 85")},
             {"nothing done, double, factor forms, q = 2 ... 6: ten rows after an outlier has left its error is 1/3 to 3 times what "
              "sqrt(V / V0) expects",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 6), "none").where("arithmetic", "double").where("step", 180.0);
                  return within(mine.where("variant", factors), {"variant"}, of_prediction, 1.0 / 3, 3);
              },
-             finding("docs/theory.md 60, an order-of-magnitude law to a factor of 3")},
+             own_result("docs/theory.md 60, an order-of-magnitude law to a factor of 3")},
             {"and where P is stored, q = 2 and 3",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 3), "none").where("arithmetic", "double").where("step", 180.0);
                  return within(mine.where("variant", plain), {"variant"}, of_prediction, 1.0 / 3, 3);
              },
-             finding("docs/theory.md 60, an order-of-magnitude law to a factor of 3")},
+             own_result("docs/theory.md 60, an order-of-magnitude law to a factor of 3")},
             {"a schedule of 100 rows alone, q = 4, double: ten rows after the outlier has left at least 1e4 times a fresh filter's error",
              [](Table const& t) {
                  Table const mine = slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 180.0);
                  return within(mine, {"variant"}, median("over_fresh"), 1e4, 1e30);
              },
-             finding("docs/theory.md 47: 10^8 times d / W is 1e7")},
+             own_result("docs/theory.md 47: 10^8 times d / W is 1e7")},
             {"and 40 rows after it was factored anew at row 200 below 10 times",
              [](Table const& t) {
                  Table const mine = slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 240.0);
                  return within(mine, {"variant"}, median("over_fresh"), 0, 10);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"a schedule of 1000 rows keeps the damage: at row 900 at least a tenth of what it was at row 180, factor forms",
              [](Table const& t) {
                  Table const mine = slid(between(t, 4, 6), "every 1000").where("arithmetic", "double").where("variant", factors);
-                 Number const kept(
+                 Statistic const kept(
                      [](Table const& g) { return median("error")(g.where("step", 900.0)) / median("error")(g.where("step", 180.0)); });
                  return within(mine, {"variant"}, kept, 0.1, 10);
              },
-             finding("docs/theory.md 47: lambda = 1")},
+             own_result("docs/theory.md 47: lambda = 1")},
             {"corrected semi-normal equations, double: error ~ size^1, slope 1.0 +- 0.3 over q = 2 ... 6",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 6), "none").where("arithmetic", "double").where("step", 180.0);
                  return labelled("corrected", within(mine.where("variant", "corrected"), {}, power, 0.7, 1.3)) &&
                         labelled("qr", within(mine.where("variant", "qr"), {}, power, 1.7, 2.3));
              },
-             finding("docs/theory.md 85; 47 for qr")},
+             own_result("docs/theory.md 85; 47 for qr")},
             {"nor on any power: slope 0.0 +- 0.1",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 6), "none").where("arithmetic", "double").where("step", 180.0);
                  return within(mine.where("variant", "corrected"), {}, power, -0.1, 0.1);
              },
-             finding("docs/theory.md 85 as corrected after a quick run")},
+             own_result("docs/theory.md 85 as corrected after a quick run")},
             {"double: never factored anew they stay within 10 times the worst of four orders, in most runs of white rows and one outlier",
              [](Table const& t) {
                  Table const mine = slid(t, "none").where("model", "outlier").where("arithmetic", "double").where("variant", "corrected");
                  return within(mine, {"q"}, greatest("over_orders").as(Estimate::most), 0, 10);
              },
-             finding("set after a quick run")},
+             own_result("set after a quick run")},
             {"so that of an outlier of 10^6 they leave an error below 1e-8, where qr leaves 1e-6 and more",
              [](Table const& t) {
                  Table const mine = slid(between(t, 6, 6), "none").where("arithmetic", "double").where("step", 180.0);
                  return labelled("corrected", within(mine.where("variant", "corrected"), {}, median("error"), 0, 1e-8)) &&
                         labelled("qr", within(mine.where("variant", "qr"), {}, median("error"), 1e-6, 1e3));
              },
-             finding("docs/theory.md 85")},
+             own_result("docs/theory.md 85")},
         },
 };
 

@@ -10,7 +10,8 @@
 
 namespace rlslab::studies {
 
-/// A window's variant and arithmetic are names. Data are binary64 and are rounded once to the filter's arithmetic.
+/// A window's variant and arithmetic are names. Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's
+/// ComposedFilter does not do: it has no schedule of refactoring and no predicted error.
 class SlidingFilter {
 public:
     virtual ~SlidingFilter() = default;
@@ -18,7 +19,7 @@ public:
     virtual Vector<Reference> theta() const = 0;
     virtual Stored<Reference> stored() const = 0;
     virtual Index refactored() const = 0;
-    /// sqrt(V / V0) of docs/theory.md 60; NaN where it is not known.
+    /// sqrt(V / V0) of docs/theory.md 60; NaN if it is not known.
     virtual double predicted() const = 0;
 };
 

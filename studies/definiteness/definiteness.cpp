@@ -1,5 +1,6 @@
 // Which stored covariances stop being positive definite, and when: decided for exactly the stored bits at every step.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: ratios of medians have intervals of their own, and nine claims use them.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -19,12 +20,12 @@ constexpr int horizon = 6000;
 
 struct End {
     int step = horizon + 1;  ///< the first with a P that is not positive definite; one past the run if none is
-    std::string how = {};
+    Health how = Health::sound;
 };
 
 /// Rows of variances 1 ... kappa_P^-1 along fixed random directions. The prior is as wide as the widest direction of P becomes,
 /// (1 - lambda) kappa_P, so that neither the start nor a slow growth towards that width decides.
-End first_breakdown(Entry const& entry, double kappa_P, Seed data) {
+End first_breakdown(CatalogueEntry const& entry, double kappa_P, Seed data) {
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = (1 - lambda) * kappa_P}}, *entry.arithmetic);
     Records records = graded(size, horizon, std::sqrt(kappa_P), data);
@@ -34,7 +35,7 @@ End first_breakdown(Entry const& entry, double kappa_P, Seed data) {
     auto const filter = entry.make(problem, Seed{1});
     for (int k = 1; k <= horizon; ++k) {
         filter->update(records.sample(k - 1), records.y[k - 1]);
-        if (std::string how = breakdown(*filter, *entry.arithmetic); !how.empty()) return {k, std::move(how)};
+        if (Health const how = breakdown(*filter, *entry.arithmetic); how != Health::sound) return {k, how};
     }
     return {};
 }
@@ -42,15 +43,15 @@ End first_breakdown(Entry const& entry, double kappa_P, Seed data) {
 /// Replicates inside: a survival curve is a fraction of them.
 void measure(Trial const& trial, TrialOutput& out) {
     int const runs = trial.full() ? 50 : 12;
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Seed seed = trial.seed({"arithmetic", "hardness"});
     std::vector<double> first;
     double indefinite = 0, nonfinite = 0;
     for (int i = 0; i < runs; ++i) {
         End const end = first_breakdown(entry, trial.number("hardness") / entry.arithmetic->unit_roundoff(), Seed{seed.next()});
         first.push_back(end.step);
-        indefinite += end.how == "indefinite";
-        nonfinite += end.how == "nonfinite";
+        indefinite += end.how == Health::indefinite;
+        nonfinite += end.how == Health::nonfinite;
     }
     auto const [earliest, latest] = std::ranges::minmax(first);
     Interval const middle = median_interval(first, claim_risk / 2);  // of two medians whose ratio is asked
@@ -75,8 +76,8 @@ Ratio ratio_of(Table const& t, std::string const& a, std::string const& b) {
     return {A.number("first") / B.number("first"),
             {std::max(0.0, A.number("first_low")) / B.number("first_high"), A.number("first_high") / std::max(0.0, B.number("first_low"))}};
 }
-Finding ratio(Table const& t, std::string const& a, std::string const& b, double from, double to) {
-    std::vector<Finding> all;
+Judgement ratio(Table const& t, std::string const& a, std::string const& b, double from, double to) {
+    std::vector<Judgement> all;
     for (auto const& [name, rows] : ends(t).groups({"arithmetic"})) {
         auto const [x, interval] = ratio_of(rows, a, b);
         Interval const band{from, to};
@@ -88,7 +89,7 @@ Finding ratio(Table const& t, std::string const& a, std::string const& b, double
     return together(all);
 }
 /// joseph's median step over symmetric's falls with the length of the word: in these two it lies below that in those two.
-Finding earlier_in_longer_words(Table const& t) {
+Judgement earlier_in_longer_words(Table const& t) {
     auto const in = [&](char const* arithmetic) { return ratio_of(ends(t).where("arithmetic", arithmetic), "joseph", "symmetric"); };
     Ratio const short_words[]{in("bfloat16"), in("binary16")}, long_words[]{in("float"), in("double")};
     bool below = true, above = false;
@@ -105,8 +106,8 @@ Finding earlier_in_longer_words(Table const& t) {
             4 * claim_risk};
 }
 /// More than half of all runs do what `share` of those of a row did.
-Finding most(Table const& t, std::string const& share) {
-    std::vector<Finding> all;
+Judgement most(Table const& t, std::string const& share) {
+    std::vector<Judgement> all;
     for (auto const& [name, row] : t.groups({"arithmetic", "hardness", "variant"})) {
         double const runs = row.number("runs");
         all.push_back(labelled(name, proportion(size_t(std::lround(row.number(share) * runs)), size_t(runs), 0.5, 1)));
@@ -171,38 +172,38 @@ Study const definiteness{
              [](Table const& t) {
                  return most(ends(t).where("variant", {"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}), "definite");
              },
-             finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
+             own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
             {"potter's full root does so too", [](Table const& t) { return most(ends(t).where("variant", "potter"), "definite"); },
-             finding("the claim of the literature on factor forms, docs/literature.md 3.9")},
+             own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
             {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln lambda at the latest, "
              "within "
              "10 % "
              "(fails in bfloat16: the law is for an error of u that grows to 1, and P is lost a little later)",
              [](Table const& t) {
-                 Number const of_law([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
+                 Statistic const of_law([](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
                  return within(ends(t).where("variant", "conventional"), {"arithmetic", "hardness"}, of_law, 0, 1.1);
              },
-             finding("docs/theory.md 37")},
+             own_result("docs/theory.md 37")},
             {"at kappa_P = 4/u every other covariance form and information lose it in at least half of the runs, in every arithmetic",
              [](Table const& t) {
                  std::vector<std::string> const forms{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "information"};
                  return most(ends(t).where("hardness", 4.0).where("variant", forms), "indefinite");
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"Joseph's broken promise: at kappa_P = 4/u joseph is indefinite in most runs, in the median no later than "
              "symmetric",
              [](Table const& t) {
                  Table const here = t.where("hardness", 4.0);
-                 Finding const all = most(ends(here).where("variant", "joseph"), "indefinite");
-                 Finding const earlier = ratio(here, "joseph", "symmetric", 0, 1);
+                 Judgement const all = most(ends(here).where("variant", "joseph"), "indefinite");
+                 Judgement const earlier = ratio(here, "joseph", "symmetric", 0, 1);
                  return all && earlier;
              },
-             finding("set before the run: no later")},
+             own_result("set before the run: no later")},
             {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part of symmetric's in "
              "float "
              "and double than in bfloat16 and binary16",
              [](Table const& t) { return earlier_in_longer_words(t.where("hardness", 4.0)); },
-             finding("set before the run: a smaller part")},
+             own_result("set before the run: a smaller part")},
             {"in double at kappa_P = 1/(64u) joseph is indefinite in most runs, symmetric and joseph_rank_two are definite in most, "
              "through all 6000 steps",
              [](Table const& t) {
@@ -210,14 +211,14 @@ Study const definiteness{
                  return most(here.where("variant", "joseph"), "indefinite") &&
                         most(here.where("variant", {"symmetric", "joseph_rank_two"}), "definite");
              },
-             finding("set before the run: all or none; restated for most runs, as an interval shows no more")},
+             own_result("set before the run: all or none; restated for most runs, as an interval shows no more")},
             {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = 4/u within a factor "
              "of 4",
              [](Table const& t) { return ratio(t.where("hardness", 4.0), "joseph_rank_two", "symmetric", 0.25, 4); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"nothing breaks down by overflow in these runs",
              [](Table const& t) { return within(ends(t), {"arithmetic"}, greatest("nonfinite"), 0, 0); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -1,6 +1,6 @@
 // Stochastic rounding with all bits and with few: how far the covariance of a running mean falls, and where it stops.
 #include "studies/definiteness/random_filters.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -41,7 +41,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table at_the_end(Table const& t, char const* rounding) { return t.where("rounding", rounding).where("last", 1.0); }
-Number const of_law([](Table const& t) { return t.number("of_law"); });
+Statistic const of_law([](Table const& t) { return t.number("of_law"); });
 
 }  // namespace
 
@@ -93,30 +93,30 @@ Study const few_random_bits{
         {
             {"S1: to nearest P freezes at u/sqrt(2), within 1 %, for every p tried",
              [](Table const& t) { return within(at_the_end(t, "nearest"), {"digits"}, of_law.as(Estimate::fixed), 0.99, 1.01); },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
             {"S2: stochastic, 17 times as many rows as it takes to freeze: k P is 1 in the mean, within 2 %",
              [](Table const& t) { return within(at_the_end(t, "stochastic"), {"digits"}, mean("rows_P").as(Estimate::mean), 0.98, 1.02); },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
             {"S2: and has the standard deviation 0.9 sqrt(u), within a factor of 1.25",
              [](Table const& t) { return within(at_the_end(t, "stochastic"), {"digits"}, root_mean_square("deviation"), 0.8, 1.25); },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
             {"S3: r random bits, the rest truncated: at 4 k*, k* = 2^r/(1.44 u), 1/P is k* e^3 within a factor of 3: the filter falls "
              "asleep",
              [](Table const& t) {
                  return within(at_the_end(t, "truncate"), {"digits", "random_bits"}, of_law, 1 / 3.0, 3);
              },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
             {"S3: beyond 2 k* it grows by e in k* rows, within a factor of 1.25",
              [](Table const& t) {
                  Table const late = t.where("rounding", "truncate").where("scaled", [](double s) { return s > 2; });
                  return within(late, {"digits", "random_bits"}, rate("scaled", "inverse_P"), 0.8, 1.25);
              },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
             {"S3: with half of the last random bit added P freezes at 2^-r u/sqrt(2), within 1 %",
              [](Table const& t) {
                  return within(at_the_end(t, "half"), {"digits", "random_bits"}, of_law, 0.99, 1.01);
              },
-             finding("docs/theory.md 75, set before the run")},
+             own_result("docs/theory.md 75, set before the run")},
         },
 };
 

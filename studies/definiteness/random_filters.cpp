@@ -12,20 +12,20 @@ namespace {
 using T = RandomlyRounded;
 
 template <RecursiveLeastSquares F>
-Entry entry_in(Arithmetic const* arithmetic) {
+CatalogueEntry entry_in(Arithmetic const* arithmetic) {
     return {F::name,          arithmetic, StartsWithoutPrior<F>, 1, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
             &Erased<F>::make, nullptr};
 }
 
 }  // namespace
 
-Entry const& randomly_rounded(std::string_view variant) {
+CatalogueEntry const& randomly_rounded(std::string_view variant) {
     static Arithmetic const arithmetic = arithmetic_of<T>();
-    static std::vector<Entry> const entries{
+    static std::vector<CatalogueEntry> const entries{
         entry_in<Symmetric<T>>(&arithmetic), entry_in<Joseph<T>>(&arithmetic),  entry_in<JosephRankTwo<T>>(&arithmetic),
         entry_in<Ud<T>>(&arithmetic),        entry_in<Carlson<T>>(&arithmetic), entry_in<InverseQr<T>>(&arithmetic),
         entry_in<Qr<T>>(&arithmetic)};
-    for (Entry const& entry : entries)
+    for (CatalogueEntry const& entry : entries)
         if (entry.variant == variant) return entry;
     throw std::logic_error("no such variant rounds at random");
 }

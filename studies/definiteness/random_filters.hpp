@@ -9,6 +9,6 @@ namespace rlslab::studies {
 
 /// symmetric, joseph, joseph_rank_two, ud, carlson, inverse_qr, qr, rounded as the RandomRoundingScope of the calling thread says while
 /// the filter is made and fed. Throws std::logic_error for another variant.
-Entry const& randomly_rounded(std::string_view variant);
+CatalogueEntry const& randomly_rounded(std::string_view variant);
 
 }  // namespace rlslab::studies

@@ -99,30 +99,34 @@ public:
     friend auto operator<=>(RandomlyRounded const&, RandomlyRounded const&) = default;
 };
 
+}  // namespace rlslab::studies
+
+namespace rlslab {
+
 template <>
-struct ArithmeticTraits<RandomlyRounded> {
+struct ArithmeticTraits<studies::RandomlyRounded> {
     static constexpr std::string_view name = "random";
     static constexpr int digits = 53, min_exp = -1022, max_exp = 1023;
 };
 template <>
-inline int significand_bits<RandomlyRounded>() {
-    return RandomRoundingScope::rule().digits;
+inline int significand_bits<studies::RandomlyRounded>() {
+    return studies::RandomRoundingScope::rule().digits;
 }
 template <>
-struct RoundingSeedScope<RandomlyRounded> : StochasticStream {
+struct RoundingSeedScope<studies::RandomlyRounded> : StochasticStream {
     using StochasticStream::StochasticStream;
 };
 /// The draws of what is no part of the algorithm are taken back.
 template <>
-struct UncountedScope<RandomlyRounded> : UncountedScope<Chopped<binary16, Rounding::stochastic>> {};
+struct UncountedScope<studies::RandomlyRounded> : UncountedScope<Chopped<binary16, Rounding::stochastic>> {};
 template <>
-struct Encoding<RandomlyRounded> : EncodingInDouble<RandomlyRounded, detail::AnyDouble> {};
+struct Encoding<studies::RandomlyRounded> : EncodingInDouble<studies::RandomlyRounded, detail::AnyDouble> {};
 
-}  // namespace rlslab::studies
+}  // namespace rlslab
 
 template <>
-struct Eigen::NumTraits<rlslab::RandomlyRounded> : rlslab::detail::StorageTraits<rlslab::RandomlyRounded> {
-    using Number = rlslab::RandomlyRounded;
+struct Eigen::NumTraits<rlslab::studies::RandomlyRounded> : rlslab::detail::StorageTraits<rlslab::studies::RandomlyRounded> {
+    using Number = rlslab::studies::RandomlyRounded;
     static Number highest() { return Number(std::numeric_limits<double>::max()); }
     static Number lowest() { return -highest(); }
     static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }

@@ -1,6 +1,7 @@
 // The hazard per step of losing definiteness: to nearest, stochastically, and with few random bits.
+// Longer than 150 lines: the hazard's interval stands here, and seven claims use it.
 #include "studies/definiteness/random_filters.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/interval.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -66,7 +67,7 @@ void measure(Trial const& trial, TrialOutput& out) {
                         : whole ? 53 - p
                                 : int(rounding[0] - '0'),
          .surplus = rounding.ends_with("half") ? RandomRounding::Surplus::half : RandomRounding::Surplus::truncate});
-    Entry const& entry = randomly_rounded(trial.text("variant"));
+    CatalogueEntry const& entry = randomly_rounded(trial.text("variant"));
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     double const lambda = problem.forgetting, u = std::ldexp(1.0, -p), c = nearest ? 0.3 : 0.42;
@@ -89,7 +90,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         filter->update(records.sample(k), records.y[k]);
         bool const counts = k - made >= start;
         counted += counts;
-        if (surely_positive(filter->stored_in_double()) || definiteness(filter->stored()) == Definiteness::positive) continue;
+        if (surely_positive(filter->stored_in_double()) || definiteness(filter->stored()) == Health::sound) continue;
         ++(counts ? lost : early);
         filter = entry.make(problem, Seed{seed.next()});
         made = k + 1;
@@ -121,7 +122,7 @@ struct Hazard {
     /// The variance of ln rate().
     double scatter() const { return bursts / lost; }
 };
-Finding judged(double point, Interval const& shown, double from, double to, std::string const& name) {
+Judgement judged(double point, Interval const& shown, double from, double to, std::string const& name) {
     Interval const band{from, to};
     return {shown.outside(band)  ? Verdict::fails
             : shown.inside(band) ? Verdict::holds
@@ -134,8 +135,8 @@ Table of(Table const& t, char const* variant, char const* rounding) { return t.w
 std::vector<std::string> const cell{"pole", "lambda", "digits"};
 
 /// Losses over the law's, in every cell where the law expects at least ten.
-Finding against_the_law(Table const& t, char const* rounding) {
-    std::vector<Finding> out;
+Judgement against_the_law(Table const& t, char const* rounding) {
+    std::vector<Judgement> out;
     for (auto const& [name, runs] : of(t, "symmetric", rounding).groups(cell)) {
         Hazard const h(runs);
         if (h.predicted * h.steps < 10) continue;
@@ -146,8 +147,8 @@ Finding against_the_law(Table const& t, char const* rounding) {
 }
 /// f of the hazards (nearest, p - 1), (nearest, p), (stochastic, p - 1), (stochastic, p) of each pole and lambda.
 template <class F>
-Finding each_bit(Table const& t, F f) {
-    std::vector<Finding> out;
+Judgement each_bit(Table const& t, F f) {
+    std::vector<Judgement> out;
     for (auto const& [name, runs] : t.where("variant", "symmetric").groups({"pole", "lambda"}))
         for (Cell const& digits : runs.distinct("digits")) {
             double const p = std::get<double>(digits);
@@ -227,9 +228,9 @@ Study const stochastic_definiteness{
     .claims =
         {
             {"S4: to nearest the hazard of symmetric is the law's with c = 0.3, within a factor of 3, where ten losses are expected",
-             [](Table const& t) { return against_the_law(t, "nearest"); }, finding("docs/theory.md 76, its c fitted after pilot runs")},
+             [](Table const& t) { return against_the_law(t, "nearest"); }, own_result("docs/theory.md 76, its c fitted after pilot runs")},
             {"S4: stochastic with c = 0.42, within a factor of 3", [](Table const& t) { return against_the_law(t, "stochastic"); },
-             finding("docs/theory.md 76, its c fitted after pilot runs")},
+             own_result("docs/theory.md 76, its c fitted after pilot runs")},
             {"S4: a bit more multiplies |ln h| by 1.2 to 1.6, not by 4",
              [](Table const& t) {
                  return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const& s0,
@@ -243,7 +244,7 @@ Study const stochastic_definiteness{
                      growth("nearest", n0, n1), growth("stochastic", s0, s1);
                  });
              },
-             finding("docs/theory.md 76, set before the run")},
+             own_result("docs/theory.md 76, set before the run")},
             {"S5: stochastic rounding costs half a bit, to a quarter: h(p) is that to nearest of p - x bits, ln h linear between",
              [](Table const& t) {
                  return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const&, auto const& s1) {
@@ -254,20 +255,20 @@ Study const stochastic_definiteness{
                      out.push_back(judged(x, {x - error, x + error}, 0.25, 0.75, label));
                  });
              },
-             finding("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and 1 as well")},
+             own_result("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and 1 as well")},
             {"S6: ud, carlson, inverse_qr, qr never lose it, to nearest and stochastically, in 6 and 8 bits",
              [](Table const& t) {
                  Table const roots = t.where("variant", std::vector<std::string>{"ud", "carlson", "inverse_qr", "qr"});
                  double steps = 0;
                  for (double const n : roots.numbers("steps")) steps += n;
-                 Finding out = everywhere(roots, "lost", 0.0, Estimate::proven) && everywhere(roots, "early", 0.0, Estimate::proven);
+                 Judgement out = everywhere(roots, "lost", 0.0, Estimate::proven) && everywhere(roots, "early", 0.0, Estimate::proven);
                  out.measured += fmt::format("; {:.3g} steps", steps);
                  return out;
              },
              verification("docs/theory.md 34").by("docs/theory.md 34")},
             {"joseph_rank_two in 8 bits loses it at least ten times as often stochastically as to nearest",
              [](Table const& t) {
-                 std::vector<Finding> out;
+                 std::vector<Judgement> out;
                  for (auto const& [name, runs] : of(t, "joseph_rank_two", "stochastic").where("digits", 8.0).groups({"lambda"})) {
                      Table const nearest = of(t, "joseph_rank_two", "nearest").where("digits", 8.0);
                      Interval const at_random = Hazard(runs).limits(),
@@ -277,10 +278,10 @@ Study const stochastic_definiteness{
                  }
                  return together(out);
              },
-             finding("docs/theory.md 79; set after a pilot at the quick budget")},
+             own_result("docs/theory.md 79; set after a pilot at the quick budget")},
             {"4 random bits lose it as often as all: symmetric in 8 bits, within a factor of 1.5, truncated and with half added",
              [](Table const& t) {
-                 std::vector<Finding> out;
+                 std::vector<Judgement> out;
                  for (char const* few : {"4 bits", "4 bits and half"})
                      for (auto const& [name, runs] : of(t, "symmetric", few).where("digits", 8.0).groups({"lambda"})) {
                          Hazard const h(runs), all(of(t, "symmetric", "stochastic")
@@ -292,7 +293,7 @@ Study const stochastic_definiteness{
                      }
                  return together(out);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
         },
 };
 

@@ -1,6 +1,6 @@
 // Rows that are rounded stochastically: what that does to the smallest singular value of collinear columns.
 #include "studies/definiteness/random_rounding.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <cmath>
@@ -30,8 +30,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         filter->update(row, 0);
     }
     Matrix<Reference> const P = covariance_of(filter->stored());
-    Reference const half = (P(0, 0) + P(1, 1)) / 2, apart = (P(0, 0) - P(1, 1)) / 2;
-    double const greatest = static_cast<double>(Reference(half + sqrt(Reference(apart * apart + P(0, 1) * P(0, 1))))),
+    Reference const half = (P(0, 0) + P(1, 1)) / 2, difference = (P(0, 0) - P(1, 1)) / 2;
+    double const greatest = static_cast<double>(Reference(half + sqrt(Reference(difference * difference + P(0, 1) * P(0, 1))))),
                  u = std::ldexp(1.0, -p);
     out({u, greatest, greatest * units / 6, greatest * trial.number("rows") * u * u * largest, greatest / prior});
 }
@@ -83,18 +83,18 @@ Study const stochastic_rows{
              [](Table const& t) {
                  return within(stochastic(t), {"digits", "rows"}, mean("of_law"), 0.8, 1.25);
              },
-             finding("docs/theory.md 77, set before the run")},
+             own_result("docs/theory.md 77, set before the run")},
             {"S7: so it falls as u^-2 does, exponent -2 +- 0.1",
              [](Table const& t) { return within(stochastic(t), {"rows"}, slope("u", "greatest_P"), -2.1, -1.9); },
-             finding("docs/theory.md 77, set before the run")},
+             own_result("docs/theory.md 77, set before the run")},
             {"S7: and as 1/N, exponent -1 +- 0.1",
              [](Table const& t) { return within(stochastic(t), {"digits"}, slope("rows", "greatest_P"), -1.1, -0.9); },
-             finding("docs/theory.md 77, set before the run")},
+             own_result("docs/theory.md 77, set before the run")},
             {"S7: N u^2 max psi^2 times it stays below 100 in most runs",
              [](Table const& t) {
                  return within(stochastic(t), {"digits", "rows"}, mean("of_bound").as(Estimate::most), 0, 100);
              },
-             finding("docs/theory.md 77, set before the run")},
+             own_result("docs/theory.md 77, set before the run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // A direction that no row excites: what P does there, in exact rationals.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>

@@ -1,5 +1,6 @@
 // No excitation with forgetting: P grows without bound in directions without data. How each form behaves.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: nine claims on one run.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -14,7 +15,7 @@ namespace {
 /// The same psi in every row, until P breaks down, but at most 2.5 times as long as P stays in the arithmetic's range: the root of P stays
 /// in range twice as long, and that of its inverse a little longer, because of the subnormal numbers.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Arithmetic const& arithmetic = *entry.arithmetic;
     Problem<double> const problem =
         as_stored({.size = 3, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, arithmetic);
@@ -25,21 +26,21 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const indefinite_law = correctly::log((1 - lambda) / (arithmetic.unit_roundoff() * square)) / rate;
     double const overflow_law = (arithmetic.max_exp + 1) * correctly::log(2) / rate;
     auto const filter = entry.make(problem, Seed{1});
-    std::string outcome;
+    Health outcome = Health::sound;
     int step = 0;
-    while (outcome.empty() && step < 2.5 * overflow_law) {
+    while (outcome == Health::sound && step < 2.5 * overflow_law) {
         filter->update(psi, 1);
         outcome = breakdown(*filter, arithmetic);
         ++step;
     }
     Matrix<Reference> const P = covariance_of(filter->stored());
     double largest = INFINITY;  // where an infinity ended the run
-    if (outcome != "nonfinite") largest = static_cast<double>(log2(abs(P(0, 0)) + abs(P(1, 1)) + abs(P(2, 2))));
-    out({1 / (1 - trial.number("lambda")), double(step), outcome.empty() ? "sound" : outcome, step / indefinite_law, step / overflow_law,
+    if (outcome != Health::nonfinite) largest = static_cast<double>(log2(abs(P(0, 0)) + abs(P(1, 1)) + abs(P(2, 2))));
+    out({1 / (1 - trial.number("lambda")), double(step), std::string(name_of(outcome)), step / indefinite_law, step / overflow_law,
          largest / arithmetic.digits});
 }
 
-Finding none(Table const& t, std::string const& outcome) {
+Judgement none(Table const& t, std::string const& outcome) {
     size_t const found = t.where("outcome", outcome).rows().size();
     return {!t.empty() && found == 0, fmt::format("{} of {} are {}", found, t.rows().size(), outcome)};
 }
@@ -114,14 +115,14 @@ Study const windup{
                      },
                      0.6, 1);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"triangular factor forms are never indefinite, to 2.5 times the step at which the exact P overflows",
              [](Table const& t) { return none(t.where("variant", triangles), "indefinite"); },
              reproduction("earlier experiment, docs/literature.md 3.10")},
             {"ud overflows within 0.2 % of the law",
              [](Table const& t) {
-                 Finding const overflow = everywhere(t.where("variant", "ud"), "outcome", "nonfinite");
-                 Finding const when = within(t.where("variant", "ud"), {"arithmetic", "lambda"}, median("of_overflow_law"), 0.998, 1.002);
+                 Judgement const overflow = everywhere(t.where("variant", "ud"), "outcome", "nonfinite");
+                 Judgement const when = within(t.where("variant", "ud"), {"arithmetic", "lambda"}, median("of_overflow_law"), 0.998, 1.002);
                  return overflow && when;
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.10")},
@@ -129,22 +130,22 @@ Study const windup{
              [](Table const& t) {
                  return none(t.where("variant", {"potter", "carlson", "inverse_qr", "qr", "gentleman", "extended_qr"}), "nonfinite");
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"the other roots of P stop growing: P settles between u^-1.5 and u^-2.2",
              [](Table const& t) {
                  return within(t.where("variant", {"carlson", "inverse_qr"}), {"arithmetic", "lambda", "variant"}, median("growth"), 1.5,
                                2.2);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"potter is lost at none of these, or only by an exactly singular root after P has grown to u^-1.5",
              [](Table const& t) {
                  Table const potter = t.where("variant", "potter");
-                 Finding const found = within(potter, {"arithmetic", "lambda"}, median("growth"), 1.5, 2.2);
+                 Judgement const found = within(potter, {"arithmetic", "lambda"}, median("growth"), 1.5, 2.2);
                  return labelled(fmt::format("{} of {} singular, P at u^-x, x", potter.where("outcome", "indefinite").rows().size(),
                                              potter.rows().size()),
                                  found);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -148,9 +148,9 @@ double GivenProblem::theta_backward_error(Vector<Reference> const& theta) const 
         Reference next = 0;
         for (Index i = 0; i < size(); ++i) next += h[i] * h[i] / (squares_[i] + phi - e);
         next *= tau;
-        bool const settled = next - e <= next * 1e-18;
+        bool const converged = next - e <= next * 1e-18;
         e = next;
-        if (settled) break;
+        if (converged) break;
     }
     return static_cast<double>(sqrt(Reference(e / M_.trace())));
 }

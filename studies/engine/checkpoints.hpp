@@ -1,4 +1,4 @@
-// A filter runs over rows and is compared with the exact solution at some of them.
+// Runs a filter over rows and compares it with the exact solution at some of them.
 #pragma once
 
 #include "studies/engine/scenarios.hpp"

@@ -1,7 +1,7 @@
-// Rows become curves: apart by series and panel, the median where several share a place.
+// Makes curves from rows: one for each series and panel, through the median of the rows at one place.
 #include "studies/engine/figure.hpp"
 
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/catalogue.hpp>

@@ -1,4 +1,4 @@
-// A study's plots worked out from its table: rows become curves. What draws them is in report/.
+// Makes the figures of a study from its table. report/ draws them.
 #pragma once
 
 #include "report/figure.hpp"
@@ -6,7 +6,7 @@
 
 namespace rlslab::studies {
 
-/// Numbers that a logarithmic axis cannot show (0, NaN, infinity) are left out of the curve.
+/// One figure for each plot and panel. Curves leave out 0, NaN and infinity on a logarithmic axis.
 std::vector<report::Figure> figures(Study const& study, Table const& table);
 
 }  // namespace rlslab::studies

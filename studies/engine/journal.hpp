@@ -12,13 +12,13 @@
 
 namespace rlslab::studies {
 
-/// A checksum that tells texts apart; not for security (FNV-1a).
+/// A checksum of a text (FNV-1a); not for security.
 constexpr std::uint64_t hash(std::string_view text, std::uint64_t from = 0xcbf29ce484222325) {
     for (char const c : text) from = (from ^ std::uint8_t(c)) * 0x100000001b3;
     return from;
 }
 
-/// One of `of` shares of the trials, counted from 1. The only share of one is the whole.
+/// Share `number` (from 1) of `of` shares of the trials. 1 of 1 is the whole.
 struct Part {
     int number = 1, of = 1;
     bool whole() const { return of == 1; }
@@ -26,16 +26,16 @@ struct Part {
 /// "2-of-8", as in the names of files
 std::string name_of(Part part);
 
-/// The lines of CSV of each finished trial of one study, by its number: FOLDER/NAME, of a part FOLDER/NAME.2-of-8. A file whose key is
-/// another one is not read: then the program, the study, its budget or the seed has changed.
+/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, or FOLDER/NAME.2-of-8 for a part.
+/// A file with another key is ignored: the program, the study, its budget or the seed has changed.
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
     std::map<size_t, std::vector<std::string>> finished_;
 
 public:
-    /// Reads what the whole and every part have finished. A part rewrites its own file alone, the whole takes the files of the parts into
-    /// its own and removes them; files of another key stay, but for its own. Throws InputError when a file cannot be written.
+    /// Reads the finished trials of the whole and of every part. A part rewrites its own file alone. The whole copies the files of the
+    /// parts into its own and removes them. Files of another key stay, except its own. Throws InputError if a file cannot be written.
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
@@ -43,7 +43,7 @@ public:
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
-/// What the folders' journals of one study have finished. Throws InputError for a journal of another key.
+/// The finished trials in the folders' journals of one study. Throws InputError for a journal with another key.
 std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
                                                            std::string const& key);
 /// Writes the journal of a whole run. Throws InputError.
@@ -56,7 +56,7 @@ class FolderLock {
     int file_, own_ = -1;
 
 public:
-    /// Throws InputError when another run holds it, or the folder's file .lock cannot be written.
+    /// Throws InputError if another run holds the lock, or if the folder's file .lock cannot be written.
     explicit FolderLock(std::filesystem::path const& folder, Part part = {});
     ~FolderLock();
     FolderLock(FolderLock const&) = delete;

@@ -83,10 +83,10 @@ std::string table_tex(Outcome const& outcome, RunOptions const& options) {
     out += "\\begin{longtable}{p{0.45\\linewidth}p{0.37\\linewidth}l}\n";
     out += fmt::format("\\caption{{\\texttt{{{}}}: {}}}\\\\\n", latex(outcome.study->name), latex(outcome.study->question));
     out += "\\toprule\nclaim & measured & verdict\\\\\n\\midrule\\endhead\n";
-    for (size_t i = 0; i < outcome.findings.size(); ++i) {
+    for (size_t i = 0; i < outcome.judgements.size(); ++i) {
         Claim const& claim = outcome.study->claims[i];
         out += fmt::format("{} (\\emph{{{}}}) & {} & {}\\\\\n", latex(claim.text), name_of(claim.basis.kind),
-                           latex(outcome.findings[i].measured), name_of(outcome.findings[i].verdict));
+                           latex(outcome.judgements[i].measured), name_of(outcome.judgements[i].verdict));
     }
     return out + "\\bottomrule\n\\end{longtable}\n";
 }
@@ -104,7 +104,7 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
                        name_of(options.budget), options.seed, latex(revision));
     out += fmt::format("\\newcommand{{\\runstudies}}{{{}}}\n", outcomes.size());
     auto const counts = counted(outcomes);
-    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding}) {
+    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
         Count const& c = counts[size_t(kind)];
         auto const define = [&](char const* what, size_t n) {
             out += fmt::format("\\expandafter\\def\\csname rls@count@{}@{}\\endcsname{{{}}}\n", name_of(kind), what, n);
@@ -114,12 +114,12 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
         define("undecided", c.undecided);
     }
     for (Outcome const& outcome : outcomes)
-        for (size_t i = 0; i < outcome.findings.size(); ++i)
+        for (size_t i = 0; i < outcome.judgements.size(); ++i)
             out += fmt::format(
                 "\\expandafter\\def\\csname rls@{0}@{1}\\endcsname{{{2}}}\n"
                 "\\expandafter\\def\\csname rls@v@{0}@{1}\\endcsname{{{3}}}\n"
                 "\\expandafter\\def\\csname rls@c@{0}@{1}\\endcsname{{{4}}}\n",
-                outcome.study->name, i + 1, latex(outcome.findings[i].measured), name_of(outcome.findings[i].verdict),
+                outcome.study->name, i + 1, latex(outcome.judgements[i].measured), name_of(outcome.judgements[i].verdict),
                 latex(outcome.study->claims[i].text));
     return out + "\\makeatother\n";
 }

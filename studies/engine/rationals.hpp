@@ -53,7 +53,7 @@ inline bool is_positive_definite(M const& A) {
         if (determinant(A.topLeftCorner(n, n)) <= 0) return false;
     return true;
 }
-/// P as the stored numbers say.
+/// P of the stored numbers.
 inline M covariance(Stored<Q> const& stored) { return covariance_of(stored, inverse); }
 
 }  // namespace rlslab::studies::rationals

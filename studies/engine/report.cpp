@@ -26,12 +26,12 @@ std::string beginning(Table const& table) {
 }
 
 /// With its kind, where its band is from, and the data. The class colours it.
-std::string claim_html(Study const& study, size_t i, Finding const& finding, bool named) {
+std::string claim_html(Study const& study, size_t i, Judgement const& judgement, bool named) {
     Claim const& claim = study.claims[i];
     std::string const& data = claim.basis.data.empty() ? study.data : claim.basis.data;
-    std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(finding.verdict));
+    std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(judgement.verdict));
     if (named) out += fmt::format("<a href=\"#{0}\">{0}</a>: ", study.name);
-    out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(finding.measured));
+    out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(judgement.measured));
     out += fmt::format("<span class=\"soft\">{}; band: {}{}{}</span></li>\n", name_of(claim.basis.kind), escaped(claim.basis.band),
                        claim.basis.proof.empty() ? "" : "; proof: " + escaped(claim.basis.proof),
                        data.empty() ? "" : "; data: " + escaped(data));
@@ -42,8 +42,8 @@ std::string claim_html(Study const& study, size_t i, Finding const& finding, boo
 std::string list_of(std::vector<Outcome> const& outcomes, Verdict verdict) {
     std::string out;
     for (Outcome const& outcome : outcomes)
-        for (size_t i = 0; i < outcome.findings.size(); ++i)
-            if (outcome.findings[i].verdict == verdict) out += claim_html(*outcome.study, i, outcome.findings[i], true);
+        for (size_t i = 0; i < outcome.judgements.size(); ++i)
+            if (outcome.judgements[i].verdict == verdict) out += claim_html(*outcome.study, i, outcome.judgements[i], true);
     return out.empty() ? "<p>None.</p>\n" : "<ul class=\"claims\">\n" + out + "</ul>\n";
 }
 
@@ -51,16 +51,16 @@ std::string list_of(std::vector<Outcome> const& outcomes, Verdict verdict) {
 std::string summary(std::vector<Outcome> const& outcomes) {
     std::string rows;
     auto const counts = counted(outcomes);
-    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding}) {
+    for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
         Count const& c = counts[size_t(kind)];
         rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", name_of(kind), c.holds, c.fails, c.undecided);
     }
     size_t before = 0, after = 0, unsaid = 0;
     for (Outcome const& outcome : outcomes)
-        for (size_t i = 0; i < outcome.findings.size(); ++i) {
+        for (size_t i = 0; i < outcome.judgements.size(); ++i) {
             Basis const& basis = outcome.study->claims[i].basis;
             auto const says = [&](char const* word) { return basis.band.find(word) != std::string::npos; };
-            if (basis.kind == Kind::finding) ++(says("after") ? after : says("before") ? before : unsaid);
+            if (basis.kind == Kind::own_result) ++(says("after") ? after : says("before") ? before : unsaid);
         }
     return fmt::format(
         "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose interval reaches over an "
@@ -87,8 +87,8 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     if (!study.formula.empty()) out += formula_html(study.formula);
     out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
-        for (size_t i = 0; i < outcome.findings.size(); ++i)
-            if (outcome.findings[i].verdict == verdict) out += claim_html(study, i, outcome.findings[i], false);
+        for (size_t i = 0; i < outcome.judgements.size(); ++i)
+            if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
     out += "</ul>\n";
     for (Figure const& figure : drawn) out += figure_html(figure);
     out += fmt::format("<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n", study.name,
@@ -106,9 +106,9 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
     for (Count const& c : counted(outcomes)) claims += c.claims(), held += c.holds;
     for (Outcome const& outcome : outcomes) {
         sections += section(outcome, figures(*outcome.study, outcome.table));
-        auto const worst = std::ranges::min_element(outcome.findings, {}, &Finding::verdict);
+        auto const worst = std::ranges::min_element(outcome.judgements, {}, &Judgement::verdict);
         contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
-                                name_of(worst == outcome.findings.end() ? Verdict::holds : worst->verdict), outcome.study->name,
+                                name_of(worst == outcome.judgements.end() ? Verdict::holds : worst->verdict), outcome.study->name,
                                 escaped(outcome.study->question));
     }
     return page("rlslab: studies",

@@ -1,4 +1,4 @@
-// The report: one HTML file that opens offline, with everything that a reader needs to check or repeat it.
+// The report: one HTML file that opens offline and has all that a reader needs to check or repeat the run.
 #pragma once
 
 #include "studies/engine/figure.hpp"

@@ -29,13 +29,13 @@ Seed Trial::seed(std::vector<std::string> const& factors) const {
     return Seed{Seed{state}.next()};
 }
 
-Entry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
-    if (Entry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
+CatalogueEntry const& Trial::entry(std::string_view variant, std::string_view arithmetic) const {
+    if (CatalogueEntry const* const entry = find_entry(*entries_, variant, arithmetic)) return *entry;
     throw std::logic_error(fmt::format("study {}: no {} in {}", study_, variant, arithmetic));
 }
 
 bool Outcome::holds() const {
-    return std::ranges::all_of(findings, [](Finding const& finding) { return finding.holds(); });
+    return std::ranges::all_of(judgements, [](Judgement const& judgement) { return judgement.holds(); });
 }
 
 std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
@@ -100,7 +100,7 @@ std::string prepare(Running& run, RunOptions const& options) {
     run.lines.resize(run.trials.size());
     run.done.assign(run.trials.size(), false);
     std::string key = fmt::format("{} {} {:016x}", run.trials.size(), fmt::join(provenance(study, options), "\n"), identity());
-    for (Entry const& e : *options.entries) key += fmt::format(" {}/{}", e.variant, e.arithmetic->name);
+    for (CatalogueEntry const& e : *options.entries) key += fmt::format(" {}/{}", e.variant, e.arithmetic->name);
     return key;
 }
 
@@ -131,9 +131,9 @@ Outcome finish(Running const& run, RunOptions const& options) {
         }
     replace_file(options.out / (study.name + ".csv"), csv);
     for (Claim const& claim : study.claims) {
-        out.findings.push_back(claim.judge(out.table));
-        Finding const& found = out.findings.back();
-        if (found.proven == claim.basis.proof.empty() && (found.proven || found.verdict != Verdict::fails))
+        out.judgements.push_back(claim.judge(out.table));
+        Judgement const& judgement = out.judgements.back();
+        if (judgement.proven == claim.basis.proof.empty() && (judgement.proven || judgement.verdict != Verdict::fails))
             throw std::logic_error(fmt::format("study {}: a proof is used or named, not both: {}", study.name, claim.text));
     }
     return out;

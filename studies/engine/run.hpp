@@ -1,4 +1,4 @@
-// Runs studies: trials on all cores, with bits that do not depend on their number. A run that is killed can be continued.
+// Runs studies: trials on all cores. The results do not depend on the number of cores. A run that is killed can be continued.
 #pragma once
 
 #include <rlslab/catalogue/catalogue.hpp>
@@ -14,37 +14,36 @@ struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
     int threads = 0;            ///< 0: all cores
-    std::filesystem::path out;  ///< where tables, verdicts, figures and the report go; created if missing
-    std::vector<Entry> const* entries = &catalogue();
+    std::filesystem::path out;  ///< the folder of tables, verdicts, figures and the report; created if missing
+    std::vector<CatalogueEntry> const* entries = &catalogue();
 };
 
 struct Outcome {
     Study const* study;
     Table table;
-    std::vector<Finding> findings;        ///< one for each claim
-    std::vector<std::string> provenance;  ///< "key: value", as above the CSV's header
-    size_t trials, resumed;               ///< how many there are, and how many came from an interrupted run
+    std::vector<Judgement> judgements;    ///< one for each claim
+    std::vector<std::string> provenance;  ///< "key: value", the lines above the CSV's header
+    size_t trials, resumed;               ///< all trials, and those of them that an interrupted run had finished
     bool holds() const;                   ///< every claim
 };
 
 /// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the table in the order of
 /// its factors). Finished trials are stored in out/.trials, and the same program uses them again for the same study, budget and seed.
-/// Throws InputError when a file cannot be written, and what a trial throws, with its name.
+/// Throws InputError if a file cannot be written. An exception of a trial is thrown again with the trial's name.
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, report::Progress const& progress);
 
-/// How many trials there are, how many fall to a part, and how many of these were finished already.
+/// The numbers of all trials, of a part's own, and of those among its own that were finished already.
 struct Share {
     size_t all = 0, own = 0, resumed = 0;
 };
-/// Runs the trials that fall to one part, into its journals in out/.trials, and writes nothing else. Parts may run at the same time, on
-/// any machines that share the folder, or in folders that are merged later. What falls to a part depends on the chosen studies alone:
-/// all trials are sorted by a hash of study and number and dealt in turn. So the parts differ by one trial at most, and trials that take
-/// long are spread.
+/// Runs the trials of one part and writes its journals in out/.trials, nothing else. Parts may run at the same time, on any machines that
+/// share the folder, or in folders that are merged later. The part of a trial depends on the chosen studies alone: all trials are sorted
+/// by a hash of study and number, and dealt in turn. So the parts differ by one trial at most, and long trials spread over the parts.
 Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, report::Progress const& progress);
 
-/// Takes the trials that the parts in these folders, and options.out, have finished into options.out, where run_studies then finds them.
-/// Throws InputError, before anything is written, when a trial is missing, a folder's trials are of another program, budget or
-/// seed, or another run is writing into options.out.
+/// Copies the finished trials of the parts in these folders and in options.out into options.out, where run_studies then finds them.
+/// Throws InputError before it writes anything if a trial is missing, if a folder's trials have another program, budget or seed, or if
+/// another run is writing into options.out.
 void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders);
 
 }  // namespace rlslab::studies

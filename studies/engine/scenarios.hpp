@@ -8,8 +8,8 @@
 namespace rlslab::studies {
 
 // --- families of variants ---------------------------------------------------------------------------------------------
-// Dense variants that take one row at a time. These are lists and are not found in the catalogue, because the claims of a study are
-// about these variants and no others. Without `kalman`: its random walk aside it is `conventional`.
+// Dense variants that take one row at a time. The lists are fixed and not found in the catalogue, because the claims of a study are
+// about these variants and no others. `kalman` is not among them: without its random walk it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
@@ -19,18 +19,18 @@ std::vector<Cell> subtracting_forms();
 std::vector<Cell> factor_forms();
 /// The variants whose factor is a triangle; Potter's is full.
 std::vector<Cell> triangular_forms();
-/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose asymmetry is studied
-/// apart.
+/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose asymmetry has a study
+/// of its own.
 std::vector<Cell> corrected_forms();
 /// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
-/// Whose update of P uses a vector as the gain, and lets it be changed: K in the first six, v or a running gain in the others.
+/// The variants whose update of P uses a gain that a study can perturb: K in the first six, v or a running gain in the others.
 std::vector<Cell> gain_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
-/// Those of a that are not in b.
+/// The cells of a that are not in b.
 std::vector<Cell> without(std::vector<Cell> a, std::vector<Cell> const& b);
-/// As Table::where takes them.
+/// The words, for Table::where.
 std::vector<std::string> words(std::vector<Cell> const& cells);
 
 /// base^first, base^(first + step), ... to base^last.
@@ -56,10 +56,10 @@ struct Errors {
 };
 Errors errors(AnyFilter const& filter, CertifiedSolution const& exact);
 
-/// Feeds rows [first, last) one by one, or in blocks to a filter that likes them better.
+/// Feeds rows [first, last): in blocks if the variant takes blocks, otherwise one by one.
 void process_rows(AnyFilter& filter, Records const& records, Index first, Index last);
 
-/// P in the 257 bits of Reference, from F itself, by multiplying factors out, or by inversion.
+/// P in the 257 bits of Reference: F itself, a product of factors, or an inverse.
 Matrix<Reference> covariance_of(Stored<Reference> const& stored);
 /// ||A||_F.
 double frobenius(Matrix<Reference> const& A);

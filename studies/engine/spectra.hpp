@@ -1,4 +1,4 @@
-// Regressors made by a study itself: with given singular values, or any, answered as the other data of studies are.
+// Records with given singular values, and the outputs for any regressors.
 #pragma once
 
 #include <rlslab/core/random.hpp>

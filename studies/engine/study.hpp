@@ -1,4 +1,4 @@
-// What a study is: a question, its factors, what is measured of each combination, how it is drawn, and its claims.
+// A study: a question, its factors, the measurement for each combination of them, its plots and its claims.
 #pragma once
 
 #include "studies/engine/table.hpp"
@@ -7,7 +7,7 @@
 
 namespace rlslab::studies {
 
-/// quick: seconds, for tests. full: what is quoted.
+/// quick: seconds, for tests. full: the numbers that are quoted.
 enum class Budget { quick, full };
 std::string_view name_of(Budget budget);
 
@@ -23,12 +23,12 @@ class Trial {
     std::vector<Factor> const* factors_;
     std::vector<Cell> values_;
     std::uint64_t seed_;
-    std::vector<Entry> const* entries_;
+    std::vector<CatalogueEntry> const* entries_;
     Budget budget_;
 
 public:
     Trial(std::string_view study, std::vector<Factor> const& factors, std::vector<Cell> values, std::uint64_t seed,
-          std::vector<Entry> const& entries, Budget budget)
+          std::vector<CatalogueEntry> const& entries, Budget budget)
         : study_(study), factors_(&factors), values_(std::move(values)), seed_(seed), entries_(&entries), budget_(budget) {}
 
     std::vector<Cell> const& values() const { return values_; }
@@ -37,13 +37,13 @@ public:
     std::string const& text(std::string_view factor) const { return std::get<std::string>(value(factor)); }
     bool full() const { return budget_ == Budget::full; }
 
-    /// The same seed for all trials that agree on these factors, so that several variants are given the same data.
+    /// The same seed for all trials that agree on these factors, so that several variants run on the same data.
     Seed seed(std::vector<std::string> const& factors) const;
-    /// A variant by name. Throws std::logic_error when the catalogue has no such filter.
-    Entry const& entry(std::string_view variant, std::string_view arithmetic = "double") const;
+    /// A variant by name. Throws std::logic_error if the catalogue has no such filter.
+    CatalogueEntry const& entry(std::string_view variant, std::string_view arithmetic = "double") const;
 };
 
-/// The rows that a trial measured, any number of them; the values of its factors are put before each.
+/// The rows that a trial measures, any number of them. Each row begins with the values of the trial's factors.
 class TrialOutput {
     std::vector<Cell> const& values_;
     std::vector<std::string> lines_;
@@ -58,7 +58,7 @@ public:
     std::vector<std::string> const& lines() const { return lines_; }
 };
 
-/// A dashed curve to compare with.
+/// A dashed curve for comparison.
 struct Guide {
     std::string label;
     std::function<double(double x)> y;
@@ -78,20 +78,20 @@ struct Plot {
     bool cells = false;
 };
 
-/// What a claim is.
+/// The kinds of claims. Files and printed text call an own result "finding".
 enum class Kind {
-    verification,  ///< the code does what the formula says; no finding
+    verification,  ///< the code does what the formula says; no result of ours
     reproduction,  ///< an earlier number comes out again: published, a textbook's, or the project's own earlier experiment's
-    finding        ///< ours
+    own_result     ///< ours
 };
 
-/// What a claim stands on. There is no claim without.
+/// The origin of a claim's band. Every claim has one.
 struct Basis {
     Kind kind;
-    std::string band;  ///< where its band is from: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run";
-                       ///< a finding's says "after" where a result had been seen, "before" where it had not
-    std::string data;  ///< the data it was tried on; the study's if empty
-    std::string proof = {};  ///< for a claim about every run: the theorem, "docs/theory.md 34", or "exact arithmetic"
+    std::string band;  ///< the source of its band: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run";
+                       ///< an own result has the word "after" if a result had been seen, and "before" if not
+    std::string data;  ///< the data of the claim; the study's if empty
+    std::string proof = {};  ///< of a claim about every run: the theorem, "docs/theory.md 34", or "exact arithmetic"
 
     Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
     /// The same with a proof.
@@ -103,42 +103,42 @@ struct Basis {
 };
 inline Basis verification(std::string band, std::string data = {}) { return {Kind::verification, std::move(band), std::move(data)}; }
 inline Basis reproduction(std::string band, std::string data = {}) { return {Kind::reproduction, std::move(band), std::move(data)}; }
-inline Basis finding(std::string band, std::string data = {}) { return {Kind::finding, std::move(band), std::move(data)}; }
+inline Basis own_result(std::string band, std::string data = {}) { return {Kind::own_result, std::move(band), std::move(data)}; }
 
 enum class Verdict { fails, undecided, holds };
 
-/// The verdict on a claim, and what was measured.
-struct Finding {
+/// The verdict on a claim, and the measurement.
+struct Judgement {
     Verdict verdict;
     std::string measured;
     double risk = 0;      ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
-    bool proven = false;  ///< it stands on a proof, which the claim names
+    bool proven = false;  ///< by a proof, which the claim names
 
-    Finding(Verdict verdict_, std::string measured_, double risk_ = 0) : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
-    /// Of what has no interval: it holds or it does not.
-    Finding(bool holds_, std::string measured_) : Finding(holds_ ? Verdict::holds : Verdict::fails, std::move(measured_)) {}
+    Judgement(Verdict verdict_, std::string measured_, double risk_ = 0) : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
+    /// A judgement without an interval.
+    Judgement(bool holds_, std::string measured_) : Judgement(holds_ ? Verdict::holds : Verdict::fails, std::move(measured_)) {}
     bool holds() const { return verdict == Verdict::holds; }
 };
 /// Both: the worse of the two verdicts, both measurements.
-Finding operator&&(Finding const& a, Finding const& b);
+Judgement operator&&(Judgement const& a, Judgement const& b);
 /// All of them.
-Finding together(std::vector<Finding> const& parts);
-/// "label: " before what was measured.
-Finding labelled(std::string const& label, Finding of);
+Judgement together(std::vector<Judgement> const& parts);
+/// Puts "label: " before the measurement.
+Judgement labelled(std::string const& label, Judgement of);
 
 struct Claim {
     std::string text;
-    std::function<Finding(Table const&)> judge;
+    std::function<Judgement(Table const&)> judge;
     Basis basis;
 };
 
 struct Study {
     std::string name;            ///< as on the command line
     std::string question;        ///< one sentence
-    std::string source;          ///< where the law is from, and how certain that is (docs/literature.md 0)
-    std::string formula;         ///< LaTeX; lines apart by \\ .
-    std::string interpretation;  ///< what one sees, and where it differs from what was published
-    std::string data = {};       ///< the models of data that its claims were tried on
+    std::string source;          ///< the source of the law, and how certain it is (docs/literature.md 0)
+    std::string formula;         ///< LaTeX; \\ separates lines
+    std::string interpretation;  ///< the result, and its differences from publications
+    std::string data = {};       ///< the models of data of its claims
     std::function<std::vector<Factor>(Budget)> factors;
     std::function<bool(Trial const&)> admits = {};  ///< combinations that make sense; all if empty
     std::vector<std::string> measures;              ///< the columns behind the factors

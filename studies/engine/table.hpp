@@ -9,7 +9,7 @@
 
 namespace rlslab::studies {
 
-/// A number or a word. Numbers are written with as few digits as read back to the same bits; "nan", "inf", "-inf".
+/// A number or a word. A number is written with the fewest digits that read back to the same bits, or as "nan", "inf", "-inf".
 using Cell = std::variant<double, std::string>;
 std::string as_text(Cell const& cell);
 
@@ -25,14 +25,14 @@ public:
     std::vector<std::vector<Cell>> const& rows() const { return rows_; }
     bool empty() const { return rows_.empty(); }
     bool has(std::string_view column) const;
-    /// Throws std::logic_error when there is no such column.
+    /// Throws std::logic_error if there is no such column.
     size_t index(std::string_view column) const;
 
     void add(std::vector<Cell> row);
     /// Adds a line of CSV without quotes. A cell that can be read as a number becomes one.
     void add_line(std::string_view line);
 
-    /// The rows whose cell in this column is the value, or is a number for which `holds` is true, or is one of these words.
+    /// The rows whose cell in this column is the value, is a number for which `holds` is true, or is one of these words.
     Table where(std::string_view column, Cell const& value) const;
     Table where(std::string_view column, std::function<bool(double)> const& holds) const;
     Table where(std::string_view column, std::vector<std::string> const& words) const;

@@ -28,10 +28,10 @@ std::string_view name_of(Verdict verdict) {
 
 namespace {
 
-template <class Heard>
-void each_claim(std::span<Outcome const> outcomes, Heard heard) {
+template <class F>
+void for_each_claim(std::span<Outcome const> outcomes, F f) {
     for (Outcome const& outcome : outcomes)
-        for (size_t i = 0; i < outcome.findings.size(); ++i) heard(*outcome.study, outcome.study->claims[i], outcome.findings[i]);
+        for (size_t i = 0; i < outcome.judgements.size(); ++i) f(*outcome.study, outcome.study->claims[i], outcome.judgements[i]);
 }
 using Json = nlohmann::ordered_json;
 Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"undecided", c.undecided}}; }
@@ -40,7 +40,7 @@ Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"u
 
 std::array<Count, 3> counted(std::span<Outcome const> outcomes) {
     std::array<Count, 3> out;
-    each_claim(outcomes, [&](Study const&, Claim const& claim, Finding const& f) {
+    for_each_claim(outcomes, [&](Study const&, Claim const& claim, Judgement const& f) {
         Count& count = out[size_t(claim.basis.kind)];
         ++(f.holds() ? count.holds : f.verdict == Verdict::fails ? count.fails : count.undecided);
     });
@@ -57,7 +57,7 @@ std::string count_lines(std::span<Outcome const> outcomes) {
 
 double expected_errors(std::vector<Outcome> const& outcomes) {
     double sum = 0;
-    each_claim(outcomes, [&](Study const&, Claim const&, Finding const& f) { sum += f.risk; });
+    for_each_claim(outcomes, [&](Study const&, Claim const&, Judgement const& f) { sum += f.risk; });
     return sum;
 }
 
@@ -66,16 +66,16 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
         return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
     };
     std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
-    std::vector<size_t> order(outcome.findings.size());
+    std::vector<size_t> order(outcome.judgements.size());
     std::iota(order.begin(), order.end(), size_t(0));
-    std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.findings[i].verdict; });
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.judgements[i].verdict; });
     for (size_t i : order) {
-        Finding const& finding = outcome.findings[i];
+        Judgement const& judgement = outcome.judgements[i];
         Claim const& claim = outcome.study->claims[i];
-        std::string const verdict = finding.verdict == Verdict::fails ? painted("FAILS    ", 31)
-                                    : finding.holds()                 ? painted("holds    ", 32)
-                                                                      : painted("undecided", 33);
-        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text, finding.measured,
+        std::string const verdict = judgement.verdict == Verdict::fails ? painted("FAILS    ", 31)
+                                    : judgement.holds()                 ? painted("holds    ", 32)
+                                                                        : painted("undecided", 33);
+        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text, judgement.measured,
                            claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
     }
     return out;
@@ -90,15 +90,15 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
                 {"studies", Json::array()}};
     for (Outcome const& outcome : outcomes) {
         Json claims = Json::array();
-        for (size_t i = 0; i < outcome.findings.size(); ++i) {
+        for (size_t i = 0; i < outcome.judgements.size(); ++i) {
             Claim const& claim = outcome.study->claims[i];
             claims.push_back({{"claim", claim.text},
                               {"kind", name_of(claim.basis.kind)},
                               {"band", claim.basis.band},
                               {"data", claim.basis.data.empty() ? outcome.study->data : claim.basis.data},
                               {"proof", claim.basis.proof},
-                              {"verdict", name_of(outcome.findings[i].verdict)},
-                              {"measured", outcome.findings[i].measured}});
+                              {"verdict", name_of(outcome.judgements[i].verdict)},
+                              {"measured", outcome.judgements[i].measured}});
         }
         out["studies"].push_back({{"name", outcome.study->name},
                                   {"question", outcome.study->question},
@@ -113,7 +113,7 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes) {
     std::string out = "study,kind,hold,fail,undecided\n";
     for (Outcome const& outcome : outcomes) {
         auto const counts = counted({&outcome, 1});
-        for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::finding})
+        for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result})
             if (Count const& c = counts[size_t(kind)]; c.claims() > 0)
                 out += fmt::format("{},{},{},{},{}\n", outcome.study->name, name_of(kind), c.holds, c.fails, c.undecided);
     }
@@ -153,7 +153,7 @@ std::string record_json(std::vector<Outcome> const& outcomes, Record const& old)
         Json claims = Json::object();
         for (size_t i = 0; i < study->claims.size(); ++i) {
             std::string const& text = study->claims[i].text;
-            if (run != outcomes.end()) claims[text] = name_of(run->findings[i].verdict);
+            if (run != outcomes.end()) claims[text] = name_of(run->judgements[i].verdict);
             else if (old.contains(study->name) && old.at(study->name).contains(text)) claims[text] = name_of(old.at(study->name).at(text));
         }
         if (!claims.empty()) out[study->name] = claims;
@@ -163,7 +163,7 @@ std::string record_json(std::vector<Outcome> const& outcomes, Record const& old)
 
 std::vector<std::string> changes(std::vector<Outcome> const& outcomes, Record const& record) {
     std::vector<std::string> out;
-    each_claim(outcomes, [&](Study const& study, Claim const& claim, Finding const& f) {
+    for_each_claim(outcomes, [&](Study const& study, Claim const& claim, Judgement const& f) {
         auto const known = record.find(study.name);
         if (known == record.end()) return;
         auto const was = known->second.find(claim.text);
@@ -189,7 +189,7 @@ std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record
 
 std::vector<std::string> failed_verifications(std::vector<Outcome> const& outcomes) {
     std::vector<std::string> out;
-    each_claim(outcomes, [&](Study const& study, Claim const& claim, Finding const& f) {
+    for_each_claim(outcomes, [&](Study const& study, Claim const& claim, Judgement const& f) {
         if (claim.basis.kind == Kind::verification && f.verdict == Verdict::fails)
             out.push_back(fmt::format("{}: {}: {}", study.name, claim.text, f.measured));
     });

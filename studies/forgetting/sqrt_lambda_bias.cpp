@@ -1,6 +1,6 @@
 // Forms that multiply by the square root of lambda forget with another lambda than they were given.
 #include "studies/engine/checkpoints.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ double predicted(double lambda, Arithmetic const& arithmetic) {
 
 /// The mean of (tr P - tr P_exact) / tr P_exact over samples a memory apart, after ten memories.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     double const lambda = problem.forgetting, u = entry.arithmetic->unit_roundoff();
@@ -51,10 +51,10 @@ double mean(Table const& t, std::string const& column) {
     for (double const x : t.numbers(column)) sum += x / double(t.rows().size());
     return sum;
 }
-Number ratio() {
+Statistic ratio() {
     return [](Table const& t) { return mean(t, "bias") / mean(t, "predicted"); };
 }
-Number mean_of(std::string column) {
+Statistic mean_of(std::string column) {
     return [column](Table const& t) { return mean(t, column); };
 }
 
@@ -107,7 +107,7 @@ Study const sqrt_lambda_bias{
              [](Table const& t) {
                  return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"}, mean_of("excess"), -2.7, 2.7);
              },
-             finding("docs/theory.md 39, and 10 % of it; in place of a band set after its run")},
+             own_result("docs/theory.md 39, and 10 % of it; in place of a band set after its run")},
             {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
              [](Table const& t) {
                  return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"}, mean_of("bias"), -20, 20);
@@ -118,22 +118,22 @@ Study const sqrt_lambda_bias{
                  Table const others = in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
                  return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"float, predicted bias beyond 100 u: potter and qr have it to 10 %",
              [](Table const& t) {
                  Table const rows = large(t.where("arithmetic", "float"), true).where("variant", {"potter", "qr"});
                  return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
              },
-             finding("docs/theory.md 39, and 10 % of it")},
+             own_result("docs/theory.md 39, and 10 % of it")},
             {"extended_qr strays from the law: in most runs by more than 40 u in double, where the four others stay within 40",
              [](Table const& t) {
-                 Number const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
+                 Statistic const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
                  auto const in_most = [&](std::vector<std::string> const& variants, double from, double to) {
                      return within(in_double(t).where("variant", variants), {}, stray.as(Estimate::most), from, to);
                  };
                  return in_most({"extended_qr"}, 40, INFINITY) && labelled("the others", in_most(roots, 0, 40));
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

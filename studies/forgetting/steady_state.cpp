@@ -1,6 +1,6 @@
 // With forgetting the errors of theta and P stop growing: where they stand, in units of u.
 #include "studies/engine/checkpoints.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ constexpr double noise = 0.1;  // steps K e far above the last place of theta, a
 
 /// rms errors over samples half a memory 1 / (1 - lambda) apart, after ten memories of which nothing is left.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const u = entry.arithmetic->unit_roundoff(), memory = 1 / (1 - trial.number("lambda"));
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
@@ -110,39 +110,39 @@ Study const steady_state{
             {"coloured regressors (pole 0.99), lambda = 0.9: c above 1 for every variant, and joseph's at least twice carlson's",
              [](Table const& t) {
                  Table const at = t.where("pole", 0.99).where("lambda", 0.9);
-                 Finding const all = within(at.where("variant", corrected), {"arithmetic", "variant"}, root_mean_square("c"), 1, 50);
-                 Number const ratio([](Table const& g) {
+                 Judgement const all = within(at.where("variant", corrected), {"arithmetic", "variant"}, root_mean_square("c"), 1, 50);
+                 Statistic const ratio([](Table const& g) {
                      return root_mean_square("c")(g.where("variant", "joseph")) / root_mean_square("c")(g.where("variant", "carlson"));
                  });
                  return all && labelled("times", within(at, {}, ratio, 2, 1e3));
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"extended_qr never corrects theta: c at least 3 at every lambda and pole, five times the others' and more",
              [](Table const& t) {
                  return within(t.where("variant", "extended_qr"), {"arithmetic", "pole", "lambda"}, root_mean_square("c"), 3, 1e3);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"information, pole 0.99, lambda >= 0.97: c at least 50 where all others but extended_qr stay below 20",
              [](Table const& t) {
                  Table const at = from(t.where("pole", 0.99), 0.95);
                  std::vector<std::string> others = corrected;
                  others.emplace_back("qr"), others.emplace_back("gentleman");
-                 Finding const a = within(at.where("variant", "information"), {"arithmetic", "lambda"}, root_mean_square("c"), 50, 1e4);
-                 Finding const b = within(at.where("variant", others), {"arithmetic", "lambda", "variant"}, root_mean_square("c"), 0, 20);
+                 Judgement const a = within(at.where("variant", "information"), {"arithmetic", "lambda"}, root_mean_square("c"), 50, 1e4);
+                 Judgement const b = within(at.where("variant", others), {"arithmetic", "lambda", "variant"}, root_mean_square("c"), 0, 20);
                  return a && b;
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"P in double at lambda = 0.999, either pole: 773 u +- 10 % with a square root of lambda, at most 80 u without",
              [](Table const& t) {
                  Table const at = t.where("arithmetic", "double").where("lambda", 0.999);
-                 Finding const roots = within(at.where("variant", {"potter", "carlson", "inverse_qr", "qr"}), {"pole", "variant"},
-                                              root_mean_square("covariance_error"), 0.9 * 773, 1.1 * 773);
-                 Finding const others =
+                 Judgement const roots = within(at.where("variant", {"potter", "carlson", "inverse_qr", "qr"}), {"pole", "variant"},
+                                                root_mean_square("covariance_error"), 0.9 * 773, 1.1 * 773);
+                 Judgement const others =
                      within(at.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "ud", "gentleman"}),
                             {"pole", "variant"}, root_mean_square("covariance_error"), 0, 80);
                  return roots && others;
              },
-             finding("docs/theory.md 39, and 10 % of it")},
+             own_result("docs/theory.md 39, and 10 % of it")},
         },
 };
 

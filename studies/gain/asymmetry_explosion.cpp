@@ -1,5 +1,5 @@
 // The rounding errors of the conventional form: after how many steps their antisymmetric part exceeds P.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -23,7 +23,7 @@ double asymmetry(AnyFilter const& filter) {
 
 /// White rows until the filter itself says that it has broken down.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const lambda = trial.number("lambda"), predicted = correctly::log(entry.arithmetic->unit_roundoff()) / correctly::log(lambda);
     auto const filter = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
     Seed seed = trial.seed({"replicate"});
@@ -35,8 +35,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         Health const health = filter->update(psi, y).health;
         bool const broken = health != Health::sound;
         if (broken || k == horizon) {
-            std::string const end = broken ? std::string(name_of(health)) : breakdown(*filter, *entry.arithmetic);
-            return out({"end", double(k), double(k) / predicted, asymmetry(*filter), end.empty() ? "sound" : end});
+            Health const end = broken ? health : breakdown(*filter, *entry.arithmetic);
+            return out({"end", double(k), double(k) / predicted, asymmetry(*filter), std::string(name_of(end))});
         }
         if (k % every == 0 && k <= 4 * predicted) out({"course", double(k), double(k) / predicted, asymmetry(*filter), "sound"});
     }
@@ -95,9 +95,9 @@ Study const asymmetry_explosion{
              [](Table const& t) {
                  Table const rows = ends(t).where("variant", "conventional").where("steps", [](double k) { return k < horizon; });
                  if (rows.rows().size() != ends(t).where("variant", "conventional").rows().size())
-                     return Finding{false, "some run survived"};
-                 Finding const low = within(rows, {"arithmetic", "lambda"}, least("ratio"), 0.6, 1.1);
-                 Finding const high = within(rows, {"arithmetic", "lambda"}, greatest("ratio"), 0.6, 1.1);
+                     return Judgement{false, "some run survived"};
+                 Judgement const low = within(rows, {"arithmetic", "lambda"}, least("ratio"), 0.6, 1.1);
+                 Judgement const high = within(rows, {"arithmetic", "lambda"}, greatest("ratio"), 0.6, 1.1);
                  return labelled("least", low) && labelled("greatest", high);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.2")},
@@ -111,12 +111,12 @@ Study const asymmetry_explosion{
             {"conventional_two_sided and joseph keep their asymmetry below 16 u at every step looked at, in most runs",
              [](Table const& t) {
                  Table const rows = t.where("variant", {"conventional_two_sided", "joseph"});
-                 Number const most = greatest("asymmetry");
-                 Finding const in_float = within(rows.where("arithmetic", "float"), {"variant"}, most, 0x1p-30, 0x1p-20);
-                 Finding const in_double = within(rows.where("arithmetic", "double"), {"variant"}, most, 0x1p-60, 0x1p-49);
+                 Statistic const most = greatest("asymmetry");
+                 Judgement const in_float = within(rows.where("arithmetic", "float"), {"variant"}, most, 0x1p-30, 0x1p-20);
+                 Judgement const in_double = within(rows.where("arithmetic", "double"), {"variant"}, most, 0x1p-60, 0x1p-49);
                  return in_float && in_double;
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"symmetric and joseph_rank_two have none at all",
              [](Table const& t) {
                  return everywhere(t.where("variant", {"symmetric", "joseph_rank_two"}), "asymmetry", 0.0, Estimate::proven);
@@ -135,7 +135,7 @@ Study const asymmetry_explosion{
                      },
                      0.9, 1.1);
              },
-             finding("docs/theory.md 37")},
+             own_result("docs/theory.md 37")},
         },
 };
 

@@ -1,5 +1,5 @@
 // One wrong output: how long the estimate remembers it, and whether any variant remembers it differently.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 namespace rlslab::studies {
@@ -9,7 +9,7 @@ constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shap
 
 /// y is wrong by one at step `start`; P and K do not depend on y, so that theta alone is in error, by K.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), "reference");
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), "reference");
     int const last = 400;
     double const lambda = trial.number("lambda");
     Records const records = white(size, start + last, trial.seed({"replicate"}));
@@ -73,12 +73,12 @@ Study const estimate_error_memory{
                  return within(t.where("lambda", 0.98).where("steps", 400.0), {}, median("size").as(Estimate::most), 3.1e-4 / 3,
                                3.1e-4 * 3);
              },
-             finding("docs/theory.md 28, law iv, with P as it was; in place of a band set after its run")},
+             own_result("docs/theory.md 28, law iv, with P as it was; in place of a band set after its run")},
             {"with lambda = 1 it is 200/600 of what it was, to 25 %, in most runs",
              [](Table const& t) {
                  return within(t.where("lambda", 1.0).where("steps", 400.0), {}, median("size").as(Estimate::most), 0.25, 0.42);
              },
-             finding("docs/theory.md 28, law iv, with P as 1/k")},
+             own_result("docs/theory.md 28, law iv, with P as 1/k")},
         },
 };
 

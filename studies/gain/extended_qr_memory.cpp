@@ -1,5 +1,5 @@
 // Extended QR carries R and W = R^-T side by side: what each remembers of an error in its own numbers.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/variants/extended_qr.hpp>
@@ -106,15 +106,15 @@ Study const extended_qr_memory{
              verification("docs/theory.md 28, laws iii and v").by("docs/theory.md 28")},
             {"lambda = 0.98: after 400 steps an error in W is what it was to a factor of 1.25, in most runs",
              [](Table const& t) { return within(after(t, "W", 0.98), {}, median("size").as(Estimate::most), 0.8, 1.25); },
-             finding("docs/theory.md 28, law v, with R as it was; in place of a band set after its run")},
+             own_result("docs/theory.md 28, law v, with R as it was; in place of a band set after its run")},
             {"and an error in R is lambda^400 = 3.1e-4 of it, to a factor of 3, in most runs",
              [](Table const& t) { return within(after(t, "R", 0.98), {}, median("size").as(Estimate::most), 3.1e-4 / 3, 3.1e-4 * 3); },
-             finding("docs/theory.md 28, law iii, with R as it was; in place of a band set after its run")},
+             own_result("docs/theory.md 28, law iii, with R as it was; in place of a band set after its run")},
             {"lambda = 1: after 400 steps both are 0.58 = sqrt(200/600) of what they were, to 25 % in most runs",
              [](Table const& t) {
                  return within(t.where("lambda", 1.0).where("steps", 400.0), {"error_in"}, median("size").as(Estimate::most), 0.43, 0.73);
              },
-             finding("docs/theory.md 28, law iii, with R as sqrt(k)")},
+             own_result("docs/theory.md 28, law iii, with R as sqrt(k)")},
             {"the pair measured is the filter's: in most runs W agrees with extended_qr to 1e-70",
              [](Table const& t) { return within(t, {"lambda"}, greatest("from_filter"), 0, 1e-70); }, verification("the filter itself")},
         },

@@ -1,5 +1,5 @@
 // Errors in every gain: of which order what reaches the covariance is, over twelve decades, and on which floor of rounding it ends.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 namespace rlslab::studies {
@@ -10,7 +10,7 @@ constexpr Index size = 5;
 /// At every step K_i (1 + eps r_i), in the sweeps wherever the running gain is used, r nearly normal; against the exact P of the same
 /// data. The same rows and the same r at every eps: what differs along a line is eps alone.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Problem<double> const problem =
         as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     Index const rows = trial.full() ? 300 : 100;
@@ -33,7 +33,7 @@ std::vector<std::string> const one_gain{"conventional_two_sided", "symmetric"}, 
     factors{"potter", "carlson", "ud", "inverse_qr", "extended_qr"}, josephs{"joseph", "joseph_rank_two"};
 
 /// Where an error of every gain is small, and far above the rounding of 257 bits.
-Finding order(Table const& t, std::vector<std::string> const& variants, double from, double to, double below = 0.02) {
+Judgement order(Table const& t, std::vector<std::string> const& variants, double from, double to, double below = 0.02) {
     Table const rows = t.where("arithmetic", "reference").where("epsilon", [=](double e) { return e < below; });
     return within(rows.where("variant", variants), {"variant", "lambda"}, slope("epsilon", "error"), from, to);
 }
@@ -81,12 +81,12 @@ Study const gain_error{
     .claims =
         {
             {"forms that propagate a factor, v or the running gain in error: slope 1.00 +- 0.01 over twelve decades",
-             [](Table const& t) { return order(t, factors, 0.99, 1.01); }, finding("derived beforehand: docs/theory.md 32, 33 (G1)")},
+             [](Table const& t) { return order(t, factors, 0.99, 1.01); }, own_result("derived beforehand: docs/theory.md 32, 33 (G1)")},
             {"forms that subtract K psi'P and keep P symmetric, or compute psi'P apart: slope 1.00 +- 0.01",
-             [](Table const& t) { return order(t, one_gain, 0.99, 1.01); }, finding("derived beforehand: docs/theory.md 16")},
+             [](Table const& t) { return order(t, one_gain, 0.99, 1.01); }, own_result("derived beforehand: docs/theory.md 16")},
             {"conventional and kalman, where nothing is forgotten and epsilon N stays below 0.1: slope 1.00 +- 0.01",
              [](Table const& t) { return order(t.where("lambda", 1.0), growing, 0.99, 1.01, 2e-4); },
-             finding("derived beforehand: docs/theory.md 16, 36")},
+             own_result("derived beforehand: docs/theory.md 16, 36")},
             {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at least 5 times "
              "symmetric's",
              [](Table const& t) {
@@ -94,15 +94,15 @@ Study const gain_error{
                      t.where("arithmetic", "reference").where("lambda", 0.98).where("epsilon", [](double e) { return e < 2e-13; }), {},
                      ratio_of_errors("conventional", "symmetric"), 5, 1e6);
              },
-             finding("first edition, set after its run (docs/theory.md 28, law ii)")},
+             own_result("first edition, set after its run (docs/theory.md 28, law ii)")},
             {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
-             finding("derived beforehand: docs/theory.md 17")},
+             own_result("derived beforehand: docs/theory.md 17")},
             {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most runs",
              [](Table const& t) {
                  Table const small = t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
                  return within(small.where("variant", josephs), {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // Large errors in the gain: which forms keep P positive definite, decided exactly for what is stored.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/reference/definiteness.hpp>
@@ -14,7 +14,7 @@ constexpr Index rows = 60, in_a_row = 3;
 /// At every row of a run without errors a copy takes three rows with errors K_i (1 + size r_i), or the same of what plays the gain;
 /// after each of them its P is judged for exactly the bits stored. Few in a row: errors ten times the gain overflow soon.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Index const d = Index(trial.number("size"));
     double const magnitude = trial.number("error");
     Problem<double> const problem =
@@ -35,9 +35,9 @@ void measure(Trial const& trial, TrialOutput& out) {
             wrong->update(records.sample(n), records.y[n], relative);
             ++judged;
             if (surely_positive(wrong->stored_in_double(), in_double)) continue;
-            Definiteness const now = definiteness(wrong->stored());
-            lost += now == Definiteness::not_positive;
-            overflowed += now == Definiteness::nonfinite;
+            Health const now = definiteness(wrong->stored());
+            lost += now == Health::indefinite;
+            overflowed += now == Health::nonfinite;
         }
         honest->update(records.sample(k), records.y[k]);
     }
@@ -47,17 +47,17 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"},
     triangles{"carlson", "ud", "inverse_qr", "extended_qr"};
 
-Finding never_lost(Table const& t, Estimate seeds) {
+Judgement never_lost(Table const& t, Estimate seeds) {
     double judged = 0;
     for (double const n : t.numbers("judged")) judged += n;
-    Finding out = everywhere(t, "lost", 0.0, seeds) && everywhere(t, "overflowed", 0.0, seeds);
+    Judgement out = everywhere(t, "lost", 0.0, seeds) && everywhere(t, "overflowed", 0.0, seeds);
     out.measured += "; covariances judged: " + as_text(judged);
     return out;
 }
 Table in(Table const& t, char const* arithmetic) { return t.where("arithmetic", arithmetic); }
 
 /// How many of the covariances of all rows were lost.
-Number const share(
+Statistic const share(
     [](Table const& t) {
         double judged = 0, lost = 0;
         for (double const n : t.numbers("judged")) judged += n;
@@ -80,7 +80,7 @@ Study const gain_error_definiteness{
         "Random errors of a tenth of the gain, of its size, and of ten times its size, three rows in a row, from every state of a run. "
         "What a factor keeps of a wrong gain is not P but its definiteness. In the triangular and UD forms the diagonal of the new factor "
         "does not contain the running gain at all: the sums s_j that it is made of only grow, also when rounded. Potter's root is singular "
-        "for errors on one hyperplane and nowhere else (tests/gain_laws.cpp). Joseph's forms keep definiteness as formulas; in "
+        "for errors on one hyperplane and nowhere else (tests/variants/gain_laws.cpp). Joseph's forms keep definiteness as formulas; in "
         "float nothing promises it, and Joseph's form by products has lost it in one of 480 runs of the full budget. The forms that "
         "subtract K psi'P lose it often: one P in 30 to three in 4 after errors of the size of the gain.",
     .data = "white rows and a delay line of an autoregression, pole 0.9; d = 3 and 8; lambda = 1 and 0.9; P_0 = I",
@@ -116,33 +116,33 @@ Study const gain_error_definiteness{
         {
             {"carlson, ud, inverse_qr, extended_qr: never, with errors of up to ten times the gain and more, in any of the arithmetics",
              [](Table const& t) { return never_lost(t.where("variant", triangles), Estimate::proven); },
-             finding("docs/theory.md 34, set before the run (G6)").by("docs/theory.md 34")},
+             own_result("docs/theory.md 34, set before the run (G6)").by("docs/theory.md 34")},
             {"potter: in most runs never, in any of the arithmetics",
              [](Table const& t) { return never_lost(t.where("variant", "potter"), Estimate::most); },
-             finding("docs/theory.md 32, set before the run (G6)")},
+             own_result("docs/theory.md 32, set before the run (G6)")},
             {"Joseph's forms, 257 bits: never",
              [](Table const& t) {
                  return never_lost(in(t, "reference").where("variant", {"joseph", "joseph_rank_two"}), Estimate::proven);
              },
-             finding("docs/theory.md 30, set before the run").by("docs/theory.md 30")},
+             own_result("docs/theory.md 30, set before the run").by("docs/theory.md 30")},
             {"Joseph's form by products, float: never",
              [](Table const& t) { return never_lost(in(t, "float").where("variant", "joseph"), Estimate::every); },
-             finding("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
+             own_result("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
             {"joseph_rank_two, float: never",
              [](Table const& t) { return never_lost(in(t, "float").where("variant", "joseph_rank_two"), Estimate::every); },
-             finding("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
+             own_result("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
             {"forms that subtract K psi'P, 257 bits: of errors of the gain's size they lose at least one P in ten",
              [](Table const& t) {
                  return within(in(t, "reference").where("variant", subtracting).where("error", 1.0), {"variant", "rows", "size", "lambda"},
                                share, 0.1, 1);
              },
-             finding("set after a pilot")},
+             own_result("set after a pilot")},
             {"of errors of ten times the gain, too",
              [](Table const& t) {
                  return within(in(t, "reference").where("variant", subtracting).where("error", 10.0), {"variant", "rows", "size", "lambda"},
                                share, 0.1, 1);
              },
-             finding("set after a pilot of 5 seeds")},
+             own_result("set after a pilot of 5 seeds")},
         },
 };
 

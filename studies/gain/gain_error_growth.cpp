@@ -1,5 +1,5 @@
 // Errors in every gain: whether what reaches the covariance averages out, stays or grows with the number of rows.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr Index most = 8000;
 /// Errors of every gain from a first row on, beside a twin without; looked at after 250, 500 ... 8000 rows with errors. With
 /// forgetting they begin in the stationary regime, so that what happens then is not mixed with what the first rows left.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"));
     Index const d = Index(trial.number("size"));
     double const lambda = trial.number("lambda");
     Index const before = lambda == 1 ? 0 : 1000;
@@ -38,11 +38,11 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 Table of(Table const& t, char const* variant, double lambda) { return t.where("variant", variant).where("lambda", lambda); }
-Finding grows(Table const& rows, double exponent) {
+Judgement grows(Table const& rows, double exponent) {
     return within(rows, {"variant", "size"}, slope("rows", "error"), exponent - 0.1, exponent + 0.1);
 }
 /// The root mean square of the error over a law's, of all rows.
-Number over(std::function<double(double d, double lambda, double n)> law) {
+Statistic over(std::function<double(double d, double lambda, double n)> law) {
     return {[=](Table const& t) {
                 std::vector<double> const d = t.numbers("size"), lambda = t.numbers("lambda"), n = t.numbers("rows"),
                                           e = t.numbers("error");
@@ -55,8 +55,8 @@ Number over(std::function<double(double d, double lambda, double n)> law) {
             },
             Estimate::quadratic};
 }
-Number const walk = over([](double d, double lambda, double n) { return epsilon * (1 - lambda) * std::sqrt((d - 1) * n); });
-Number const per_row = over([](double, double, double n) { return epsilon * n; });
+Statistic const walk = over([](double d, double lambda, double n) { return epsilon * (1 - lambda) * std::sqrt((d - 1) * n); });
+Statistic const per_row = over([](double, double, double n) { return epsilon * n; });
 
 }  // namespace
 
@@ -104,34 +104,34 @@ Study const gain_error_growth{
         {
             {"conventional and kalman, lambda = 1: the error grows as N, exponent 1.0 +- 0.1",
              [](Table const& t) { return grows(of(t, "conventional", 1), 1) && grows(of(t, "kalman", 1), 1); },
-             finding("docs/theory.md 36, set before the run (G5)")},
+             own_result("docs/theory.md 36, set before the run (G5)")},
             {"with the constant 0.29 epsilon N for d = 3 and 0.38 for d = 5, to a factor of 1.25, from P_0 = I",
              [](Table const& t) {
                  Table const rows = of(t, "conventional", 1).where("rows", double(most));
                  return labelled("d = 3", within(rows.where("size", 3.0), {}, per_row, 0.29 / 1.25, 0.29 * 1.25)) &&
                         labelled("d = 5", within(rows.where("size", 5.0), {}, per_row, 0.38 / 1.25, 0.38 * 1.25));
              },
-             finding("an earlier simulation's constants, set before the run (G5)")},
+             own_result("an earlier simulation's constants, set before the run (G5)")},
             {"symmetric, potter and ud, lambda = 1: it falls as N^-1/2, exponent -0.5 +- 0.1",
              [](Table const& t) {
                  return grows(t.where("variant", {"symmetric", "potter", "ud"}).where("lambda", 1.0), -0.5);
              },
-             finding("docs/theory.md 36, set before the run (G5)")},
+             own_result("docs/theory.md 36, set before the run (G5)")},
             {"joseph, lambda = 1: it stays, exponent 0.0 +- 0.1", [](Table const& t) { return grows(of(t, "joseph", 1), 0); },
-             finding("docs/theory.md 36, set before the run")},
+             own_result("docs/theory.md 36, set before the run")},
             {"extended_qr, lambda = 1: it stays, exponent 0.0 +- 0.1", [](Table const& t) { return grows(of(t, "extended_qr", 1), 0); },
-             finding("docs/theory.md 28, law v, and 36; set after a pilot of 20 seeds")},
+             own_result("docs/theory.md 28, law v, and 36; set after a pilot of 20 seeds")},
             {"lambda = 0.99: in symmetric, potter, ud and joseph it stays, exponent 0.0 +- 0.1",
              [](Table const& t) {
                  return grows(t.where("variant", {"symmetric", "potter", "ud", "joseph"}).where("lambda", 0.99), 0);
              },
-             finding("docs/theory.md 28, law i; set before the run")},
+             own_result("docs/theory.md 28, law i; set before the run")},
             {"extended_qr, lambda = 0.99: it grows as N^1/2, exponent 0.5 +- 0.1",
              [](Table const& t) { return grows(of(t, "extended_qr", 0.99), 0.5); },
-             finding("docs/theory.md 28, law v, and 36; set before the run")},
+             own_result("docs/theory.md 28, law v, and 36; set before the run")},
             {"with the constant epsilon (1 - lambda) sqrt(d - 1), to a factor of 1.25",
              [](Table const& t) { return within(of(t, "extended_qr", 0.99), {"size"}, walk, 0.8, 1.25); },
-             finding("docs/theory.md 36, set before the run")},
+             own_result("docs/theory.md 36, set before the run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // One error in the gain at one step: how long the covariance remembers it.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -18,7 +18,7 @@ M inverse(M const& A) { return covariance_of({Stored<Reference>::Quantity::infor
 /// A filter and an undisturbed copy of it, in 257 bits: the difference comes from the recursion, not from rounding.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda");
-    Entry const& entry = trial.entry(trial.text("variant"), "reference");
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), "reference");
     int const last = 400;
     Records const records = white(size, start + last, trial.seed({"replicate"}));
     auto const wrong = entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
@@ -125,7 +125,7 @@ Study const gain_error_memory{
                  Table const rows = antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
                  return within(rows, {}, greatest("size"), 3.1e-4 / 3, 3.1e-4 * 3);
              },
-             finding("docs/theory.md 28, law i, with P as it was; in place of a band set after its run")},
+             own_result("docs/theory.md 28, law i, with P as it was; in place of a band set after its run")},
             {"with lambda = 1 the conventional form never forgets it: after 400 steps it is what it was, to 1e-12",
              [](Table const& t) {
                  Table const rows = antisymmetric(t, "conventional").where("lambda", 1.0).where("steps", 400.0);
@@ -142,7 +142,7 @@ Study const gain_error_memory{
                                    .where("steps", 400.0),
                                {}, least("from_law"), 100, 1e12);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

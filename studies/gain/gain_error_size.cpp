@@ -1,5 +1,6 @@
 // Errors in every gain: how large what reaches the covariance is, against the predictions of docs/theory.md 36.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: predictions to first order for three kinds of gain, and 14 claims.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/reference/definiteness.hpp>
@@ -56,7 +57,7 @@ double first_order(Records const& records, double pole, double lambda) {
 
 /// A filter with the errors beside one without: rounding, in double, is a hundred millionth of what is measured.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"));
     std::string const &variant = trial.text("variant"), &errors = trial.text("errors");
     Index const d = Index(trial.number("size")), column = column_of(errors, d);
     double const lambda = trial.number("lambda"), times = trial.number("of crossing");
@@ -89,7 +90,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         double const predicted = is_joseph(variant) ? epsilon * epsilon * frobenius(diagonal) / size
                                  : white_rows       ? epsilon * first_order(variant, errors, d, lambda)
                                                     : epsilon * first_order(records, 0.9, lambda);
-        bool const definite = times == 0 || definiteness(wrong->stored()) == Definiteness::positive;
+        bool const definite = times == 0 || definiteness(wrong->stored()) == Health::sound;
         out({double(replicate), epsilon, error, predicted > 0 ? error / predicted : error, definite ? "yes" : "no"});
     }
 }
@@ -110,12 +111,12 @@ std::vector<std::string> const one_gain{"conventional_two_sided", "symmetric"}, 
     triangles{"carlson", "ud", "inverse_qr"};
 
 /// G2: 15 % about the prediction.
-Finding constant(Table const& t, Number const& number) { return within(t, {"variant", "size", "lambda"}, number, 0.85, 1.15); }
-Finding by_rows(Table const& t, std::vector<std::string> const& variants, char const* rows, double from, double to) {
+Judgement constant(Table const& t, Statistic const& number) { return within(t, {"variant", "size", "lambda"}, number, 0.85, 1.15); }
+Judgement by_rows(Table const& t, std::vector<std::string> const& variants, char const* rows, double from, double to) {
     return within(of(t, variants).where("rows", std::string(rows)), {"variant", "size", "lambda"}, root_mean_square("over"), from, to);
 }
 /// Joseph's error over symmetric's, seed by seed.
-Finding against_symmetric(Table const& t, double times, double from, double to) {
+Judgement against_symmetric(Table const& t, double times, double from, double to) {
     return within(t.where("of crossing", times).where("variant", {"joseph", "symmetric"}), {"size", "lambda"},
                   ratio_of_errors("joseph", "symmetric"), from, to);
 }
@@ -175,15 +176,15 @@ Study const gain_error_size{
         {
             {"symmetric and conventional_two_sided, white rows: the root mean square is the prediction to 15 %",
              [](Table const& t) { return constant(of(t, one_gain).where("rows", "white"), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
+             own_result("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"potter: the same", [](Table const& t) { return constant(of(t, {"potter"}), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
+             own_result("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"the sweeps, one error of each number wherever it is used: the same",
              [](Table const& t) { return constant(of(t, triangles), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
+             own_result("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"the sweeps, a new error after every column: the same",
              [](Table const& t) { return constant(of(t, triangles, "after every column"), root_mean_square("over")); },
-             finding("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
+             own_result("15 % about docs/theory.md 36 (G2); root mean square, not median: after a pilot")},
             {"first-order forms: the median, too, is that prediction to 15 %",
              [](Table const& t) {
                  std::vector<std::string> all = one_gain;
@@ -191,7 +192,7 @@ Study const gain_error_size{
                  all.push_back("potter");
                  return constant(of(t, all).where("rows", "white"), median("over"));
              },
-             finding("15 % about docs/theory.md 36 as G2 is worded, set before the run")},
+             own_result("15 % about docs/theory.md 36 as G2 is worded, set before the run")},
             {"the sweeps, an error after the first column or in the middle alone: the prediction to 25 %",
              [](Table const& t) {
                  auto const at = [&t](char const* errors) {
@@ -199,7 +200,7 @@ Study const gain_error_size{
                  };
                  return labelled("first", at("after column 1")) && labelled("middle", at("after column d/2"));
              },
-             finding("a factor of 1.25 about docs/theory.md 36, set before the run (G8)")},
+             own_result("a factor of 1.25 about docs/theory.md 36, set before the run (G8)")},
             {"after the last column alone: exactly 0",
              [](Table const& t) {
                  return within(of(t, triangles, "after column d"), {"variant"}, greatest("error").as(Estimate::proven), 0, 0);
@@ -207,33 +208,33 @@ Study const gain_error_size{
              verification("docs/theory.md 33 (G8)").by("docs/theory.md 33")},
             {"Joseph's forms, white rows: the error is epsilon^2 |diag P| / |P| times 0.95 to 1.25",
              [](Table const& t) { return by_rows(t, josephs, "white", 0.95, 1.25); },
-             finding("docs/theory.md 36, set before the run (G3)")},
+             own_result("docs/theory.md 36, set before the run (G3)")},
             {"coloured rows: symmetric and conventional_two_sided have the prediction to 15 %",
              [](Table const& t) { return by_rows(t, one_gain, "pole 0.9", 0.85, 1.15); },
-             finding("15 % about docs/theory.md 36, set before the run (G2)")},
+             own_result("15 % about docs/theory.md 36, set before the run (G2)")},
             {"coloured rows: Joseph's forms have theirs times 0.95 to 1.25",
              [](Table const& t) { return by_rows(t, josephs, "pole 0.9", 0.95, 1.25); },
-             finding("docs/theory.md 36, set before the run (G3)")},
+             own_result("docs/theory.md 36, set before the run (G3)")},
             {"at a quarter and at half of epsilon = sqrt((d+2)/N_eff) Joseph's form is the more accurate one",
              [](Table const& t) {
                  return labelled("1/4", against_symmetric(t, 0.25, 0, 1)) && labelled("1/2", against_symmetric(t, 0.5, 0, 1));
              },
-             finding("docs/theory.md 36, set before the run (G4)")},
+             own_result("docs/theory.md 36, set before the run (G4)")},
             {"at twice that epsilon symmetric is: in the median", [](Table const& t) { return against_symmetric(t, 2, 1, 1e300); },
-             finding("docs/theory.md 36, set before the run (G4)")},
+             own_result("docs/theory.md 36, set before the run (G4)")},
             {"Joseph's form is definite at the end of most runs, at all four",
              [](Table const& t) {
                  return everywhere(t.where("of crossing", [](double x) { return x > 0; }).where("variant", "joseph"), "definite", "yes");
              },
-             finding("docs/theory.md 30, set before the run")},
+             own_result("docs/theory.md 30, set before the run")},
             {"symmetric is not, at twice the crossing with lambda = 1: in some run it has lost definiteness",
              [](Table const& t) {
                  Table const lost = t.where("of crossing", 2.0).where("variant", "symmetric").where("lambda", 1.0).where("definite", "no");
                  size_t const runs = t.where("of crossing", 2.0).where("variant", "symmetric").where("lambda", 1.0).rows().size();
-                 return Finding(lost.empty() ? Verdict::undecided : Verdict::holds,
-                                as_text(double(lost.rows().size())) + " of " + as_text(double(runs)) + " runs");
+                 return Judgement(lost.empty() ? Verdict::undecided : Verdict::holds,
+                                  as_text(double(lost.rows().size())) + " of " + as_text(double(runs)) + " runs");
              },
-             finding("docs/theory.md 29, set after a pilot of 40 seeds")},
+             own_result("docs/theory.md 29, set after a pilot of 40 seeds")},
         },
 };
 

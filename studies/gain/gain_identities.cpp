@@ -1,5 +1,6 @@
 // What an error in the gain does to P, as identities in exact rational arithmetic.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: 14 identities, each written out in rationals.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -183,11 +184,11 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"};
 std::vector<std::string> const josephs{"joseph", "joseph_rank_two"};
 
-Finding share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to, double wanted) {
+Judgement share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to, double wanted) {
     Table const rows = t.where("property", property).where("ratio", [=](double r) { return from <= r && r <= to; });
     return within(rows.where("variant", variants), {"variant", "lambda", "ratio"}, least("share"), wanted, wanted);
 }
-Finding order_within(Table const& t, char const* variant, double from, double to) {
+Judgement order_within(Table const& t, char const* variant, double from, double to) {
     Table const rows = t.where("variant", variant);
     return labelled("s", within(rows.where("property", "order in s"), {"lambda", "ratio"}, least("share"), from, to)) &&
            labelled("f", within(rows.where("property", "order in f"), {"lambda", "ratio"}, least("share"), from, to));
@@ -216,7 +217,7 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
         "gain: an error of it reaches P in first order, unless it enters after the last column, and never touches definiteness. An "
         "error of s or of f is one of K alone in Joseph's form by products, and stays of second order; in joseph_rank_two it is of "
         "first order (formulas (4) and (5) of its page, evaluated here: the page lets K be changed only after them). The root forms "
-        "obey their laws to 1e-60 (tests/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
+        "obey their laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
         "gain_error_size, gain_error_definiteness.",
     .data = "random rational P, rows and errors, d = 2, 3, 4",
     .factors =

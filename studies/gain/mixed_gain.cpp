@@ -1,5 +1,6 @@
 // Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and measured.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -153,7 +154,7 @@ void measure(Trial const& trial, TrialOutput& out) {
         for (int p_K = step; p_K <= last; p_K += step) {
             Stored<Reference> const stored = stored_with(p_K);
             double const error = error_of(stored), law = in_short == only_gain ? predicted(setting, variant, p_K, p_P, B) : NAN;
-            bool const definite = definiteness(stored) == Definiteness::positive;
+            bool const definite = definiteness(stored) == Health::sound;
             out({std::string(variant), std::string(in_short), double(p_K), std::ldexp(1, -p_K), error, error / law,
                  error / noise_and_bias(setting, p_K, B), error / floor, crossing(setting, p_P), definite ? "yes" : "no"});
         }
@@ -174,15 +175,15 @@ Table with_data(Table const& t, std::vector<std::string> const& data) { return t
 /// A greater error is counted as this one: P is lost.
 constexpr double lost = 1000;
 /// The error of one arrangement over that of another, of the same rows and lengths.
-Finding against(Table const& t, std::pair<std::string, std::string_view> const& one, std::pair<std::string, std::string_view> const& other,
-                double from, double to) {
+Judgement against(Table const& t, std::pair<std::string, std::string_view> const& one,
+                  std::pair<std::string, std::string_view> const& other, double from, double to) {
     auto const mean_log = [](Table const& rows, std::pair<std::string, std::string_view> const& which) {
         std::vector<double> const e = rows.where("variant", which.first).where("short", std::string(which.second)).numbers("error");
         double sum = 0;
         for (double const x : e) sum += correctly::log10(std::min(x, lost)) / double(e.size());
         return e.empty() ? std::nan("") : sum;
     };
-    Number const ratio = [=](Table const& rows) { return correctly::pow(10, mean_log(rows, one) - mean_log(rows, other)); };
+    Statistic const ratio = [=](Table const& rows) { return correctly::pow(10, mean_log(rows, one) - mean_log(rows, other)); };
     return within(t, {"data", "p_K"}, ratio, from, to);
 }
 /// The longest gain with which Joseph's form is still the more accurate one, less the prediction.
@@ -197,7 +198,7 @@ double off_prediction(Table const& seed) {
     }
     return at - joseph.numbers("predicted_crossing").front();
 }
-Finding definite_in(Table const& t, double p_K, double from, double to) {
+Judgement definite_in(Table const& t, double p_K, double from, double to) {
     Table const rows = of(t.where("data", "pole 0.99"), {"joseph_rank_two"}, until_gain).where("p_K", p_K);
     return labelled(as_text(p_K) + " bits", proportion(rows.where("definite", "yes").rows().size(), rows.rows().size(), from, to));
 }
@@ -265,7 +266,7 @@ Study const mixed_gain{
         {
             {"a gain as long as the state: whether it alone or also f and s is rounded to its length changes no bit",
              [](Table const& t) {
-                 std::vector<Finding> out;
+                 std::vector<Judgement> out;
                  for (auto const& [name, rows] : of(t, {"symmetric", "joseph", "joseph_rank_two"}, only_gain).groups({"variant"}))
                      out.push_back(
                          labelled(name, against(t.where("p_P", 24.0).where("p_K", 24.0), {name, only_gain}, {name, until_gain}, 1, 1)));
@@ -275,9 +276,9 @@ Study const mixed_gain{
             {"T1: Joseph's form is more accurate than symmetric up to p_K = p_P - log2(sqrt(Z_J^2 - Z_s^2) / (0.42 A)), to 1 bit",
              [](Table const& t) {
                  Table const rows = with_data(t, with_floors).where("p_P", from_to(16, 32)).where("p_K", [](double p) { return p >= 4; });
-                 return within(rows, {"data", "p_P"}, Number(&off_prediction), -1, 1);
+                 return within(rows, {"data", "p_P"}, Statistic(&off_prediction), -1, 1);
              },
-             finding("docs/theory.md 68 with floors known beforehand, set before the run (T1)")},
+             own_result("docs/theory.md 68 with floors known beforehand, set before the run (T1)")},
             {"T1: only while 0.42 u_K < A: after 4000 rows, lambda = 1, Joseph's is the less accurate with 2 bits, not with 4",
              [](Table const& t) {
                  Table const rows = with_data(t, {"4000 rows"}).where("p_P", 24.0);
@@ -287,32 +288,32 @@ Study const mixed_gain{
                  };
                  return with_bits(2, 1, 1e300) && with_bits(4, 0, 1);
              },
-             finding("docs/theory.md 36, 68, set before the run (T1, G4)")},
+             own_result("docs/theory.md 36, 68, set before the run (T1, G4)")},
             {"symmetric and ud, K or v in 4 bits and more, white rows: the root mean square is the law, to a factor of 1.25",
              [](Table const& t) {
                  Table const rows = of(with_data(t, white_rows), {"symmetric", "ud"}, only_gain).where("p_K", from_to(4, 24));
                  return within(rows, {"variant", "data", "p_K"}, root_mean_square("over_prediction"), 0.8, 1.25);
              },
-             finding("docs/theory.md 68, set before the run")},
+             own_result("docs/theory.md 68, set before the run")},
             {"symmetric in 4 bits, white rows: the root mean square is that of noise and bias of rounding, to a factor of 1.25",
              [](Table const& t) {
                  Table const rows = t.where("data", {"white", "nothing forgotten", "4000 rows"}).where("p_P", 24.0).where("p_K", 4.0);
                  return within(rows.where("variant", "symmetric").where("short", std::string(only_gain)), {"data"},
                                root_mean_square("over_noise_and_bias"), 0.8, 1.25);
              },
-             finding("docs/theory.md 68; the bias was derived after the runs, to explain them")},
+             own_result("docs/theory.md 68; the bias was derived after the runs, to explain them")},
             {"Joseph's forms, K in 4 bits and more, white rows: the median is the law, to a factor of 1.25",
              [](Table const& t) {
                  Table const rows = of(with_data(t, white_rows), {"joseph", "joseph_rank_two"}, only_gain).where("p_K", from_to(4, 24));
                  return within(rows, {"variant", "data", "p_K"}, median("over_prediction"), 0.8, 1.25);
              },
-             finding("docs/theory.md 68, set before the run")},
+             own_result("docs/theory.md 68, set before the run")},
             {"T2: K alone in 4 bits and more: joseph_rank_two is never worse than symmetric by more than a quarter",
              [](Table const& t) {
                  return against(with_data(t, with_floors).where("p_P", 24.0).where("p_K", from_to(4, 24)), {"joseph_rank_two", only_gain},
                                 {"symmetric", only_gain}, 0, 1.25);
              },
-             finding("docs/theory.md 68, set before the run (T2)")},
+             own_result("docs/theory.md 68, set before the run (T2)")},
             {"T2: from p_K = (p_P - log2(5.5 Z))/2, 10 bits, on it stands on its floor: to 2.5 times with 10, to 1.25 with 12 and more",
              [](Table const& t) {
                  Table const rows = of(with_data(t, with_floors), {"joseph_rank_two"}, only_gain);
@@ -321,16 +322,16 @@ Study const mixed_gain{
                  };
                  return on(10, 10, 0.8, 2.5) && on(12, 24, 0.8, 1.25);
              },
-             finding("docs/theory.md 68, set before the run (T2)")},
+             own_result("docs/theory.md 68, set before the run (T2)")},
             {"T3: f, s and K short, P in 53 bits: Joseph's form has slope 2.0 +- 0.1 in u_K",
              [](Table const& t) { return within(of(t, {"joseph"}, until_gain, 53), {"data"}, slope("u_K", "error"), 1.9, 2.1); },
-             finding("docs/theory.md 31, set before the run (T3)")},
+             own_result("docs/theory.md 31, set before the run (T3)")},
             {"T3: joseph_rank_two and symmetric have slope 1.0 +- 0.1",
              [](Table const& t) {
                  return within(of(t, {"joseph_rank_two", "symmetric"}, until_gain, 53), {"variant", "data"}, slope("u_K", "error"), 0.9,
                                1.1);
              },
-             finding("docs/theory.md 31, set before the run (T3)")},
+             own_result("docs/theory.md 31, set before the run (T3)")},
             {"T3: joseph_rank_two with f, s and K short is the worst: worse than Joseph's so, and than symmetric and ud with K or v short",
              [](Table const& t) {
                  Table const rows = with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 16));
@@ -338,7 +339,7 @@ Study const mixed_gain{
                         labelled("symmetric, K", against(rows, {"joseph_rank_two", until_gain}, {"symmetric", only_gain}, 1, 1e300)) &&
                         labelled("ud, v", against(rows, {"joseph_rank_two", until_gain}, {"ud", only_gain}, 1, 1e300));
              },
-             finding("set before the run (T3); since it an error above 1000 counts as 1000")},
+             own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
             {"T3: joseph_rank_two so: 3 times symmetric's with K alone short for white rows (2 to 4.5), 14 to 35 times for the pole 0.99",
              [](Table const& t) {
                  auto const on = [&](char const* data, double from, double to) {
@@ -347,18 +348,18 @@ Study const mixed_gain{
                  };
                  return on("white", 2, 4.5) && on("pole 0.99", 14, 35);
              },
-             finding("set before the run (T3); since it an error above 1000 counts as 1000")},
+             own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
             {"T3: joseph_rank_two so: with the pole 0.99 it ends definite in 60 % of runs with 6 bits, 25 % with 4, each to 25 %",
              [](Table const& t) { return definite_in(t, 6, 0.45, 0.75) && definite_in(t, 4, 0.1875, 0.3125); },
-             finding("set before the run (T3)")},
+             own_result("set before the run (T3)")},
             {"T3: Joseph's form so, with the pole 0.99 and 4 or 6 bits, is definite at the end of most runs",
              [](Table const& t) {
                  return everywhere(of(t.where("data", "pole 0.99"), {"joseph"}, until_gain).where("p_K", from_to(4, 6)), "definite", "yes");
              },
-             finding("docs/theory.md 30 and T3 to the letter, narrowed after the first run")},
+             own_result("docs/theory.md 30 and T3 to the letter, narrowed after the first run")},
             {"Joseph's form with f, s and K short is definite at the end of most runs, whatever the data and the length",
              [](Table const& t) { return everywhere(of(t, {"joseph"}, until_gain), "definite", "yes"); },
-             finding("docs/theory.md 30, set before the run (T3)")},
+             own_result("docs/theory.md 30, set before the run (T3)")},
             {"T3: f and s in 6 bits too cost Joseph's form a factor of 6, 20, 100 for the poles 0, 0.9, 0.99, to a factor of 3",
              [](Table const& t) {
                  auto const on = [&](char const* data, double times) {
@@ -367,26 +368,26 @@ Study const mixed_gain{
                  };
                  return on("white", 6) && on("pole 0.9", 20) && on("pole 0.99", 100);
              },
-             finding("a factor of 3, set before the run (T3); since it an error above 1000 counts as 1000")},
+             own_result("a factor of 3, set before the run (T3); since it an error above 1000 counts as 1000")},
             {"T4: joseph_rank_two with K short is more accurate than ud with v short, at 4 to 18 bits, for each of the poles",
              [](Table const& t) {
                  return against(with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 18)),
                                 {"joseph_rank_two", only_gain}, {"ud", only_gain}, 0, 1);
              },
-             finding("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
+             own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
             {"T4: with a gain of all 24 bits they tie where the pole is 0.99: to a factor of 1.25",
              [](Table const& t) {
                  return against(with_data(t, {"pole 0.99"}).where("p_P", 24.0).where("p_K", 24.0), {"joseph_rank_two", only_gain},
                                 {"ud", only_gain}, 0.8, 1.25);
              },
-             finding("set before the run (T4); since it an error above 1000 counts as 1000")},
+             own_result("set before the run (T4); since it an error above 1000 counts as 1000")},
             {"T4: where P0 is large their own floors are above A^2/B, and ud is more accurate than both of Joseph's forms at 4 to 18 bits",
              [](Table const& t) {
                  Table const rows = with_data(t, {"large P0"}).where("p_P", 24.0).where("p_K", from_to(4, 18));
                  return labelled("joseph", against(rows, {"joseph", only_gain}, {"ud", only_gain}, 1, 1e300)) &&
                         labelled("joseph_rank_two", against(rows, {"joseph_rank_two", only_gain}, {"ud", only_gain}, 1, 1e300));
              },
-             finding("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
+             own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
             {"T5: the sweeps with a running gain of 2 bits and more are definite at the end of every run",
              [](Table const& t) {
                  return everywhere(t.where("variant", {"ud", "carlson", "inverse_qr"}), "definite", "yes", Estimate::proven);

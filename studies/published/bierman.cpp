@@ -1,5 +1,6 @@
 // Bierman's two parameters: an accurate first measurement, a nearly parallel second one, and a variance below zero.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: nine claims on one published example.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/catalogue/breakdown.hpp>
@@ -12,7 +13,7 @@ namespace {
 
 /// psi = (1, eps), (1, 1) with unit noise and P0 = I / eps^2; eps = 2^-k or 1.0737 2^-k, as 1e-9 is, in the bits of the arithmetic.
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const odd = 1e-9 * 0x1p30, k = trial.number("power");
     double const eps = entry.arithmetic->round(std::ldexp(trial.text("eps") == "2^-k" ? 1.0 : odd, -int(k)));
     Problem<double> const problem = as_stored({.size = 2, .prior = Prior<double>{.variance = 1 / (eps * eps)}}, *entry.arithmetic);
@@ -20,23 +21,23 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter = entry.make(problem, Seed{1});
     process_rows(*filter, records, 0, 2);
     double const u = entry.arithmetic->unit_roundoff(), error = errors(*filter, certified(problem, records, {2}).front()).covariance;
-    std::string const broken = breakdown(*filter, *entry.arithmetic);
+    Health const broken = breakdown(*filter, *entry.arithmetic);
     double const variance = static_cast<double>(covariance_of(filter->stored())(0, 0));
     out({eps, error, error / u, error * eps / u, variance,
          variance < 0   ? "negative"
          : variance > 0 ? "positive"
                         : "zero",
-         broken.empty() ? "sound" : broken, entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
+         std::string(name_of(broken)), entry.arithmetic->round(1 + eps * eps) == 1 ? "lost" : "seen"});
 }
 
 std::vector<std::string> const triangular = words(triangular_forms());
 Table of(Table const& t, char const* arithmetic, char const* eps) { return t.where("arithmetic", arithmetic).where("eps", eps); }
 
 /// The variance is positive up to 2^-last and negative from there on.
-Finding flips(Table const& t, char const* arithmetic, double last, std::vector<std::string> const& variants) {
+Judgement flips(Table const& t, char const* arithmetic, double last, std::vector<std::string> const& variants) {
     Table const rows = of(t, arithmetic, "2^-k").where("variant", variants);
-    Finding const before = everywhere(rows.where("power", [=](double k) { return k <= last; }), "sign", "positive");
-    Finding const after = everywhere(rows.where("power", [=](double k) { return k > last; }), "sign", "negative");
+    Judgement const before = everywhere(rows.where("power", [=](double k) { return k <= last; }), "sign", "positive");
+    Judgement const after = everywhere(rows.where("power", [=](double k) { return k > last; }), "sign", "negative");
     return labelled("up to it", before) && labelled("beyond", after);
 }
 
@@ -103,24 +104,24 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
             {"conventional_two_sided, symmetric and joseph_rank_two flip at the same epsilon",
              [](Table const& t) {
                  std::vector<std::string> const others{"conventional_two_sided", "symmetric", "joseph_rank_two"};
-                 Finding const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
+                 Judgement const in_double = flips(t, "double", 26, others), in_float = flips(t, "float", 11, others);
                  return labelled("double", in_double) && labelled("float", in_float);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md "
              "3.3",
              [](Table const& t) {
                  Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
                  double const before = rows.where("power", 26.0).number("variance"), after = rows.where("power", 27.0).number("variance");
                  bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
-                 return Finding{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
+                 return Judgement{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
              },
              reproduction("earlier experiment, docs/literature.md 3.3")},
             {"joseph by products, power of two: error below 30 u at every eps, and never indefinite",
              [](Table const& t) {
                  Table const rows = t.where("variant", "joseph");
-                 Finding const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
-                 Finding const sound = everywhere(rows, "outcome", "sound");
+                 Judgement const error = within(rows.where("eps", "2^-k"), {"arithmetic"}, greatest("error_u"), 0, 30);
+                 Judgement const sound = everywhere(rows, "outcome", "sound");
                  return error && sound;
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.3")},
@@ -128,9 +129,9 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
              [](Table const& t) {
                  Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
                  double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
-                 return Finding{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
+                 return Judgement{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"ud, carlson, inverse_qr, qr, gentleman, extended_qr: error below 30 u at every eps of either kind",
              [](Table const& t) {
                  return within(t.where("variant", triangular), {"variant", "arithmetic"}, greatest("error_u"), 0, 30);
@@ -139,7 +140,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
             {"potter: error below 4 eps at powers of two beyond the flip (docs/literature.md 3.3 has 2 eps at 2^-30)",
              [](Table const& t) {
                  Table const rows = t.where("variant", "potter").where("eps", "2^-k").where("square", "lost");
-                 Number const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
+                 Statistic const in_eps = [](Table const& row) { return row.number("error") / row.number("epsilon"); };
                  return within(rows, {"arithmetic", "power"}, in_eps, 0, 4);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.3")},
@@ -147,7 +148,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
              [](Table const& t) {
                  return within(t.where("variant", "potter"), {"arithmetic", "eps"}, greatest("error_u_eps"), 0, 3);
              },
-             finding("docs/theory.md 44, in place of a band set after its run")},
+             own_result("docs/theory.md 44, in place of a band set after its run")},
         },
 };
 

@@ -1,5 +1,5 @@
 // Dyer & McReynolds' measurement problem as Grewal & Andrews sweep it: which form keeps how many digits as the rows become parallel.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -30,8 +30,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         std::string const& name = std::get<std::string>(variant);
         auto const filter = run(name);
         double const error = errors(*filter, exact).covariance;  // infinite where P cannot be had
-        std::string const broken = breakdown(*filter, *trial.entry(name).arithmetic);
-        out({name, error, error * norm / correctly::hypot(carlson, last), broken.empty() ? "sound" : broken});
+        Health const broken = breakdown(*filter, *trial.entry(name).arithmetic);
+        out({name, error, error * norm / correctly::hypot(carlson, last), std::string(name_of(broken))});
     }
 }
 
@@ -41,7 +41,7 @@ std::vector<std::string> const rows_by_one = words(factor_forms());
 Table between(Table const& t, double from, double to) {
     return t.where("delta", [=](double d) { return from * 0.999 <= d && d <= to * 1.001; });  // rounded powers of ten
 }
-Finding slopes(Table const& t, std::vector<std::string> const& variants, double from, double to) {
+Judgement slopes(Table const& t, std::vector<std::string> const& variants, double from, double to) {
     return within(between(t, 1e-6, 1e-2).where("variant", variants), {"variant"}, slope("delta", "error"), from, to);
 }
 
@@ -94,9 +94,9 @@ Study const dyer_mcreynolds{
              reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"factor forms keep an error below 1e-6 at delta = 1e-9, and row by row below 2 u / delta from 1e-1 to 1e-15",
              [](Table const& t) {
-                 Finding const at = within(between(t, 1e-9, 1e-9).where("variant", factors), {"variant"}, greatest("error"), 0, 1e-6);
-                 Number const in_law = [](Table const& row) { return row.number("error") * row.number("delta") * 0x1p53; };
-                 Finding const law = within(t.where("variant", rows_by_one), {"variant", "delta"}, in_law, 0, 2);
+                 Judgement const at = within(between(t, 1e-9, 1e-9).where("variant", factors), {"variant"}, greatest("error"), 0, 1e-6);
+                 Statistic const in_law = [](Table const& row) { return row.number("error") * row.number("delta") * 0x1p53; };
+                 Judgement const law = within(t.where("variant", rows_by_one), {"variant", "delta"}, in_law, 0, 2);
                  return at && labelled("of u / delta", law);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.4")},
@@ -105,37 +105,37 @@ Study const dyer_mcreynolds{
              [](Table const& t) {
                  std::vector<std::string> const saturating = words(subtracting_forms());
                  Table const small = between(t, 1e-15, 1e-10).where("variant", saturating);
-                 Finding const middle = within(small, {"variant"}, median("error"), 0.14, 0.26);
-                 Finding const most = within(small, {"variant"}, greatest("error"), 0, 0.3);
+                 Judgement const middle = within(small, {"variant"}, median("error"), 0.14, 0.26);
+                 Judgement const most = within(small, {"variant"}, greatest("error"), 0, 0.3);
                  return labelled("median", middle) && labelled("greatest", most);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"Joseph's products do not saturate: the largest error below delta = 1e-10 exceeds 1e4",
              [](Table const& t) { return within(between(t, 1e-15, 1e-10).where("variant", "joseph"), {}, greatest("error"), 1e4, 1e300); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"joseph is indefinite at a delta at least 10 times as large as any at which conventional is",
              [](Table const& t) {
                  Table const bad = t.where("outcome", "indefinite");
-                 Number const first = greatest("delta");
+                 Statistic const first = greatest("delta");
                  double const joseph = first(bad.where("variant", "joseph")), conventional = first(bad.where("variant", "conventional"));
-                 return Finding{joseph >= 10 * conventional, fmt::format("{:.3g} and {:.3g}", joseph, conventional)};
+                 return Judgement{joseph >= 10 * conventional, fmt::format("{:.3g} and {:.3g}", joseph, conventional)};
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"factor forms are positive definite at every delta",
              [](Table const& t) { return everywhere(t.where("variant", factors), "outcome", "sound"); },
              reproduction("earlier experiment, docs/literature.md 3.4")},
             {"information: slope -2.0 +- 0.2, and not positive definite at any delta of 1e-8 or less",
              [](Table const& t) {
-                 Finding const line = slopes(t, {"information"}, -2.2, -1.8);
+                 Judgement const line = slopes(t, {"information"}, -2.2, -1.8);
                  Table const small = between(t, 1e-15, 1e-8).where("variant", "information");
                  size_t const sound = small.where("outcome", "sound").rows().size();
-                 return labelled("slope", line) && Finding(sound == 0, fmt::format("{} of {} sound", sound, small.rows().size()));
+                 return labelled("slope", line) && Judgement(sound == 0, fmt::format("{} of {} sound", sound, small.rows().size()));
              },
-             finding("docs/theory.md 50, and 54: delta^2 below u; in place of a band set after its run")},
+             own_result("docs/theory.md 50, and 54: delta^2 below u; in place of a band set after its run")},
             {"the published figure's errors are 2.50 +- 0.02 times the relative errors (delta = 1e-2 ... 1e-12)",
              [](Table const& t) {
                  Table const rows = between(t, 1e-12, 1e-2).where("error", [](double e) { return e < 1e300; });
-                 Number const ratio = [](Table const& row) { return row.number("as_published") / row.number("error"); };
+                 Statistic const ratio = [](Table const& row) { return row.number("as_published") / row.number("error"); };
                  return within(rows, {"variant", "delta"}, ratio, 2.48, 2.52);
              },
              reproduction("the published script, docs/literature.md 3.4")},

@@ -82,26 +82,31 @@ EvaluatedDouble<fused, order> dot(EvaluatedDouble<fused, order> const* x, Evalua
     return sum;
 }
 
-template <bool fused, DotOrder order>
-struct ArithmeticTraits<EvaluatedDouble<fused, order>> : ArithmeticTraits<double> {
-    static constexpr std::string_view name = fused                         ? "fused"
-                                             : order == DotOrder::forward  ? "forward"
-                                             : order == DotOrder::backward ? "backward"
-                                                                           : "double";
+}  // namespace rlslab::studies
+
+namespace rlslab {
+
+template <bool fused, studies::DotOrder order>
+struct ArithmeticTraits<studies::EvaluatedDouble<fused, order>> : ArithmeticTraits<double> {
+    static constexpr std::string_view name = fused                                  ? "fused"
+                                             : order == studies::DotOrder::forward  ? "forward"
+                                             : order == studies::DotOrder::backward ? "backward"
+                                                                                    : "double";
 };
 namespace detail {
 struct EveryDouble {
     bool operator()(double) const { return true; }
 };
 }  // namespace detail
-template <bool fused, DotOrder order>
-struct Encoding<EvaluatedDouble<fused, order>> : EncodingInDouble<EvaluatedDouble<fused, order>, detail::EveryDouble> {};
+template <bool fused, studies::DotOrder order>
+struct Encoding<studies::EvaluatedDouble<fused, order>> : EncodingInDouble<studies::EvaluatedDouble<fused, order>, detail::EveryDouble> {};
 
-}  // namespace rlslab::studies
+}  // namespace rlslab
 
-template <bool fused, rlslab::DotOrder order>
-struct Eigen::NumTraits<rlslab::EvaluatedDouble<fused, order>> : rlslab::detail::StorageTraits<rlslab::EvaluatedDouble<fused, order>> {
-    using Number = rlslab::EvaluatedDouble<fused, order>;
+template <bool fused, rlslab::studies::DotOrder order>
+struct Eigen::NumTraits<rlslab::studies::EvaluatedDouble<fused, order>>
+    : rlslab::detail::StorageTraits<rlslab::studies::EvaluatedDouble<fused, order>> {
+    using Number = rlslab::studies::EvaluatedDouble<fused, order>;
     static Number highest() { return Number(std::numeric_limits<double>::max()); }
     static Number lowest() { return -highest(); }
     static Number infinity() { return Number(std::numeric_limits<double>::infinity()); }

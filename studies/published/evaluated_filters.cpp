@@ -10,33 +10,33 @@ namespace rlslab::studies {
 namespace {
 
 template <RecursiveLeastSquares F>
-Entry entry_in(Arithmetic const* arithmetic) {
+CatalogueEntry entry_in(Arithmetic const* arithmetic) {
     return {F::name,          arithmetic, StartsWithoutPrior<F>, 1, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
             &Erased<F>::make, nullptr};
 }
 template <class T>
-Entry const* found(std::string_view variant) {
+CatalogueEntry const* found(std::string_view variant) {
     static Arithmetic const arithmetic = arithmetic_of<T>();
-    static std::vector<Entry> const entries = [] {
-        std::vector<Entry> out;
+    static std::vector<CatalogueEntry> const entries = [] {
+        std::vector<CatalogueEntry> out;
         using Some = TypeList<ConventionalTwoSided<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Carlson<T>, Ud<T>,
                               InverseQr<T>, Information<T>, Qr<T>, Gentleman<T>, ExtendedQr<T>>;
         for_each(Some{}, [&]<class F>() { out.push_back(entry_in<F>(&arithmetic)); });
         return out;
     }();
-    for (Entry const& entry : entries)
+    for (CatalogueEntry const& entry : entries)
         if (entry.variant == variant) return &entry;
     return nullptr;
 }
 
 }  // namespace
 
-Entry const& evaluated(std::string_view variant, std::string_view evaluation) {
-    Entry const* const entry = evaluation == "lanes"      ? found<EvaluatedDouble<false, DotOrder::lanes>>(variant)
-                               : evaluation == "fused"    ? found<FusedDouble>(variant)
-                               : evaluation == "forward"  ? found<ForwardDouble>(variant)
-                               : evaluation == "backward" ? found<BackwardDouble>(variant)
-                                                          : nullptr;
+CatalogueEntry const& evaluated(std::string_view variant, std::string_view evaluation) {
+    CatalogueEntry const* const entry = evaluation == "lanes"      ? found<EvaluatedDouble<false, DotOrder::lanes>>(variant)
+                                        : evaluation == "fused"    ? found<FusedDouble>(variant)
+                                        : evaluation == "forward"  ? found<ForwardDouble>(variant)
+                                        : evaluation == "backward" ? found<BackwardDouble>(variant)
+                                                                   : nullptr;
     if (!entry) throw std::logic_error("no such variant, or no such evaluation");
     return *entry;
 }

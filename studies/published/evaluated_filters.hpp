@@ -7,6 +7,6 @@ namespace rlslab::studies {
 
 /// The dense variants but conventional, kalman and qr_block, by name; evaluation: "lanes" (as the library has it, and bit for bit the
 /// catalogue's), "fused", "forward", "backward". Throws std::logic_error for another.
-Entry const& evaluated(std::string_view variant, std::string_view evaluation);
+CatalogueEntry const& evaluated(std::string_view variant, std::string_view evaluation);
 
 }  // namespace rlslab::studies

@@ -1,5 +1,6 @@
 // NIST's regressions in many orders of their rows, with fused products and other dot products: how much a number of digits may scatter.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: 13 claims on the regressions of NIST.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_filters.hpp"
 #include "studies/published/nist_table.hpp"
@@ -81,7 +82,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (Cell const& variant : joined(rotations, triangular)) {
         Runs plain;
         for (std::string const& evaluation : evaluations) {
-            Entry const& entry = evaluated(std::get<std::string>(variant), evaluation);
+            CatalogueEntry const& entry = evaluated(std::get<std::string>(variant), evaluation);
             Runs runs;
             for (Records const& records : rows) {
                 auto const filter = entry.make(problem, Seed{1});
@@ -112,7 +113,7 @@ Table some(Table const& t, std::vector<Cell> const& variants) { return t.where("
 std::vector<std::string> const each{"set", "variant"}, each_evaluation{"set", "variant", "evaluation"};
 
 /// The deviation of the difference with this order of the dot over that with fused products.
-Number against_fused(char const* evaluation) {
+Statistic against_fused(char const* evaluation) {
     return [=](Table const& t) {
         double const fused = t.where("evaluation", "fused").number("paired");
         return t.where("evaluation", evaluation).number("paired") / fused;
@@ -170,58 +171,58 @@ Study const fused{
              [](Table const& t) {
                  return within(some(as_it_is(t), rotations), each, mean("deviation").as(Estimate::quadratic), 0.3, 0.55);
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N1: of 120 orders the worst is at most 0.8 below the median",
              [](Table const& t) { return within(some(as_it_is(t), rotations), each, mean("below"), 0, 0.8); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N1: and the errors have no bias: the mean of theta_1's is below a quarter of its standard deviation",
              [](Table const& t) { return within(some(as_it_is(t), rotations), each, mean("bias"), -0.25, 0.25); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"the median of qr is that of c = 1.5 to 2.6",
              [](Table const& t) { return within(as_it_is(t).where("variant", "qr"), {"set"}, mean("c"), 1.5, 2.6); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N2: carlson, ud, inverse_qr scatter more: 0.4 to 0.95",
              [](Table const& t) {
                  return within(some(as_it_is(t), triangular), each, mean("deviation").as(Estimate::quadratic), 0.4, 0.95);
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N2: and of 120 orders their worst is 1.3 to 2.4 below the median",
              [](Table const& t) { return within(some(as_it_is(t), triangular), each, mean("below"), 1.3, 2.4); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N3: fused products move the median by at most 0.15",
              [](Table const& t) { return within(t.where("evaluation", "fused"), each, mean("shift"), -0.15, 0.15); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N3: on one order they change the digits like another draw: the difference has a standard deviation of 0.68, within a factor "
              "of 1.25",
              [](Table const& t) {
                  return within(t.where("evaluation", "fused"), each, mean("paired").as(Estimate::quadratic), 0.68 / 1.25, 0.68 * 1.25);
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N3: and scatter as without, to 0.1 of the standard deviation",
              [](Table const& t) {
-                 Number const more([](Table const& v) {
+                 Statistic const more([](Table const& v) {
                      return v.where("evaluation", "fused").number("deviation") - v.where("evaluation", "lanes").number("deviation");
                  });
                  return within(t, each, more, -0.1, 0.1);
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N4: one order says the digits to 1, qr and gentleman: at least 90 % of orders lie within 1 of the median",
              [](Table const& t) { return within(some(as_it_is(t), rotations), each, mean("within_one"), 0.9, 1); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N4: and no better: within 0.3 lie at most 75 %",
              [](Table const& t) { return within(some(as_it_is(t), rotations), each, mean("within_third"), 0, 0.75); },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N5: dot products from the first to the last, or back, move the median by at most 0.15",
              [](Table const& t) {
                  return within(t.where("evaluation", {"forward", "backward"}), each_evaluation, mean("shift"), -0.15, 0.15);
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
             {"N5: and change the digits of one order less than fused products do",
              [](Table const& t) {
                  return labelled("forward", within(t, each, against_fused("forward"), 0, 1)) &&
                         labelled("backward", within(t, each, against_fused("backward"), 0, 1));
              },
-             finding("docs/theory.md 78, set before the run")},
+             own_result("docs/theory.md 78, set before the run")},
         },
 };
 

@@ -1,6 +1,6 @@
 // What fused products do to the symmetry of P: under unchanged texts.
 #include "studies/engine/checkpoints.hpp"
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/published/evaluated_filters.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -36,14 +36,14 @@ Table of(Table const& t, char const* variant, char const* evaluation) {
     return t.where("variant", variant).where("evaluation", evaluation);
 }
 /// The rate at which the asymmetry grows, over -ln lambda, before it is a thousandth of P.
-Finding growth(Table const& t, char const* variant, char const* evaluation) {
-    std::vector<Finding> out;
+Judgement growth(Table const& t, char const* variant, char const* evaluation) {
+    std::vector<Judgement> out;
     for (double const lambda : {0.98, 0.95}) {
         Table const early = of(t, variant, evaluation)
                                 .where("lambda", lambda)
                                 .where("rows", [](double k) { return k >= 100; })
                                 .where("asymmetry", [](double a) { return a < 1e-3; });
-        Number const relative([=](Table const& v) { return rate("rows", "asymmetry")(v) / -correctly::log(lambda); });
+        Statistic const relative([=](Table const& v) { return rate("rows", "asymmetry")(v) / -correctly::log(lambda); });
         out.push_back(labelled("lambda " + as_text(lambda), within(early, {}, relative, 0.9, 1.1)));
     }
     return together(out);
@@ -104,7 +104,7 @@ Study const fused_symmetry{
              [](Table const& t) { return everywhere(of(t, "symmetric", "fused"), "asymmetry", 0.0, Estimate::proven); },
              verification("docs/theory.md 79: one triangle is computed").by("docs/theory.md 79")},
             {"fused, the asymmetry of joseph_rank_two grows as lambda^-k: its rate is -ln lambda within 10 %",
-             [](Table const& t) { return growth(t, "joseph_rank_two", "fused"); }, finding("docs/theory.md 79, set before the run")},
+             [](Table const& t) { return growth(t, "joseph_rank_two", "fused"); }, own_result("docs/theory.md 79, set before the run")},
             {"so after 800 rows at lambda = 0.95 its P is wrong by 1 % and more, and without by less than 1e-12, in most runs",
              [](Table const& t) {
                  auto const at_800 = [&](char const* evaluation) {
@@ -113,17 +113,17 @@ Study const fused_symmetry{
                  return labelled("fused", within(at_800("fused"), {}, least("error").as(Estimate::most), 0.01, INFINITY)) &&
                         labelled("lanes", within(at_800("lanes"), {}, greatest("error").as(Estimate::most), 0, 1e-12));
              },
-             finding("docs/theory.md 79, set before the run")},
+             own_result("docs/theory.md 79, set before the run")},
             {"fused, joseph_rank_two loses nothing where nothing is forgotten: error of P below 1e-12, in most runs",
              [](Table const& t) {
                  return within(of(t, "joseph_rank_two", "fused").where("lambda", 1.0), {}, greatest("error").as(Estimate::most), 0, 1e-12);
              },
-             finding("docs/theory.md 79, set before the run")},
+             own_result("docs/theory.md 79, set before the run")},
             {"Joseph's form by products forgets its asymmetry: below 1e-13 of P, fused or not, at every lambda, in most runs",
              [](Table const& t) {
                  return within(t.where("variant", "joseph"), {"lambda", "evaluation"}, greatest("asymmetry").as(Estimate::most), 0, 1e-13);
              },
-             finding("docs/theory.md 79, set before the run")},
+             own_result("docs/theory.md 79, set before the run")},
         },
 };
 

@@ -1,5 +1,6 @@
 // The NIST regressions, one row at a time: how many digits each variant keeps, against the stored data and against the certificates.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: 14 claims, most of them on one published set.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_data.hpp"
 #include "studies/published/nist_table.hpp"
@@ -95,24 +96,24 @@ Study const nist{
                  return within(t.where("set", "longley").where("variant", plain), {"variant", "c2"}, median("digits_stored").over("order"),
                                -99, 0);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"the trap: in file order at c^2 = 1e20 they have more than 15 digits of the exact fit Wampler1",
              [](Table const& t) {
                  Table const exact_fit = prior_of(t, 1e20).where("set", "wampler1").where("order", 0.0);
                  return within(exact_fit.where("variant", plain), {"variant"}, least("digits"), 15, 99);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"and none of Wampler3, which is Wampler1 with a residual",
              [](Table const& t) {
                  return within(prior_of(t, 1e20).where("set", "wampler3").where("variant", plain), {"variant"}, greatest("digits"), -99, 0);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"the prior alone: exact digits of Longley are -0.8 at c^2 = 1e6 and 4.2 at 1e12, +- 0.1",
              [](Table const& t) {
                  Table const exact = t.where("set", "longley").where("variant", "exact");
                  double const small = prior_of(exact, 1e6).number("digits_stored"), large = prior_of(exact, 1e12).number("digits_stored");
-                 return Finding{std::abs(small + 0.8) <= 0.1 && std::abs(large - 4.2) <= 0.1,
-                                fmt::format("{:.2f} and {:.2f}", small, large)};
+                 return Judgement{std::abs(small + 0.8) <= 0.1 && std::abs(large - 4.2) <= 0.1,
+                                  fmt::format("{:.2f} and {:.2f}", small, large)};
              },
              reproduction("earlier experiment, docs/literature.md 3.5")},
             {"Filip as stored: even the exact minimiser agrees with the decimals to 7.9 +- 0.1 digits only",
@@ -136,27 +137,27 @@ Study const nist{
              [](Table const& t) {
                  return within(prior_of(t, 1e20).where("variant", rooted), {"variant"}, fall("wampler4", "wampler5"), 1.5, 2.5);
              },
-             finding("docs/theory.md 49")},
+             own_result("docs/theory.md 49")},
             {"the information form loses none, for its sums of integers are exact: Wampler3 to Wampler5 within 0.1",
              [](Table const& t) {
                  return within(prior_of(t, 1e20).where("variant", "information"), {}, fall("wampler3", "wampler5"), -0.1, 0.1);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"and it keeps no digit of Filip at any c^2",
              [](Table const& t) {
                  return within(t.where("set", "filip").where("variant", "information"), {"c2"}, median("digits").over("order"), -INFINITY,
                                1);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"from c^2 = 1e20 to 1e40 the median digits of Filip stay to 0.15 in carlson, ud and inverse_qr",
              [](Table const& t) {
-                 Number const loss =
-                     Number([](Table const& v) { return median("digits")(prior_of(v, 1e20)) - median("digits")(prior_of(v, 1e40)); },
-                            Estimate::middle)
+                 Statistic const loss =
+                     Statistic([](Table const& v) { return median("digits")(prior_of(v, 1e20)) - median("digits")(prior_of(v, 1e40)); },
+                               Estimate::middle)
                          .over("order");
                  return within(t.where("set", "filip").where("variant", {"carlson", "ud", "inverse_qr"}), {"variant"}, loss, -0.15, 0.15);
              },
-             finding("docs/theory.md 44, 78: as for other roundings of the same order; in place of a band set after its run")},
+             own_result("docs/theory.md 44, 78: as for other roundings of the same order; in place of a band set after its run")},
         },
 };
 

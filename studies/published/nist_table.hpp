@@ -1,7 +1,7 @@
 // How the NIST regressions are scored, the recursive table of docs/literature.md 3.5, and the words of the study's claims.
 #pragma once
 
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_data.hpp"
 
@@ -36,7 +36,7 @@ inline Records shuffled(Records records, Seed seed) {
 }
 
 /// Each entry is met within 0.7 in file order. Beside those that are not: what other orders of the rows give.
-inline Finding table_is_met(Table const& t) {
+inline Judgement table_is_met(Table const& t) {
     int met = 0, entries = 0;
     std::string missed;
     for (auto const& [set, row] : listed_digits())
@@ -55,14 +55,14 @@ inline Table prior_of(Table const& t, double c2) {
     return t.where("c2", [=](double c) { return std::abs(c / c2 - 1) < 0.01; });
 }
 /// Median digits of one set, less those of another.
-inline Number fall(std::string from, std::string to) {
-    return Number([=](Table const& t) { return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to)); },
-                  Estimate::middle)
+inline Statistic fall(std::string from, std::string to) {
+    return Statistic([=](Table const& t) { return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to)); },
+                     Estimate::middle)
         .over("order");
 }
 /// Median digits of a variant, less qr's.
-inline Number lead(std::string variant) {
-    return Number(
+inline Statistic lead(std::string variant) {
+    return Statistic(
                [=](Table const& t) { return median("digits")(t.where("variant", variant)) - median("digits")(t.where("variant", "qr")); },
                Estimate::middle)
         .over("order");

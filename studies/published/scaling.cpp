@@ -1,5 +1,6 @@
 // Units: which scalings of a problem change no digit, what the condition number is without them, and rows of very different size.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: three experiments that share a setting.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_table.hpp"
 
@@ -33,7 +34,7 @@ Setting scaled(Setting s, Vector<double> const& by, double output) {
     s.records.y *= output;
     return s;
 }
-std::unique_ptr<AnyFilter> fed(Entry const& entry, Setting const& s) {
+std::unique_ptr<AnyFilter> fed(CatalogueEntry const& entry, Setting const& s) {
     auto filter = entry.make(s.problem, Seed{1});
     process_rows(*filter, s.records, 0, s.records.rows());
     return filter;
@@ -57,7 +58,7 @@ double differing(AnyFilter const& filter, AnyFilter const& plain, Vector<double>
     return out;
 }
 
-void invariance(Trial const& trial, Entry const& entry, TrialOutput& out) {
+void invariance(Trial const& trial, CatalogueEntry const& entry, TrialOutput& out) {
     constexpr Index d = 5;
     std::string const& what = trial.text("setting");
     Seed seed = trial.seed({"replicate", "setting"});
@@ -79,7 +80,7 @@ void invariance(Trial const& trial, Entry const& entry, TrialOutput& out) {
 }
 
 /// The same data in units in which every column has a norm of about 1, the prior along.
-void units(Trial const& trial, Entry const& entry, TrialOutput& out) {
+void units(Trial const& trial, CatalogueEntry const& entry, TrialOutput& out) {
     Records const records = shuffled(records_of(trial.text("setting")), trial.seed({"setting", "replicate"}));
     Index const d = records.parameters();
     Setting const plain = setting(records, 1, Vector<double>::Constant(d, 0x1p66));
@@ -104,7 +105,7 @@ void units(Trial const& trial, Entry const& entry, TrialOutput& out) {
 }
 
 /// Three rows 2^26 times as large as the others, before them or after.
-void order_of_rows(Trial const& trial, Entry const& entry, TrialOutput& out) {
+void order_of_rows(Trial const& trial, CatalogueEntry const& entry, TrialOutput& out) {
     constexpr Index d = 5, large = 3;
     Index const rows = trial.text("setting") == "large rows of 60" ? 60 : 300;
     Records const drawn = white(d, rows, trial.seed({"replicate"}), 1e-3);
@@ -125,7 +126,7 @@ void order_of_rows(Trial const& trial, Entry const& entry, TrialOutput& out) {
 }
 
 void measure(Trial const& trial, TrialOutput& out) {
-    Entry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
+    CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     std::string const& question = trial.text("question");
     if (question == "invariance") invariance(trial, entry, out);
     else if (question == "units") units(trial, entry, out);
@@ -134,8 +135,8 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 Table of(Table const& t, char const* question) { return t.where("question", question); }
 /// Digits with the large rows first, less those with them last.
-Number const lost_by_order([](Table const& t) { return t.number("digits") - t.number("digits_other"); });
-Finding condition_is(Table const& t, char const* set, double plain, double equilibrated) {
+Statistic const lost_by_order([](Table const& t) { return t.number("digits") - t.number("digits_other"); });
+Judgement condition_is(Table const& t, char const* set, double plain, double equilibrated) {
     Table const rows = of(t, "units").where("variant", "qr").where("setting", set);
     auto const close = [&](char const* column, double value) {
         return labelled(column, within(rows, {}, mean(column).as(Estimate::most), value * 0.95, value * 1.05));
@@ -214,17 +215,17 @@ Study const scaling{
              [](Table const& t) {
                  return within(of(t, "order").where("variant", {"qr", "gentleman"}), {"variant", "setting"}, lost_by_order, -0.5, 0.5);
              },
-             finding("expected from docs/theory.md 52, set before the run")},
+             own_result("expected from docs/theory.md 52, set before the run")},
             {"F3: qr_block, by blocks of Householder reflections, does: by two digits and more, in one block",
              [](Table const& t) {
                  return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 60"), {}, lost_by_order, 2, 16);
              },
-             finding("Cox & Higham 1998 (cited, not read), set before the run")},
+             own_result("Cox & Higham 1998 (cited, not read), set before the run")},
             {"F3: and where they come in a later block",
              [](Table const& t) {
                  return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 300"), {}, lost_by_order, 2, 16);
              },
-             finding("Cox & Higham 1998 (cited, not read), set before the run")},
+             own_result("Cox & Higham 1998 (cited, not read), set before the run")},
         },
 };
 

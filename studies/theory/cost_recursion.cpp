@@ -1,5 +1,5 @@
 // The recursion of the cost in floating point, against the difference of sums of squares.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <cmath>
@@ -99,24 +99,24 @@ Study const cost_recursion{
         {
             {"carried along, the relative error of J grows as output over noise, exponent 1.0 +- 0.1 from 1e2 to 1e6, in every variant",
              [](Table const& t) { return within(scan(recursions(t)), {"variant"}, slope("ratio", "error"), 0.9, 1.1); },
-             finding("docs/theory.md 74, set before the run")},
+             own_result("docs/theory.md 74, set before the run")},
             {"as a difference it grows as its square, exponent 2.0 +- 0.1",
              [](Table const& t) { return within(scan(t.where("variant", "difference")), {}, slope("ratio", "error"), 1.9, 2.1); },
-             finding("docs/theory.md 74, set before the run")},
+             own_result("docs/theory.md 74, set before the run")},
             {"so at a ratio of 1e6 the difference has lost at least 4 digits more than the recursion in each variant",
              [](Table const& t) {
                  Table const at = t.where("rows", 256.0).where("ratio", [](double x) { return 9e5 < x && x < 1.1e6; });
-                 std::vector<Finding> all;
+                 std::vector<Judgement> all;
                  for (Cell const& variant : recursions(at).distinct("variant")) {
                      std::string const name = std::get<std::string>(variant);
                      all.push_back(labelled(name, within(at, {}, ratio_of_errors("difference", name), 1e4, 1e12)));
                  }
                  return together(all);
              },
-             finding("docs/theory.md 74: a ratio of 1e6 to an order and a half; set before the run")},
+             own_result("docs/theory.md 74: a ratio of 1e6 to an order and a half; set before the run")},
             {"J carried along is right to 2 N u (|y| + sigma) / sigma, in most runs, N = 64 to 4096",
              [](Table const& t) {
-                 Number const share(
+                 Statistic const share(
                      [](Table const& r) {
                          std::vector<double> e = r.numbers("error"), ratio = r.numbers("ratio"), N = r.numbers("rows");
                          double most = 0;
@@ -126,7 +126,7 @@ Study const cost_recursion{
                      Estimate::most);
                  return within(recursions(t), {"variant"}, share, 0, 1);
              },
-             finding("docs/theory.md 74: |y| = sqrt(d) = 2 in the mean square; set before the run")},
+             own_result("docs/theory.md 74: |y| = sqrt(d) = 2 in the mean square; set before the run")},
         },
 };
 

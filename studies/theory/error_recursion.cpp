@@ -1,5 +1,6 @@
 // The recursion of theta's error with its noise term, in exact rationals: in which norm it contracts, and in which it does not.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: the recursion and its counterexample in rationals.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
 #include <rlslab/variants/variants.hpp>
@@ -76,7 +77,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 /// P0 = diag(1, a^2), psi = (1, 1/a)', the error (1, 0)': one step of each rational variant leaves (2/3, -a/3)', exactly.
-Finding counterexample() {
+Judgement counterexample() {
     int variants = 0, exact = 0;
     std::string said;
     for_each(Variants<Q>{}, [&]<class F>() {

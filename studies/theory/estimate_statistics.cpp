@@ -1,5 +1,6 @@
 // Bias, covariance, efficiency and normality of the least squares estimate, by Monte Carlo in lockstep.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: eleven claims on one Monte Carlo run.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/theory/second_order.hpp"
 
@@ -60,21 +61,21 @@ double bias_of(Table const& t) {
     double const error = mean("mean_error")(t);
     return error / std::sqrt(mean("mean_square")(t) - error * error);
 }
-Number const bias = Number(&bias_of, Estimate::mean).over("batch");
-Number const size_of_bias = Number([](Table const& t) { return std::abs(bias_of(t)); }).over("batch");
+Statistic const bias = Statistic(&bias_of, Estimate::mean).over("batch");
+Statistic const size_of_bias = Statistic([](Table const& t) { return std::abs(bias_of(t)); }).over("batch");
 /// Kurtosis: 3 for a normal.
-Number const kurtosis = Number([](Table const& t) {
-                            double const square = mean("mean_square")(t);
-                            return mean("mean_fourth")(t) / (square * square);
-                        }).over("batch");
-Number const inside = mean("inside").as(Estimate::mean).over("batch");
+Statistic const kurtosis = Statistic([](Table const& t) {
+                               double const square = mean("mean_square")(t);
+                               return mean("mean_fourth")(t) / (square * square);
+                           }).over("batch");
+Statistic const inside = mean("inside").as(Estimate::mean).over("batch");
 
 /// The mean square error over sigma^2 (R^-1)_ii / N, the Cramer-Rao bound without regard to the regressors that were drawn.
-Number efficiency(std::string const& name) {
+Statistic efficiency(std::string const& name) {
     System const system = system_named(name);
     using S = Stored<Reference>;
     Matrix<Reference> const inverse = covariance_of({S::Quantity::information, S::Form::plain, second_moments(system)});
-    return Number(
+    return Statistic(
                [=](Table const& t) {
                    std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
                    Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
@@ -85,8 +86,8 @@ Number efficiency(std::string const& name) {
         .over("batch");
 }
 /// The mean square error over the mean of the filter's own sigma^2 P.
-Number const of_own_covariance =
-    Number([](Table const& t) { return mean("mean_square")(t) / mean("bound")(t); }, Estimate::mean).over("batch");
+Statistic const of_own_covariance =
+    Statistic([](Table const& t) { return mean("mean_square")(t) / mean("bound")(t); }, Estimate::mean).over("batch");
 
 Table longest(Table const& t, std::string const& system) { return t.where("system", system).where("rows", greatest("rows")(t)); }
 
@@ -149,12 +150,12 @@ Study const estimate_statistics{
                  double const fewest = least("rows")(t);
                  return within(t.where("system", "recursive").where("parameter", "a1").where("rows", fewest), {}, bias, 0.01, 1);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"with past outputs: the bias is below 0.3 standard deviations of one estimate, at every N",
              [](Table const& t) {
                  return within(t.where("system", "recursive"), {"parameter", "rows"}, bias, -0.3, 0.3);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"consistent: the mean square error falls as 1/N, slope -1.00 +- 0.12",
              [](Table const& t) {
                  return within(t.where("system", {"impulse_response", "recursive"}), {"system", "parameter"},
@@ -177,7 +178,7 @@ Study const estimate_statistics{
              verification("docs/theory.md 8")},
             {"with past outputs, where theta is a ratio, kurtosis is 3 +- 0.2 at the largest N",
              [](Table const& t) { return within(longest(t, "recursive"), {"parameter"}, kurtosis, 2.8, 3.2); },
-             finding("set before the run")},
+             own_result("set before the run")},
             {"intervals: the estimate's own 95 % interval holds the truth 95 +- 1.5 % of the time at the largest N",
              [](Table const& t) {
                  return within(t.where("system", {"impulse_response", "recursive"}).where("rows", greatest("rows")(t)),

@@ -1,5 +1,5 @@
 // The estimation error on its way: what never grows, and what may.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 namespace rlslab::studies {
@@ -63,7 +63,7 @@ Study const estimation_error{
              verification("docs/theory.md 23").by("docs/theory.md 23")},
             {"in the plain norm it does: with every input some step of some run makes it longer",
              [](Table const& t) { return within(t, {"pole"}, greatest("ratio_in_norm").as(Estimate::fixed), 1.0001, 1e6); },
-             finding("docs/theory.md 24")},
+             own_result("docs/theory.md 24")},
         },
 };
 

@@ -1,5 +1,5 @@
 // The structural identities of recursive least squares, in exact rational arithmetic, for every variant that exists in it.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
 #include <rlslab/variants/variants.hpp>
@@ -129,7 +129,7 @@ J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma 
             {"at least nine variants exist in exact arithmetic, and were asked",
              [](Table const& t) {
                  double const n = double(t.distinct("variant").size());
-                 return Finding{n >= 9, fmt::format("{}", n)};
+                 return Judgement{n >= 9, fmt::format("{}", n)};
              },
              verification("the list of variants")},
         },

@@ -1,5 +1,6 @@
 // Asymptotic normality of all parameters at once, where past outputs are regressors and the noise is not normal.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: classes of equal probability and their draws.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/theory/second_order.hpp"
 
@@ -86,7 +87,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 std::vector<std::string> const white_noises{"two points", "uniform", "exponential"};
 Table at(Table const& t, bool longest) { return t.where("rows", longest ? greatest("rows")(t) : least("rows")(t)); }
 Table decided(Table const& t) { return at(t, true).where("noise", white_noises); }
-Number share(char const* column) { return mean(column).as(Estimate::mean).over("batch"); }
+Statistic share(char const* column) { return mean(column).as(Estimate::mean).over("batch"); }
 
 }  // namespace
 
@@ -136,24 +137,24 @@ Study const joint_normality{
              [](Table const& t) {
                  return within(decided(t).where("class", [](double c) { return c < 12; }), {"noise", "class"}, share("share"), 0.9, 1.1);
              },
-             finding("docs/theory.md 8, 10 %, set before the run")},
+             own_result("docs/theory.md 8, 10 %, set before the run")},
             {"the class beyond the 99 % point to 30 %",
              [](Table const& t) { return within(decided(t).where("class", 12.0), {"noise"}, share("share"), 0.7, 1.3); },
-             finding("docs/theory.md 8, 30 % of 0.01, set before the run")},
+             own_result("docs/theory.md 8, 30 % of 0.01, set before the run")},
             {"and so with N G, the limit of Phi'Phi, known from the system alone: 10 %",
              [](Table const& t) {
                  return within(decided(t).where("class", [](double c) { return c < 12; }), {"noise", "class"}, share("share_in_limit"), 0.9,
                                1.1);
              },
-             finding("docs/theory.md 8, 10 %, set before the run")},
+             own_result("docs/theory.md 8, 10 %, set before the run")},
             {"the mean of the statistic is d to 3 %: the trace of the covariance in units of the bound",
              [](Table const& t) { return within(decided(t).where("class", 1.0), {"noise"}, share("mean_statistic"), 0.97, 1.03); },
-             finding("docs/theory.md 7, 8; set before the run")},
+             own_result("docs/theory.md 7, 8; set before the run")},
             {"at the smallest N it is not: more than 1.1 times the probability lies beyond the 99 % point, for each of them",
              [](Table const& t) {
                  return within(at(t, false).where("noise", white_noises).where("class", 12.0), {"noise"}, share("share"), 1.1, 1e9);
              },
-             finding("docs/theory.md 8: in the limit only; set before the run")},
+             own_result("docs/theory.md 8: in the limit only; set before the run")},
             {"the test can fail: in coloured noise more than nine tenths of the records lie beyond the 99 % point at the largest N",
              [](Table const& t) {
                  return within(at(t, true).where("noise", "coloured").where("class", 12.0), {}, share("share"), 90, 1e9);

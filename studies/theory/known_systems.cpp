@@ -1,5 +1,5 @@
 // Random stable systems, identified from simulated records: are the parameters found, and do the intervals have their coverage?
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/model/difference.hpp>
@@ -72,7 +72,7 @@ Study const known_systems{
                  for (Cell const& v : factor_forms()) names.push_back(std::get<std::string>(v));
                  return within(t.where("noise", 0.0).where("variant", names), {"variant"}, greatest("error").over("system"), 0, 1e-10);
              },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
             {"with noise, the 95 % intervals hold the truth 95 +- 2 % of the time",
              [](Table const& t) {
                  return within(t.where("noise", 0.1).where("variant", "ud"), {}, mean("inside").as(Estimate::share).over("system"), 0.93,

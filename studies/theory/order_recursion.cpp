@@ -1,5 +1,5 @@
 // Recursion in model order: bordering against appending columns to a QR factorisation, in digits and in operations.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
@@ -34,7 +34,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 /// Multiplications of all orders up to n by bordering, by appended columns of one QR factorisation, and by a new QR for each order.
-Finding cheaper() {
+Judgement cheaper() {
     using C = Counted<double>;
     Seed seed{1};
     Index const n = 20, N = 200;
@@ -103,21 +103,21 @@ Study const order_recursion{
                  return within(t.where("variant", "order_recursive").where("kappa", [](double k) { return 90 < k && k < 3.2e4; }), {},
                                slope("kappa", "error"), 3.6, 4.4);
              },
-             finding("docs/theory.md 46")},
+             own_result("docs/theory.md 46")},
             {"normal equations, factored: slope 2.0 +- 0.2 between kappa = 1e2 and 1e7",
              [](Table const& t) {
                  return within(t.where("variant", "information").where("kappa", [](double k) { return 90 < k && k < 1.1e7; }), {},
                                slope("kappa", "error"), 1.8, 2.2);
              },
-             finding("set before the run: as of docs/literature.md 3.6")},
+             own_result("set before the run: as of docs/literature.md 3.6")},
             {"appended QR: slope 1.0 +- 0.15 between kappa = 1e2 and 1e11",
              [](Table const& t) {
                  return within(t.where("variant", "order_recursive_qr").where("kappa", [](double k) { return 90 < k && k < 1.1e11; }), {},
                                slope("kappa", "error"), 0.85, 1.15);
              },
-             finding("set before the run: as of docs/literature.md 3.6")},
+             own_result("set before the run: as of docs/literature.md 3.6")},
             {"both cost less than a third of fitting every order anew", [](Table const&) { return cheaper(); },
-             finding("first edition, set after its run")},
+             own_result("first edition, set after its run")},
         },
 };
 

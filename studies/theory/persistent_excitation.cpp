@@ -1,5 +1,6 @@
 // Which inputs excite: correlation matrices of a lecture's inputs, their dominance, their least eigenvalue, and how a record finds them.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: exact matrices of six inputs, and seven claims.
+#include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/core/random.hpp>
@@ -42,7 +43,7 @@ double least_eigenvalue(Matrix<double> const& R) {
         Matrix<Reference> shifted = R.cast<Reference>();
         for (Index i = 0; i < R.rows(); ++i) shifted(i, i) -= Reference(middle);
         bool const positive =
-            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) == Definiteness::positive;
+            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) == Health::sound;
         (positive ? below : above) = middle;
     }
     return below;
@@ -184,12 +185,12 @@ u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
              verification("docs/theory.md 4").by("docs/theory.md 4")},
             {"the matrix of a record tends to its limit, exponent -0.50 +- 0.05 in the number of rows, the block matrix too",
              [](Table const& t) { return within(t, {"input"}, slope("rows", "deviation"), -0.55, -0.45); },
-             finding("docs/theory.md 3, set before the run")},
+             own_result("docs/theory.md 3, set before the run")},
             {"the least eigenvalue of the matrix of 3000 rows and more is 0.9 to 1.05 of its limit in the median",
              [](Table const& t) {
                  return within(t.where("rows", [](double n) { return n >= 3000; }), {"input", "delays"}, mean("of_limit"), 0.9, 1.05);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
         },
 };
 

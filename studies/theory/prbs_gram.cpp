@@ -1,5 +1,5 @@
 // Pseudo-random binary sequences as an input: the conditioning they give, in integers.
-#include "studies/engine/findings.hpp"
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
 #include <rlslab/variants/variants.hpp>

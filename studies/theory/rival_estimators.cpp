@@ -1,5 +1,6 @@
 // Least squares against other linear unbiased estimators: the exact order of their covariances, and what is measured of them.
-#include "studies/engine/findings.hpp"
+// Longer than 150 lines: the rival estimators and their exact order.
+#include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -84,7 +85,7 @@ void measure(Trial const& trial, TrialOutput& out) {
 
 /// Covariances in rationals, sigma = 1, for fixed rows of small integers: (Z'Phi)^-1 Z'Z (Phi'Z)^-1 - (Phi'Phi)^-1 is positive
 /// semidefinite, and 0 only where Z spans what Phi spans.
-Finding order_of_covariances(bool least_squares_itself) {
+Judgement order_of_covariances(bool least_squares_itself) {
     using namespace rationals;
     Seed seed{7};
     int cases = 0, held = 0;
@@ -106,8 +107,8 @@ Finding order_of_covariances(bool least_squares_itself) {
 }
 
 Table longest(Table const& t) { return t.where("rows", greatest("rows")(t)); }
-Finding ratio_is(Table const& t, char const* estimator, double ratio) {
-    Number const of = mean("ratio").as(Estimate::mean).over("batch");
+Judgement ratio_is(Table const& t, char const* estimator, double ratio) {
+    Statistic const of = mean("ratio").as(Estimate::mean).over("batch");
     return labelled(estimator, within(longest(t).where("estimator", estimator), {"noise"}, of, 0.94 * ratio, 1.06 * ratio));
 }
 
@@ -158,24 +159,24 @@ Study const rival_estimators{
                  return within(longest(t).where("estimator", "least squares"), {"noise"}, mean("of_bound").as(Estimate::mean).over("batch"),
                                0.94, 1.06);
              },
-             finding("docs/theory.md 7, 6 % as in study estimate_statistics; set before the run")},
+             own_result("docs/theory.md 7, 6 % as in study estimate_statistics; set before the run")},
             {"at N = 20 its mean square error is N / (N - d - 1) = 1.25 of that bound, to 6 %: the mean of an inverse Wishart matrix",
              [](Table const& t) {
                  return within(t.where("rows", 20.0).where("estimator", "least squares"), {"noise"},
                                mean("of_bound").as(Estimate::mean).over("batch"), 0.94 * 1.25, 1.06 * 1.25);
              },
-             finding("derived: E (Phi'Phi)^-1 = I / (N - d - 1) for normal rows; set before the run")},
+             own_result("derived: E (Phi'Phi)^-1 = I / (N - d - 1) for normal rows; set before the run")},
             {"rivals at the largest N, mean square error over that of least squares: 1.36, 2, 1.56 and 1.61, each to 6 %",
              [](Table const& t) {
                  return ratio_is(t, "weights 1 and 4", 1.36) && ratio_is(t, "every other row", 2) &&
                         ratio_is(t, "instruments sign(psi)", 1.56) && ratio_is(t, "instruments psi cubed", 1.61);
              },
-             finding("derived: E z^2 E psi^2 / (E z psi)^2 for these rows, of kurtosis 2.9; set before the run")},
+             own_result("derived: E z^2 E psi^2 / (E z psi)^2 for these rows, of kurtosis 2.9; set before the run")},
             {"each rival is worse in most batches of 400 records at the largest N",
              [](Table const& t) {
                  return within(longest(t).where("estimator", words(rivals)), {"estimator", "noise"}, least("ratio").over("batch"), 1, 10);
              },
-             finding("set before the run")},
+             own_result("set before the run")},
         },
 };
 

@@ -144,7 +144,7 @@ Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
         ++out.checked;
         bool const finite = sum == 0;
         out.not_definite +=
-            !finite || definiteness(f.stored().template mapped<Reference>([](float x) { return Reference(x); })) != Definiteness::positive;
+            !finite || definiteness(f.stored().template mapped<Reference>([](float x) { return Reference(x); })) != Health::sound;
     }
     return out;
 }

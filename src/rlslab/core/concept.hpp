@@ -22,7 +22,7 @@ namespace rlslab {
 ///              unless one of them updates it, or writes through its form. A thread keeps for itself the stream of stochastic rounding,
 ///              the length of variable precision, the format of fixed-point words, and counts of operations: they are set in each
 /// Unchecked:   determinism; that copying copies the whole state; that reports do not change later results.
-///              The laws of tests/battery.cpp check these. The concept is the syntax, the battery the semantics.
+///              The laws of tests/variants/battery.cpp check these. The concept is the syntax, the battery the semantics.
 template <class F>
 concept RecursiveLeastSquares = Scalar<typename F::scalar> && std::copyable<F> && std::constructible_from<F, Problem<typename F::scalar>> &&
                                 requires(F f, F const c, Regressor<typename F::scalar> psi, typename F::scalar y) {

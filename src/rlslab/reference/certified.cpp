@@ -70,7 +70,7 @@ bool defined(Problem<double> const& problem) {
     if (prior.theta && !prior.theta->allFinite()) return false;
     if (!prior.covariance) return std::isfinite(prior.variance);
     Stored<double> const P0{Stored<double>::Quantity::covariance, Stored<double>::Form::plain, *prior.covariance};
-    return definiteness(P0.mapped<Reference>([](double x) { return widen(x); })) == Definiteness::positive;
+    return definiteness(P0.mapped<Reference>([](double x) { return widen(x); })) == Health::sound;
 }
 
 /// The number of leading rows without an infinity or a NaN.

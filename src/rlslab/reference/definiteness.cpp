@@ -1,4 +1,4 @@
-// Definiteness of a stored matrix, decided exactly: balls first, integers where balls cannot.
+// Health of a stored matrix, decided exactly: balls first, integers where balls cannot.
 #include <rlslab/reference/definiteness.hpp>
 #include <rlslab/reference/gram.hpp>
 
@@ -48,34 +48,34 @@ Index positive_pivots(Matrix<Reference> const& F, long bits, Ball& stop) {
     return d;
 }
 
-Definiteness definiteness_of_plain(Matrix<Reference> const& F) {
+Health definiteness_of_plain(Matrix<Reference> const& F) {
     constexpr long patience = 512;  // bits; beyond, the determinant decides first: no precision would end an exact zero
     Index proven = 0;               // leading minors up to this size are known to be positive
     Ball stop;
     for (long bits = 128;; bits *= 2) {
         Index const j = positive_pivots(F, bits, stop);
-        if (j == F.rows()) return Definiteness::positive;
-        if (arb_is_nonpositive(stop)) return Definiteness::not_positive;
+        if (j == F.rows()) return Health::sound;
+        if (arb_is_nonpositive(stop)) return Health::indefinite;
         if (bits < patience || j < proven) continue;
         // The pivots before are positive, so this one has the sign of its leading minor.
-        if (sign_of_leading_minor(F, j + 1) <= 0) return Definiteness::not_positive;
+        if (sign_of_leading_minor(F, j + 1) <= 0) return Health::indefinite;
         proven = j + 1;
-        if (proven == F.rows()) return Definiteness::positive;
+        if (proven == F.rows()) return Health::sound;
     }
 }
 
 }  // namespace
 
-Definiteness definiteness(Stored<Reference> const& stored) {
+Health definiteness(Stored<Reference> const& stored) {
     expects(stored.F.rows() == stored.F.cols(), "a square F");
     expects(stored.D.size() == 0 || stored.D.size() == stored.F.rows(), "D of F's size");
-    if (!all_finite(stored)) return Definiteness::nonfinite;
+    if (!all_finite(stored)) return Health::nonfinite;
     if (stored.form == Stored<Reference>::Form::plain) return definiteness_of_plain(stored.F);
     for (Reference const& d : stored.D)
-        if (d <= 0) return Definiteness::not_positive;
+        if (d <= 0) return Health::indefinite;
     int const regular = triangle_is_regular(stored.F);
     bool const yes = regular < 0 ? nonsingular(stored.F) : regular == 1;
-    return yes ? Definiteness::positive : Definiteness::not_positive;
+    return yes ? Health::sound : Health::indefinite;
 }
 
 }  // namespace rlslab

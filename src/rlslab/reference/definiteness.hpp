@@ -2,28 +2,20 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/stored.hpp>
-
-#include <string_view>
 
 namespace rlslab {
 
-enum class Definiteness { positive, not_positive, nonfinite };
-
-constexpr std::string_view name_of(Definiteness definiteness) {
-    constexpr std::string_view names[] = {"positive", "not_positive", "nonfinite"};
-    return names[static_cast<int>(definiteness)];
-}
-
 /// Whether P is positive definite, for exactly the bits stored: no rounding, no threshold. An information form is
-/// positive definite if and only if P is.
+/// positive definite if and only if P is. Returns sound (positive definite), indefinite (it is not) or nonfinite.
 ///   plain    X = F is positive definite if its symmetric part is: (F + F')/2 = L D L' in balls, every pivot > 0. If the ball of a
 ///            pivot contains zero, the precision is doubled; at 512 bits the integer determinant of its leading block decides.
 ///   factor   F diag(D) F' is positive definite if and only if every D_j > 0 and F is nonsingular. The diagonal decides that for a
 ///            triangle; otherwise F's rank in integers (modulo a prime where that suffices).
 /// Cost O(d^3) short multiplications unless P is singular or within 2^-500 of it. Throws std::invalid_argument when F
 /// is not square or D not of its size; std::range_error when only integers of more than 2^20 bits could decide.
-Definiteness definiteness(Stored<Reference> const& stored);
+Health definiteness(Stored<Reference> const& stored);
 
 /// True proves that P is positive definite; false proves nothing, and `definiteness` decides. Fast enough for every step of every filter:
 /// d^3/6 flops in double, no heap up to d = 32.

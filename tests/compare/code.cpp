@@ -1,0 +1,206 @@
+// The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
+#include <rlslab/catalogue/catalogue.hpp>
+#include <rlslab/catalogue/composed.hpp>
+#include "compare/answer.hpp"
+#include "compare/compare.hpp"
+#include "tests/common/files.hpp"
+
+#include <rlslab/model/lags.hpp>
+#include <rlslab/model/regression.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <cxxabi.h>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace rlslab {
+using namespace compare;
+using namespace report;
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string hex(double x) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%a", x);
+    return text;
+}
+
+/// Compiles the text, feeds `filter` each row, and gives theta after each, a line each, as hexadecimal numbers.
+std::string learnt_by(std::string const& text, Records const& records) {
+    files::Folder const folder;
+    std::ofstream program(folder.path / "main.cpp");
+    program << "#include \"filter.cpp\"\n#include <cstdio>\n#include <vector>\n"
+               "int main() {\n"
+               "    using T = std::remove_cvref_t<decltype(filter.theta()[0])>;\n"
+               "    std::FILE* const rows = std::fopen(\"rows.txt\", \"r\");\n"
+               "    std::vector<T> psi("
+            << records.parameters()
+            << ");\n"
+               "    for (double x;;) {\n"
+               "        for (T& p : psi) { if (std::fscanf(rows, \"%la\", &x) != 1) return 0; p = T(x); }\n"
+               "        if (std::fscanf(rows, \"%la\", &x) != 1) return 1;\n"
+               "        auto const step = filter.update(psi, T(x));\n"
+               "        if (step.health != rlslab::Health::sound) return 2;\n"
+               "        for (size_t i = 0; i < psi.size(); ++i) std::printf(\"%a \", double(filter.theta()[i]));\n"
+               "        std::printf(\"\\n\");\n"
+               "    }\n"
+               "}\n";
+    program.close();
+    std::ofstream(folder.path / "filter.cpp") << text;
+    std::ofstream rows(folder.path / "rows.txt");
+    for (Index k = 0; k < records.rows(); ++k) {
+        for (Index i = 0; i < records.parameters(); ++i) rows << hex(records.psi(i, k)) << ' ';
+        rows << hex(records.y[k]) << '\n';
+    }
+    rows.close();
+    std::string const in = "cd '" + folder.path.string() + "' && ";
+    if (std::system((in + RLSLAB_COMPILE + " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp -o main").c_str()) != 0)
+        return "does not compile:\n" + text;
+    if (std::system((in + "./main > out.txt").c_str()) != 0) return "does not run:\n" + text;
+    std::ifstream out(folder.path / "out.txt");
+    return {std::istreambuf_iterator<char>(out), {}};
+}
+
+/// The same of the catalogue's filter.
+std::string learnt_by_the_catalogues(Comparison const& c, Records const& records) {
+    Recommendation const& r = *coded(c);
+    Prior<double> prior = c.scaled_prior ? c.scaled_prior->prior() : Prior<double>{.variance = *c.options.p0};
+    std::string out;
+    for (CatalogueEntry const& entry : catalogue()) {
+        if (entry.variant != r.variant || entry.arithmetic->name != r.arithmetic) continue;
+        Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
+        std::unique_ptr<AnyFilter> const filter =
+            c.options.composition.empty()
+                ? entry.make(problem, Seed{1})
+                : std::unique_ptr<AnyFilter>(composed(c.options.composition, entry.variant, entry.arithmetic->name, problem));
+        for (Index k = 0; k < records.rows(); ++k) {
+            filter->update(records.sample(k), records.y[k]);
+            for (Reference const& x : filter->theta()) out += hex(static_cast<double>(x)) + " ";
+            out += '\n';
+        }
+    }
+    return out;
+}
+
+void expect_the_code_to_learn_the_same(Records const& records, CompareOptions options) {
+    options.timings = false;
+    Comparison const c = compare::compare(records, options);
+    ASSERT_NE(coded(c), nullptr);
+    std::string const expected = learnt_by_the_catalogues(c, records);
+    EXPECT_GT(expected.size(), 1000u);
+    EXPECT_TRUE(learnt_by(code(c), records) == expected) << code(c);
+}
+
+Records arx(char const* file, char const* u, char const* y, int order, bool intercept = false) {
+    Arx model = arx_of_order(order);
+    model.intercept = intercept;
+    return arx_records(read_columns(std::string(RLSLAB_SOURCE_DIR "/") + file, {u, y}), u, y, model);
+}
+
+/// On rows of which the guard has nothing to tell.
+TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
+    Records const records = arx("data/sales.csv", "lead", "sales", 2);
+    Comparison const c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
+    ASSERT_NE(coded(c), nullptr);
+    std::string const text = code(c, {.variant = coded(c)->variant, .arithmetic = "float", .guarded = true});
+    EXPECT_NE(text.find("rlslab::Guarded<"), text.npos);
+    EXPECT_TRUE(learnt_by(text, records) == learnt_by_the_catalogues(c, records)) << text;
+}
+
+class ComposedCode : public testing::TestWithParam<Composition> {};
+TEST_P(ComposedCode, CompilesAndLearnsTheSameBits) {
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 2),
+                                      {.forgetting = 0.96875, .variants = {"ud"}, .arithmetics = {"float"}, .composition = GetParam()});
+}
+INSTANTIATE_TEST_SUITE_P(Compositions, ComposedCode,
+                         testing::Values(Composition{.window = 60, .guard = "reset"},
+                                         Composition{.control = "kulhavy", .parameters = {0.97, 0}},
+                                         Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"},
+                                         Composition{.guard = "hand_over"}),
+                         [](auto const& one) { return one.param.control + std::to_string(one.param.window) + one.param.guard; });
+
+struct Source {
+    char const *file, *input, *output;
+    int order;
+};
+class Code : public testing::TestWithParam<Source> {};
+TEST_P(Code, OfARealRecordCompilesAndLearnsTheSameBits) {
+    auto const& [file, input, output, order] = GetParam();
+    if (!fs::exists(fs::path(RLSLAB_SOURCE_DIR) / file)) GTEST_SKIP() << "left out: " << file << " is not here";
+    expect_the_code_to_learn_the_same(arx(file, input, output, order), {.forgetting = 0.98, .arithmetics = {"float", "double"}});
+}
+INSTANTIATE_TEST_SUITE_P(Records, Code,
+                         testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
+                                         Source{"../shared/data/gas_furnace.csv", "u", "y", 4},
+                                         Source{"../shared/data/hair_dryer.csv", "u", "y", 4},
+                                         Source{"../shared/data/heat_exchanger.csv", "u", "y", 4}),
+                         [](auto const& source) { return fs::path(source.param.file).stem().string(); });
+
+TEST(Code, OfManyParametersAGivenPriorAndAFactorOfTheInformation) {
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 9, true),
+                                      {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});  // 20: of dynamic size
+}
+TEST(Code, OfAWholeNumberThatFloatDoesNotHold) {
+    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 1),
+                                      {.p0 = 16777217, .variants = {"carlson"}, .arithmetics = {"float"}});
+}
+TEST(Code, OfExtendedPrecision) {
+    if (std::ranges::none_of(arithmetics(), [](Arithmetic const& a) { return a.name == "extended"; }))
+        GTEST_SKIP() << "left out: no extended arithmetic here";
+    Records const records = arx("data/sales.csv", "lead", "sales", 2);
+    Comparison const c = compare::compare(records, {.arithmetics = {"extended"}, .timings = false});
+    EXPECT_THAT(code(c), testing::HasSubstr("<long double, 5> filter({.size = 5"));
+    EXPECT_THAT(learnt_by(code(c), records), testing::Not(testing::HasSubstr("does not")));
+}
+
+/// Names that would end a comment, or go on with it, do not.
+TEST(Code, SurvivesAnyNameOfAColumn) {
+    Records const records = arx("data/sales.csv", "lead", "sales", 1);
+    Comparison c = compare::compare(records, {.arithmetics = {"float"}, .timings = false});
+    c.model.output = printable("x\\\n*/ \n #error");
+    c.model.regressors = {printable("a\\"), printable("b\n#error \\"),
+                          printable("?"
+                                    "?/")};
+    c.names = c.model.regressors;
+    c.model.means = {{"m\\", 0.1}, {"n\\", -2}};
+    EXPECT_EQ(learnt_by(code(c), records), learnt_by_the_catalogues(c, records));
+}
+
+TEST(Code, NamesTheClassOfEveryVariantThatThereIs) {
+    for_each(Variants<double>{}, []<class F>() {
+        int status = 0;
+        char* const name = abi::__cxa_demangle(typeid(F).name(), nullptr, nullptr, &status);
+        EXPECT_EQ(std::string(name).substr(0, std::string(name).find('<')), "rlslab::" + class_of(F::name));
+        std::free(name);
+    });
+}
+
+/// The first lines a person sees, whole.
+TEST(Code, TheModelStandsAboveTheFilter) {
+    Comparison c{};
+    c.rows = 10, c.size = 3, c.names = {"a1", "b0", "1"};
+    c.options.forgetting = 0.98;
+    c.options.p0 = 4;
+    c.model = {"f.csv", "y[k]", {"-y[k-1]", "u[k]", "1"}, {{"u", 0.5}, {"y", -2.25}}};
+    static Arithmetic const single{"float", 24, -126, 127, false, nullptr};
+    static CatalogueEntry const entry{"inverse_qr", &single, false, 1, "covariance", false, nullptr, nullptr};
+    Result r{.entry = &entry};
+    r.spread = PerMeasure<Spread>{{5, 6, 7}, {4, 5, 6}, {5, 6, 7}};
+    r.operations = 10;
+    c.results = {r};
+    c.recommendations = {{"float", "inverse_qr", ""}};
+    EXPECT_EQ(code(c),
+              "#include <rlslab/variants/inverse_qr.hpp>\n\n"
+              "// y[k] = psi'theta,  psi = (-y[k-1], u[k], 1)\n"
+              "// theta = (a1, b0, 1)\n"
+              "// the columns as the filter takes them: (u less 0.5, y less -2.25)\n"
+              "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = rlslab::Prior<float>{.variance = 4.0}});\n"
+              "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not rlslab::Health::sound\n");
+    EXPECT_EQ(verdict(c),
+              "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; 10 operations\n");
+}
+
+}  // namespace
+}  // namespace rlslab

@@ -1,0 +1,314 @@
+// `rlslab compare` on the command line: the options it requires, its first answer, the files it writes.
+#include <rlslab/catalogue/catalogue.hpp>
+#include "tests/common/program.hpp"
+#include "tests/common/terminal.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+class CompareCommand : public Program {
+protected:
+    json compared(std::string const& arguments) const {
+        Outcome const run = shell("rlslab compare " + arguments + " --json --no-timings");
+        EXPECT_LE(run.code, 1) << arguments << run.err;
+        if (run.code > 1) return json();
+        json const out = json::parse(run.out);
+        bool const some = std::ranges::any_of(out["recommendation"], [](json const& r) { return !r["variant"].is_null(); });
+        EXPECT_EQ(run.code, some ? 0 : 1) << arguments << ": 1 where no variant is recommended";
+        return out;
+    }
+    std::string text(std::string const& arguments) const {
+        Outcome const run = shell("rlslab compare " + arguments + " --no-timings");
+        EXPECT_LE(run.code, 1) << run.err;
+        return run.out;
+    }
+    static std::string recommended(json const& out, size_t arithmetic) { return out["recommendation"][arithmetic]["variant"]; }
+    static std::set<std::string> arithmetics(json const& out) {
+        std::set<std::string> names;
+        for (json const& r : out["results"]) names.insert(r["arithmetic"]);
+        return names;
+    }
+    /// Two inputs, an output with noise, and the means of all three far from zero.
+    void SetUp() override {
+        Program::SetUp();
+        std::string text = "u,v,y\n";
+        double before = 0, x[2] = {0, 0};
+        for (int k = 0; k < 60; ++k) {
+            int const u = k * 7 % 13, v = k * k % 11;
+            double const y = 0.5 * before + 2 * x[0] - x[1] + (k * 5 % 7) / 64.0;
+            text += std::to_string(u + 100) + "," + std::to_string(v - 50) + "," + std::to_string(y + 1000) + "\n";
+            before = y, x[0] = u, x[1] = v;
+        }
+        write("two.csv", text);
+    }
+};
+
+std::string const sales = "'" + root + "/data/sales.csv' --input lead --output sales --order 2";
+
+TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
+    EXPECT_EQ(arithmetics(compared(sales)), (std::set<std::string>{"float", "double"}));
+    std::set<std::string> every;
+    for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) every.emplace(entry.arithmetic->name);
+    EXPECT_EQ(arithmetics(compared(sales + " --all")), every);
+    EXPECT_EQ(arithmetics(compared(sales + " --arithmetic quad")), std::set<std::string>{"quad"});
+    refused("compare " + sales + " --all --arithmetic float", "--all: does not go with --arithmetic");
+    std::string const out = text(sales);
+    std::string const in_float = recommended(compared(sales), 0);
+    size_t const verdict = out.find("\nin float   use " + in_float + "  keeps "),
+                 code = out.find("\n    #include <rlslab/variants/" + in_float + ".hpp>\n"), table = out.find("\nfloat (24 bits");
+    ASSERT_NE(verdict, out.npos) << out;
+    EXPECT_NE(out.find("\nin double  use " + recommended(compared(sales), 1), verdict), out.npos);
+    EXPECT_LT(verdict, code);
+    EXPECT_LT(code, table);
+    EXPECT_LT(std::count(out.begin(), out.begin() + long(code), '\n'), 12) << "the answer is not on the first screen";
+    std::istringstream lines(out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 140u) << line;
+}
+
+TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
+    std::string const record = "'" + root + "/data/sales.csv' --input lead --output sales --order 2 --no-timings";
+    EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph --arithmetic float").code, 1);
+    EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph,ud --arithmetic float").code, 0);
+    Outcome const none = shell("rlslab compare " + record + " --arithmetic bfloat16,binary16");
+    EXPECT_EQ(none.code, 1) << "each has an answer, none of use";
+    EXPECT_THAT(none.out, HasSubstr("in bfloat16  too short for this record: it has 2.4 digits, 3 are wanted\n"));
+    EXPECT_THAT(none.out, Not(HasSubstr("filter(")));
+}
+TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
+    std::string const out = text("'" + root + "/data/sales.csv' --input lead --output sales --order 4 --all");
+    EXPECT_THAT(out, HasSubstr("in bfloat16, bfloat16-stochastic"));
+    size_t lines = 0;
+    for (size_t at = out.find("use none"); at != out.npos; at = out.find("use none", at + 1)) ++lines;
+    EXPECT_LE(lines, 2u) << out.substr(0, 2000);
+}
+
+TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {
+    std::string const plain = "two.csv --regressors u --output y --variants ud --arithmetic ";
+    EXPECT_EQ(arithmetics(compared(plain + "half,single,fp64")), (std::set<std::string>{"binary16", "float", "double"}));
+    for (std::string const name : {"fp32", "f32", "binary32"})
+        EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"float"});
+    for (std::string const name : {"fp16", "f16", "float16"})
+        EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"binary16"});
+    EXPECT_EQ(arithmetics(compared(plain + "bf16")), std::set<std::string>{"bfloat16"});
+    for (std::string const name : {"f64", "binary64"}) EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
+    EXPECT_THAT(shell("rlslab compare two.csv --regressors u --output y --intercept --digits 3 --arithmetic f32").out, HasSubstr(" in float"));
+}
+
+/// The lines of what stands on the terminal, without colours.
+std::vector<std::string> shown_on_a_terminal(std::string const& command, unsigned short columns) {
+    std::string text = on_a_terminal(command, {}, columns).text;
+    for (size_t at; (at = text.find("\033[")) != text.npos;) text.erase(at, text.find('m', at) + 1 - at);
+    std::erase(text, '\r');
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+TEST_F(CompareCommand, FitsATerminalAndSaysWhatIsLeftOut) {
+    std::string const in = "cd '" + folder.string() + "'; '" + program + "' compare two.csv ";
+    for (std::string const model :
+         {"--input u,v --output y --order 2 --all", "--input u,v --output y --order 2 --variants conventional_two_sided,joseph",
+          "--input u,v --output y --order 2 --p0 1e-9 --detrend", "--input u,v --output y --order 1 --control kulhavy:0.97 --guard reset"})
+        for (unsigned short const columns : std::initializer_list<unsigned short>{80, 95, 110}) {
+            auto const lines = shown_on_a_terminal(in + model + " --quiet", columns);
+            EXPECT_GT(lines.size(), 20u) << model;
+            for (std::string const& line : lines) EXPECT_LE(line.size(), columns) << model;
+            std::string const out = columns == 80   ? "Left out, for 80 columns: low, high, asym. A terminal of 114 columns"
+                                    : columns == 95 ? "Left out, for 95 columns: high, asym. A terminal"
+                                                    : "Left out, for 110 columns: asym. A terminal";
+            EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) { return line.starts_with(out); })) << model << columns;
+        }
+    std::string const model = "--input u,v --output y --order 2 --no-timings";
+    std::string wide;
+    for (std::string const& line : shown_on_a_terminal(in + model, 140)) wide += line + '\n';
+    EXPECT_THAT(wide, Not(HasSubstr("Left out")));
+    EXPECT_THAT(wide, HasSubstr("low  mid high    low  mid high    low  mid high  breakdown            asym   ops     ns\n"));
+}
+
+/// The sums of squares are exact, so nothing but exponents may change: not a digit, not a breakdown.
+TEST_F(CompareCommand, UnitsChangeNoDigit) {
+    std::istringstream in(read(fs::path(root) / "data/sales.csv"));
+    std::string line, scaled;
+    std::getline(in, scaled);
+    scaled += '\n';
+    while (std::getline(in, line)) {
+        double const u = std::stod(line), y = std::stod(line.substr(line.find(',') + 1));
+        char text[64];
+        std::snprintf(text, sizeof text, "%.17g,%.17g\n", std::ldexp(u, -20), std::ldexp(y, 7));
+        scaled += text;
+    }
+    write("scaled.csv", scaled);
+    json const a = compared(sales), b = compared("scaled.csv --input lead --output sales --order 2");
+    EXPECT_EQ(a["prior"]["c"], b["prior"]["c"]);
+    for (size_t i = 0; i < a["results"].size(); ++i)
+        for (char const* key : {"breakdown", "broken"})
+            EXPECT_EQ(a["results"][i][key], b["results"][i][key]) << a["results"][i]["variant"] << key;
+    EXPECT_EQ(a["recommendation"][0]["variant"], b["recommendation"][0]["variant"]);
+    // The norm of theta is one of mixed units; the worst component is not.
+    for (size_t i = 0; i < a["results"].size(); ++i)
+        EXPECT_EQ(a["results"][i]["path"]["worst"], b["results"][i]["path"]["worst"]) << a["results"][i]["variant"];
+}
+
+/// A prior of 16384 I weighs more than data in small units: such records got no answer.
+TEST_F(CompareCommand, AnswersInAnyUnits) {
+    for (double const unit : {1e-6, 1e-3, 1e3}) {
+        std::string text = "u,y\n";
+        std::istringstream in(read(fs::path(root) / "data/sales.csv"));
+        std::string line;
+        std::getline(in, line);
+        while (std::getline(in, line)) {
+            std::ostringstream row;
+            row << std::stod(line) * unit << ',' << std::stod(line.substr(line.find(',') + 1)) * unit;
+            text += row.str() + '\n';
+        }
+        write("units.csv", text);
+        json const out = compared("units.csv --input u --output y --order 2 --arithmetic double");
+        EXPECT_FALSE(out["recommendation"][0]["variant"].is_null()) << unit << out["recommendation"][0]["why"];
+        EXPECT_LE(out["reference"]["prior_bias"].get<double>(), 1e-3);
+    }
+}
+
+/// A slope beside a constant 10^9 times as large: the prior must not decide it.
+TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
+    std::string small = "u,y\n", tiny = small;
+    for (int k = 0; k < 100; ++k) {
+        double const u = (k * 37 % 101) / 50.0 - 1, e = (k * 53 % 97) / 970.0;
+        small += fmt::format("{},{}\n", u, 2 * u + e + 1e9), tiny += fmt::format("{},{:.3e}\n", u, (2 * u + e) * 1e-46);
+    }
+    write("small.csv", small), write("tiny.csv", tiny);
+    json const out = compared("small.csv --regressors u --output y --intercept --arithmetic double");
+    EXPECT_LE(out["reference"]["component_bias"].get<double>(), 0.01);
+    EXPECT_GE(out["reference"]["agreement"][1].get<double>(), 2);
+    EXPECT_THAT(text("tiny.csv --regressors u --output y --intercept --arithmetic float"),
+                HasSubstr("too short for this record: rounding the data to it leaves no digit of the exact theta"));
+}
+/// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
+TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
+    std::string const longley =
+        "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+    json const out = compared(longley);
+    // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
+    constexpr double certified[] = {-3482258.63459582, 15.0618722713733,       -0.358191792925910e-01, -2.02022980381683,
+                                    -1.03322686717359, -0.511041056535807e-01, 1829.15146461355};
+    for (size_t i = 0; i < 7; ++i) {
+        EXPECT_NEAR(std::stod(out["reference"]["least_squares"][i].get<std::string>()) / certified[i], 1, 1e-14);
+        double const with = std::stod(out["reference"]["theta"][i].get<std::string>());
+        EXPECT_NEAR(-std::log10(std::abs(with / certified[i] - 1)), out["reference"]["agreement"][i].get<double>(), 0.01);
+    }
+    EXPECT_LE(out["reference"]["prior_bias"].get<double>(), 1e-3);
+    std::string const said = text(longley);
+    EXPECT_THAT(said, HasSubstr("least squares, without prior"));
+    EXPECT_THAT(said, HasSubstr("with the prior: what filters are after"));
+    EXPECT_THAT(said, HasSubstr("-3.482258634595"));
+    EXPECT_THAT(said, HasSubstr("P0 = diag((c / s_i)^2)"));
+    EXPECT_THAT(text(longley + " --p0 16384"), HasSubstr("P0 = 16384 I: moves theta by 9.8e-01 of itself"));
+    EXPECT_THAT(text(longley + " --p0 16384"), HasSubstr("leave out --p0"));
+}
+
+TEST_F(CompareCommand, TakesSeveralInputs) {
+    json const arx = compared("two.csv --input u,v --output y --na 1 --nb 1 --delay 1 --intercept");
+    EXPECT_EQ(arx["data"]["parameters"], (json{"a1", "b0[u]", "b1[u]", "b0[v]", "b1[v]", "c"}));
+    EXPECT_EQ(arx["data"]["regressors"], (json{"-y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]", "1"}));
+    json const listed = compared("two.csv --regressors 'y[k-1],u[k-1..k-2],v[k-1],v[k-2]' --output y --intercept");
+    EXPECT_EQ(listed["data"]["regressors"], (json{"1", "y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));
+    for (size_t i = 0; i < 6; ++i) {
+        std::string const own = listed["reference"]["least_squares"][i], of_arx = arx["reference"]["least_squares"][(i + 5) % 6];
+        EXPECT_EQ((i == 1 ? "-" : "") + own, of_arx) << "y[k-1] has its own sign";
+    }
+    EXPECT_THAT(listed["code"].get<std::string>(), HasSubstr("psi = (1, y[k-1], u[k-1], u[k-2], v[k-1], v[k-2])"));
+    EXPECT_EQ(arx["data"]["rows"], listed["data"]["rows"]);
+    refused("compare two.csv --input u,u --output y --order 1", "--input: column \"u\" is named twice");
+    refused("compare two.csv --input u,y --output y --order 1", "--input: column \"y\" is both input and output");
+    refused("compare two.csv --regressors 'y' --output y", "the output needs a lag");
+    refused("compare two.csv --output y --na 3", "several (or --regressors 'y[k-1..k-3]')");
+    refused("compare two.csv --output y --order 1", "several (or --regressors 'y[k-1]')");
+    refused("compare two.csv --output y --nb 2", "several (or --regressors a,b,c)");
+}
+
+TEST_F(CompareCommand, TakesMeansOff) {
+    json const off = compared("two.csv --input u,v --output y --na 1 --nb 0 --delay 1 --detrend");
+    std::string const code = off["code"];
+    // 60 rows of k*7 % 13 and of k^2 % 11
+    double u = 0, v = 0;
+    for (int k = 0; k < 60; ++k) u += k * 7 % 13 + 100, v += k * k % 11 - 50;
+    char expected[200];
+    std::snprintf(expected, sizeof expected, "(u less %.17g, v less %.17g, y less ", u / 60, v / 60);
+    EXPECT_THAT(code, HasSubstr("the columns as the filter takes them: (u less "));
+    double said[2];
+    ASSERT_EQ(std::sscanf(code.c_str() + code.find("(u less"), "(u less %lf, v less %lf", &said[0], &said[1]), 2);
+    EXPECT_EQ(said[0], u / 60);
+    EXPECT_EQ(said[1], v / 60);
+    EXPECT_NE(off["reference"]["least_squares"],
+              compared("two.csv --input u,v --output y --na 1 --nb 0 --delay 1")["reference"]["least_squares"]);
+    // What the file has missing is not part of the mean.
+    write("gap.csv", "u,y\n1,2\n3,\n,4\n5,6\n2,1\n7,3\n");
+    json const gap = compared("gap.csv --regressors u --output y --detrend");
+    EXPECT_THAT(gap["code"].get<std::string>(), HasSubstr("(u less 3.6, y less 3.2)"));
+    EXPECT_EQ(gap["data"]["skipped"], 2);
+}
+
+TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
+    Outcome const run = shell("rlslab compare " + sales + " --no-timings --out made/here");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("\nmade/here/compare.html\n"));
+    std::set<std::string> files;
+    for (auto const& file : fs::directory_iterator(folder / "made/here")) files.insert(file.path().filename());
+    EXPECT_EQ(files, (std::set<std::string>{"compare.csv", "compare.html", "compare.json", "filter.cpp"}));
+    EXPECT_EQ(read(folder / "made/here/compare.json"), shell("rlslab compare " + sales + " --no-timings --json").out);
+    EXPECT_EQ(read(folder / "made/here/compare.csv"), shell("rlslab compare " + sales + " --no-timings --csv").out);
+    EXPECT_EQ(read(folder / "made/here/filter.cpp"), json::parse(read(folder / "made/here/compare.json"))["code"]);
+    std::string const page = read(folder / "made/here/compare.html");
+    for (char const* figure : {"along", "spread-float", "spread-double", "cost"})
+        EXPECT_THAT(page, HasSubstr("<figure id=\"" + std::string(figure) + "\">"));
+    std::string const best = recommended(json::parse(read(folder / "made/here/compare.json")), 0);
+    for (std::string const& said : {std::string("as stored: lambda 1, rank 5 of 5"), std::string("<th>asymmetry</th>"),
+                                    "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
+                                    std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
+                                    "digits of theta, float (24 bits): ★ " + best + ", in the code"})
+        EXPECT_THAT(page, HasSubstr(said));
+    for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));
+    EXPECT_THAT(page, HasSubstr("<pre>#include &lt;rlslab/variants/" + best + ".hpp&gt;\n\n// sales[k] = psi&#39;theta"));
+    for (char const* nothing : {"nan", "inf<", "-inf"}) EXPECT_THAT(page, Not(HasSubstr(nothing)));
+    shell("rlslab compare " + sales + " --no-timings --out again --threads 1");
+    EXPECT_EQ(read(folder / "again/compare.html"), page);
+}
+TEST_F(CompareCommand, WritesAPageOfFormsThatBrokeDown) {
+    Outcome const run =
+        shell("rlslab compare " + sales + " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
+    ASSERT_EQ(run.code, 0) << run.err;
+    std::string const page = read(folder / "out/compare.html");
+    EXPECT_THAT(page, HasSubstr("conventional: indefinite at row "));
+    refused("compare " + sales + " --out /dev/null/x", "/dev/null/x: cannot create");
+    refused("compare " + sales + " --out ok.csv", "ok.csv");
+}
+
+/// A table of the JSON's numbers: what is said in words is what programs read.
+TEST_F(CompareCommand, TheTableSaysWhatTheJsonSays) {
+    json const out = compared(sales);
+    std::istringstream said(text(sales));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(said, line);) lines.push_back(line);
+    for (json const& r : out["results"]) {
+        char expected[200];
+        int n = std::snprintf(expected, sizeof expected, "%-22s", r["variant"].get<std::string>().c_str());
+        for (char const* of : {"theta", "worst", "covariance"})
+            n += std::snprintf(expected + n, sizeof expected - size_t(n), " %5.1f%5.1f%5.1f ", r["spread"][of]["low"].get<double>(),
+                               r["spread"][of]["median"].get<double>(), r["spread"][of]["high"].get<double>());
+        EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) {
+            return line.size() > 2 && line.substr(2).starts_with(expected);
+        })) << expected;
+    }
+}
+
+}  // namespace

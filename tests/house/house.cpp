@@ -1,0 +1,316 @@
+// The house keeps its rules: one list of variants, files of the size their kind should have, folders in one order.
+#include <rlslab/catalogue/catalogue.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace rlslab {
+namespace {
+
+namespace fs = std::filesystem;
+fs::path const root = RLSLAB_SOURCE_DIR;
+
+long lines(fs::path const& path) {
+    std::ifstream file(path);
+    return std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+}
+std::string text(fs::path const& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Files of C++ and what is in them, by their path from the project's folder.
+using Tree = std::map<std::string, std::string>;
+
+/// This tree. Links are not followed: what they lead to is there under its own name.
+Tree const& project() {
+    static Tree const tree = [] {
+        Tree out;
+        for (auto const& room : fs::directory_iterator(root)) {
+            std::string const name = room.path().filename();
+            if (!room.is_directory() || name.starts_with(".") || name == "build" || name == "out") continue;
+            for (auto const& file : fs::recursive_directory_iterator(room))
+                if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp")
+                    out[file.path().lexically_relative(root)] = text(file);
+        }
+        return out;
+    }();
+    return tree;
+}
+
+std::set<std::string> variant_files() {
+    std::set<std::string> out;
+    for (auto const& file : fs::directory_iterator(root / "variants"))
+        if (file.path().extension() == ".hpp" && file.path().stem() != "variants") out.insert(file.path().stem());
+    return out;
+}
+
+TEST(House, EveryVariantFileIsInTheListUnderItsName) {
+    std::set<std::string> names;
+    for (CatalogueEntry const& entry : catalogue()) names.emplace(entry.variant);
+    EXPECT_THAT(names, testing::ContainerEq(variant_files()));
+    for (std::string const& name : variant_files())
+        EXPECT_NE(text(root / "variants/variants.hpp").find("<rlslab/variants/" + name + ".hpp>"), std::string::npos) << name;
+}
+TEST(House, EveryPairOccursOnceInTheCatalogue) {
+    std::set<std::pair<std::string_view, std::string_view>> pairs;
+    for (CatalogueEntry const& entry : catalogue()) EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
+    size_t dense = 0;
+    for (auto const& [variant, arithmetic] : pairs) dense += !variant.ends_with("_sparse");
+    EXPECT_EQ(dense, (variant_files().size() - 2) * arithmetics().size());  // the sparse two are binary64 only
+}
+TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
+    for (std::string const& name : variant_files()) {
+        fs::path const file = root / "variants" / (name + ".hpp");
+        // The sparse variants carry their library's calling conventions besides the algorithm.
+        EXPECT_LE(lines(file), name.ends_with("_sparse") ? 115 : 90) << file;
+        EXPECT_GE(lines(file), 30) << file;
+        std::string const code = text(file);
+        EXPECT_NE(code.rfind("static_assert("), code.npos) << file << ": no claim";
+        EXPECT_GT(code.rfind("static_assert("), code.rfind("};\n")) << file;
+        EXPECT_NE(code.find("(1)"), std::string::npos) << file << ": no formula block";
+        EXPECT_NE(code.find("Source"), std::string::npos) << file << ": no source";
+    }
+}
+TEST(House, NoFileIsLongerThanFourHundredLines) {
+    for (auto const& [path, code] : project()) EXPECT_LE(std::ranges::count(code, '\n'), 400) << path;
+}
+
+struct Folder {
+    std::string path;
+    std::vector<std::string> stands_on;  ///< and on all that these stand on
+};
+/// THE order of the house: a folder includes what it stands on, and nothing else. Each names folders that come before it.
+std::vector<Folder> const house{
+    {"src/rlslab/core", {}},
+    {"src/rlslab/arithmetic", {"src/rlslab/core"}},
+    {"src/rlslab/linalg/kernels", {"src/rlslab/arithmetic"}},
+    {"src/rlslab/linalg", {"src/rlslab/linalg/kernels"}},
+    {"src/rlslab/reference", {"src/rlslab/arithmetic"}},
+    {"src/rlslab/input", {"src/rlslab/core"}},
+    {"src/rlslab/input/formats", {"src/rlslab/input"}},
+    {"src/rlslab/model", {"src/rlslab/linalg", "src/rlslab/reference", "src/rlslab/input"}},
+    {"src/rlslab/state", {"src/rlslab/linalg"}},
+    {"src/rlslab/adapt", {"src/rlslab/state"}},
+    {"src/rlslab/many", {"src/rlslab/adapt"}},
+    {"variants", {"src/rlslab/linalg"}},
+    {"catalogue", {"src/rlslab/many", "src/rlslab/model", "variants"}},
+    {"report", {"src/rlslab/core"}},
+    {"compare", {"catalogue", "report"}},
+    {"identify", {"catalogue", "report", "src/rlslab/input/formats"}},
+    {"studies/engine", {"catalogue", "report"}},
+    {"studies/gain", {"studies/engine"}},
+    {"studies/definiteness", {"studies/engine"}},
+    {"studies/accuracy", {"studies/engine"}},
+    {"studies/forgetting", {"studies/engine"}},
+    {"studies/adapt", {"studies/engine"}},
+    {"studies/published", {"studies/engine"}},
+    {"studies/theory", {"studies/engine"}},
+    {"bench", {"catalogue", "report"}},
+    {"program", {"compare", "identify", "studies/engine"}},
+    {"tests/compilers", {"variants"}},
+    {"tests/portability", {"catalogue"}},
+    {"tests/consumer", {"src/rlslab/model", "variants"}},
+    {"tests/embedded", {"src/rlslab/many", "variants"}},
+    {"examples/echo_canceller", {"src/rlslab/many", "variants"}},
+    {"examples/battery_cell", {"src/rlslab/many", "variants"}},
+    {"examples/guarded_oven", {"src/rlslab/many", "variants"}},
+    {"examples/drift_and_silence", {"src/rlslab/many", "variants"}},
+    {"examples/many_sensors", {"src/rlslab/many", "variants"}},
+    {"examples/chosen_at_run_time", {"src/rlslab/many", "variants"}},
+    {"examples/microcontroller", {"src/rlslab/many", "variants"}},
+    {"examples/microcontroller/board", {}},
+    {"tests/long_run", {"catalogue"}},
+    {"tests/fuzz", {"program"}},
+    {"tests/mpi", {"src/rlslab/many", "variants"}},
+    {"tests/common", {"catalogue"}},
+    {"tests/core", {"tests/common"}},
+    {"tests/arithmetic", {"tests/common", "tests/compilers"}},
+    {"tests/linalg", {"tests/common"}},
+    {"tests/reference", {"tests/common"}},
+    {"tests/input", {"tests/common", "src/rlslab/input/formats"}},
+    {"tests/model", {"tests/common"}},
+    {"tests/state", {"tests/common"}},
+    {"tests/adapt", {"tests/common", "tests/long_run"}},
+    {"tests/many", {"tests/common"}},
+    {"tests/variants", {"tests/common", "compare", "studies/engine"}},
+    {"tests/catalogue", {"tests/common"}},
+    {"tests/report", {"tests/common", "report"}},
+    {"tests/compare", {"tests/common", "compare"}},
+    {"tests/identify", {"tests/common", "identify", "studies/engine"}},
+    {"tests/studies", {"tests/common", "studies/definiteness", "studies/published"}},
+    {"tests/program", {"tests/common", "program"}},
+    {"tests/bench", {"tests/common", "bench"}},
+    {"tests/house", {"tests/common"}},
+    {"tests/alone", {"tests/common"}},
+};
+
+/// What each folder stands on, itself included.
+std::map<std::string, std::set<std::string>> foundations() {
+    std::map<std::string, std::set<std::string>> out;
+    for (Folder const& folder : house) {
+        std::set<std::string> under{folder.path};
+        for (std::string const& direct : folder.stands_on) under.insert(out.at(direct).begin(), out.at(direct).end());
+        out[folder.path] = under;
+    }
+    return out;
+}
+
+std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
+
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue are links; what is in quotes
+/// starts at the project's folder.
+std::vector<std::string> included(std::string const& code) {
+    std::vector<std::string> out;
+    std::istringstream lines(code);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string word, name;
+        words >> word;
+        if (word == "#") words >> word, word = "#" + word;
+        if (word != "#include" || !(words >> name)) continue;
+        bool const quoted = name.front() == '"';
+        name = name.substr(1, name.find_first_of("\">", 1) - 1);
+        if (quoted) out.push_back(name);
+        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/")) out.push_back(name.substr(7));
+        else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
+    }
+    return out;
+}
+
+/// One line for each include that leads nowhere, or to a folder on which its own does not stand, and for each folder without a
+/// place in the order; and one for each folder that, by way of others, includes itself.
+std::vector<std::string> faults(Tree const& tree) {
+    std::vector<std::string> out;
+    auto const under = foundations();
+    std::map<std::string, std::set<std::string>> reached;  // folders, by the folder that includes of them
+    for (auto const& [path, code] : tree) {
+        std::string const from = folder_of(path);
+        if (!under.contains(from)) out.push_back(path + ": its folder has no place in the house");
+        for (std::string const& target : included(code)) {
+            std::string const to = folder_of(target);
+            if (!tree.contains(target)) out.push_back(path + ": " + target + " is not in the tree");
+            else if (under.contains(from) && !under.at(from).contains(to)) out.push_back(path + ": does not stand on " + target);
+            if (from != to) reached[from].insert(to);
+        }
+    }
+    for (size_t growing = 1, before = 0; growing != before;) {  // until ways of any length are in it
+        before = growing;
+        growing = 0;
+        for (auto& [from, to] : reached) {
+            for (std::string const& by : std::set(to))
+                if (auto const further = reached.find(by); further != reached.end())
+                    to.insert(further->second.begin(), further->second.end());
+            growing += to.size();
+        }
+    }
+    for (auto const& [from, to] : reached)
+        if (to.contains(from)) out.push_back(from + ": in a circle");
+    return out;
+}
+
+using testing::Contains;
+using testing::IsEmpty;
+using testing::Not;
+
+TEST(House, NothingPointsUpAndNothingGoesRound) {
+    EXPECT_GT(project().size(), 250u);
+    EXPECT_THAT(faults(project()), IsEmpty());
+}
+TEST(House, AnArrowUpIsRefusedInEveryFolder) {
+    auto const under = foundations();
+    Tree tree = project();
+    std::vector<std::string> expected;
+    for (Folder const& above : house) {
+        std::string const target = above.path + "/planted_target.hpp";
+        tree[target] = "";
+        for (Folder const& below : house) {
+            if (under.at(below.path).contains(above.path)) continue;
+            std::string const path = below.path + "/planted.hpp";
+            tree[path] += above.path.starts_with("src/") ? "#include <" + target.substr(4) + ">\n" : "#include \"" + target + "\"\n";
+            expected.push_back(path + ": does not stand on " + target);
+        }
+    }
+    EXPECT_GT(expected.size(), 400u);
+    std::vector<std::string> const found = faults(tree);
+    for (std::string const& line : expected) EXPECT_TRUE(std::ranges::count(found, line)) << line;
+}
+TEST(House, ACircleIsRefused) {
+    Tree tree = project();
+    tree["src/rlslab/core/planted.hpp"] = "// By way of two others.\n#pragma once\n\n#  include <rlslab/reference/certified.hpp>\n";
+    EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle",
+                                                     "src/rlslab/reference: in a circle"}));
+    EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}), Not(Contains("bench: in a circle")));
+}
+/// The files that include themselves by way of others, and the files between two such circles: a file that includes none of the rest, or
+/// that none of the rest includes, is in no circle.
+std::set<std::string> files_in_circles(Tree const& tree) {
+    std::map<std::string, std::set<std::string>> targets;
+    for (auto const& [path, code] : tree)
+        for (std::string const& target : included(code)) targets[path].insert(target);
+    for (size_t before = 0; before != targets.size();) {
+        before = targets.size();
+        std::set<std::string> includers, included_ones;
+        for (auto const& [path, of_path] : targets)
+            for (std::string const& target : of_path)
+                if (targets.contains(target)) includers.insert(path), included_ones.insert(target);
+        std::erase_if(targets, [&](auto const& file) { return !includers.contains(file.first) || !included_ones.contains(file.first); });
+    }
+    std::set<std::string> out;
+    for (auto const& [path, of_path] : targets) out.insert(path);
+    return out;
+}
+TEST(House, NoFileIncludesItselfByWayOfOthers) {
+    EXPECT_THAT(files_in_circles(project()), IsEmpty());
+    Tree tree = project();
+    tree["src/rlslab/core/planted.hpp"] = "#include <rlslab/core/problem.hpp>\n";
+    EXPECT_THAT(files_in_circles(tree), IsEmpty());
+    tree["src/rlslab/core/scalar.hpp"] += "#include <rlslab/core/planted.hpp>\n";
+    EXPECT_THAT(files_in_circles(tree), testing::IsSupersetOf({"src/rlslab/core/planted.hpp", "src/rlslab/core/problem.hpp",
+                                                               "src/rlslab/core/stored.hpp", "src/rlslab/core/scalar.hpp"}));
+    EXPECT_THAT(files_in_circles({{"report/a.hpp", "#include \"report/a.hpp\"\n"}}), testing::ElementsAre("report/a.hpp"));
+}
+TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
+    Tree tree = project();
+    tree["variants/planted.hpp"] =
+        "#include <rlslab/problem.hpp>\n#include \"page.hpp\"\n#include <vector>\n#include <rlslab/variants/ud.hpp>\n";
+    tree["attic/planted.cpp"] = "";
+    EXPECT_THAT(faults(tree), testing::UnorderedElementsAre("variants/planted.hpp: src/rlslab/problem.hpp is not in the tree",
+                                                            "variants/planted.hpp: page.hpp is not in the tree",
+                                                            "attic/planted.cpp: its folder has no place in the house"));
+}
+TEST(House, EveryFileSaysWhatItIs) {
+    for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;
+}
+
+/// Private words that the field has a word for: their old -> new is in docs/history.md.
+std::vector<std::string> private_words(std::string const& code) {
+    static std::regex const words(
+        "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
+        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk)\\b(?!\\|)|"
+        "\\b(settle|weigh|wanted|excess|feed)\\(|"
+        "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
+    std::vector<std::string> out;
+    for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
+    return out;
+}
+TEST(House, NamesAreTheFieldsWords) {
+    for (auto const& [path, code] : project())
+        if (path != "tests/house/house.cpp") {
+            EXPECT_THAT(private_words(code), testing::IsEmpty()) << path;
+        }
+    EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
+              (std::vector<std::string>{"Undisturbed", "absorb"}));
+    EXPECT_EQ(private_words("curve.low, range.low, fit.lower; // Fit::high"), (std::vector<std::string>{"curve.low", "Fit::high"}));
+}
+
+}  // namespace
+}  // namespace rlslab

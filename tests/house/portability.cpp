@@ -1,0 +1,193 @@
+// The headers with other compilers, options and processors: options that break rounding are refused or reported, and
+// another processor leaves the same bits.
+#include "tests/common/files.hpp"
+
+#include <rlslab/core/rounding.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cfenv>
+#include <cstdio>
+#include <cstdlib>
+#include <sys/wait.h>
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
+namespace rlslab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+struct Outcome {
+    int code;
+    std::string text;  // standard output and error
+};
+Outcome shell(std::string const& command) {
+    std::FILE* const pipe = popen(("{ " + command + "; } 2>&1 </dev/null").c_str(), "r");
+    Outcome out{-1, ""};
+    std::array<char, 4096> buffer;
+    while (size_t const got = std::fread(buffer.data(), 1, buffer.size(), pipe)) out.text.append(buffer.data(), got);
+    int const status = pclose(pipe);
+    out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return out;
+}
+bool there_is(std::string const& program) { return shell("command -v " + program).code == 0; }
+
+/// The compiler of this build, and the others that are installed.
+std::vector<std::string> compilers() {
+    std::vector<std::string> out{RLSLAB_CXX};
+    for (char const* other : {"g++", "clang++"})
+        if (there_is(other)) out.push_back(other);
+    return out;
+}
+std::string const headers = " -std=c++20 " RLSLAB_HEADER_FLAGS " ";
+
+TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
+    files::Folder const folder;
+    std::string const app = folder.file("#include <rlslab/variants/ud.hpp>\n", "app.cpp");
+    std::string const least = folder.file("#include <rlslab/core/scalar.hpp>\n", "least.cpp");
+    for (std::string const& compiler : compilers()) {
+        for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only"}) {
+            Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
+            EXPECT_NE(tried.code, 0) << compiler << " " << options;
+            EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only")) << compiler << " " << options;
+        }
+        EXPECT_THAT(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).text, HasSubstr("rlslab: -ffast-math")) << compiler;
+        Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
+        EXPECT_EQ(plain.code, 0) << plain.text;
+    }
+    for (char const* options :
+         {"-funsafe-math-optimizations", "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
+        if (there_is("g++")) {
+            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text, HasSubstr("rlslab: -funsafe-math-optimizations"))
+                << options;
+        }
+}
+
+/// clang++ has no macro for this part of -ffast-math: the program tells when it runs.
+TEST(Rounding, TellsOfReciprocals) {
+    if (!there_is("clang++")) GTEST_SKIP() << "needs clang++";
+    files::Folder const folder;
+    std::string const source = (folder.path / "app.cpp").string(), app = (folder.path / "app").string();
+    std::ofstream(source) << "#include <rlslab/core/rounding.hpp>\n#include <cstdio>\n"
+                             "int main() { for (auto fault : rlslab::rounding_faults()) std::puts(fault.data()); }\n";
+    for (auto const& [option, expected] : {std::pair("", ""), {"-freciprocal-math", "quotients are products with a reciprocal"}}) {
+        Outcome const built = shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
+        ASSERT_EQ(built.code, 0) << built.text;
+        EXPECT_THAT(shell(app).text, StartsWith(expected)) << option;
+        EXPECT_EQ(shell(app).text.empty(), *expected == '\0') << option;
+    }
+}
+TEST(Rounding, IsAsDefinedHere) { EXPECT_THAT(rounding_faults(), IsEmpty()); }
+TEST(Rounding, TellsOfAnotherMode) {
+    for (int const mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        std::fesetround(mode);
+        auto const faults = rounding_faults();
+        std::fesetround(FE_TONEAREST);
+        EXPECT_THAT(faults, ElementsAre(StartsWith("the rounding mode is not to nearest"))) << mode;
+    }
+    EXPECT_THAT(rounding_faults(), IsEmpty());
+}
+#ifdef __x86_64__
+TEST(Rounding, TellsOfSubnormalsTakenAsZero) {
+    unsigned const before = _mm_getcsr();
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    auto const flushed = rounding_faults();
+    _mm_setcsr(before | 0x0040);
+    auto const taken = rounding_faults();
+    _mm_setcsr(before);
+    EXPECT_THAT(flushed, ElementsAre(StartsWith("subnormal results are flushed to zero")));
+    EXPECT_THAT(taken, ElementsAre(StartsWith("subnormal operands are taken as zero")));
+    EXPECT_THAT(rounding_faults(), IsEmpty());
+}
+TEST(Rounding, TellsOfContraction) {
+    if (!__builtin_cpu_supports("fma")) GTEST_SKIP() << "this processor has no fused multiply-add";
+    files::Folder const folder;
+    std::string const app = folder.file(R"(#include <rlslab/core/rounding.hpp>
+#include <cstdio>
+#include <cstdlib>
+int main() { for (auto const fault : rlslab::rounding_faults()) std::puts(fault.data()); }
+)",
+                                        "app.cpp");
+    std::string const out = (folder.path / "app").string();
+    for (std::string const& compiler : compilers())
+        for (char const* level : {"-O0 ", "-O2 ", "-O3 "}) {
+            auto const told = [&](std::string const& options) {
+                return shell(compiler + headers + level + options + " " + app + " -o " + out + " && " + out).text;
+            };
+            EXPECT_EQ(told("-mfma -ffp-contract=off"), "") << compiler << level;
+            std::string const fused = told("-mfma -ffp-contract=fast");
+            if (std::string(level) == "-O0 " && fused.empty()) continue;  // g++ contracts where it optimises
+            EXPECT_THAT(fused, StartsWith("products and sums are contracted")) << compiler << level;
+        }
+}
+#endif
+
+TEST(Headers, CompileWithTheOtherStandardLibrary) {
+    files::Folder const folder;
+    std::string const nothing = folder.file("#include <compare>\n", "nothing.cpp"),
+                      command = "clang++ -stdlib=libc++" + headers + "-O1 -fsyntax-only ";
+    if (!there_is("clang++") || shell(command + nothing).code != 0)
+        GTEST_SKIP() << "needs the packages clang, libc++-dev and libc++abi-dev";
+    std::string all;
+    for (char const* part : {"src", "variants"})
+        for (auto const& file : std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
+            std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
+            bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
+            if (file.path().extension() == ".hpp" && name.find("linalg/kernels/") == name.npos && !library)
+                all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
+        }
+    Outcome const tried = shell(command + folder.file(all, "all.cpp"));
+    EXPECT_EQ(tried.code, 0) << tried.text;
+}
+
+constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp", digest_options[] = "-O1 -ffp-contract=off -DNDEBUG ";
+void expect_the_bits_of_this_machine(std::string const& command) {
+    Outcome const there = shell(command), here = shell(RLSLAB_DIGEST);
+    EXPECT_EQ(there.code, 0);
+    EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
+    EXPECT_EQ(there.text, here.text);
+}
+
+/// Of another order of bytes, too (s390x). A minute each: all but the first are asked for.
+struct Processor {
+    char const *name, *packages;
+    bool asked_for;
+};
+class Processors : public testing::TestWithParam<Processor> {};
+TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
+    auto const [name, packages, asked_for] = GetParam();
+    if (asked_for && !std::getenv("RLSLAB_ALL_PROCESSORS")) GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
+    std::string const compiler = std::string(name) + "-linux-gnu-g++", emulator = std::string("qemu-") + name;
+    if (!there_is(compiler) || !there_is(emulator)) GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
+    files::Folder const folder;
+    std::string const out = (folder.path / "digest").string();
+    Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_source + " -o " + out);
+    ASSERT_EQ(built.code, 0) << built.text;
+    expect_the_bits_of_this_machine(emulator + " " + out);
+}
+INSTANTIATE_TEST_SUITE_P(Emulated, Processors,
+                         testing::Values(Processor{"aarch64", "g++-aarch64-linux-gnu, libc6-dev-arm64-cross", false},
+                                         Processor{"riscv64", "g++-riscv64-linux-gnu, libc6-dev-riscv64-cross", true},
+                                         Processor{"s390x", "g++-s390x-linux-gnu, libc6-dev-s390x-cross", true}),
+                         [](auto const& tested) { return std::string(tested.param.name); });
+
+TEST(ProcessorsOfPages, WebAssemblyLeavesTheSameBits) {
+    if (!std::getenv("RLSLAB_ALL_PROCESSORS")) GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
+    if (!there_is("em++") || !there_is("node")) GTEST_SKIP() << "needs the packages emscripten and nodejs";
+    files::Folder const folder;
+    std::string const out = (folder.path / "digest.js").string();  // one file: node's own fetch takes no path
+    Outcome const built = shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
+                                digest_source + " -o " + out);
+    ASSERT_EQ(built.code, 0) << built.text;
+    expect_the_bits_of_this_machine("node " + out);
+}
+
+}  // namespace
+}  // namespace rlslab

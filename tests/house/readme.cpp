@@ -1,0 +1,95 @@
+// The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted scalar measures.
+#include <rlslab/catalogue/catalogue.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace rlslab {
+namespace {
+
+std::string operations(CatalogueEntry const& entry, Index d) {
+    auto const count = cost(entry.variant, d);
+    return count ? std::to_string(count->total()) : "–";
+}
+/// The start of the row in README, with the operations at d = 10.
+std::string short_row(CatalogueEntry const& entry) {
+    std::ostringstream out;
+    out << "| `" << entry.variant << "` | " << entry.propagates << " | " << operations(entry, 10) << " | "
+        << (entry.starts_without_prior ? "yes" : "no") << " | ";
+    return out.str();
+}
+/// The row in docs/compare.md.
+std::string long_row(CatalogueEntry const& entry) {
+    std::ostringstream out;
+    out << "| `" << entry.variant << "` | " << entry.propagates << " | ";
+    for (Index d : {4, 10, 32}) out << operations(entry, d) << " | ";
+    out << (entry.starts_without_prior ? "yes" : "no") << " |\n";
+    return out.str();
+}
+std::string text_of(char const* page) {
+    std::ifstream file(RLSLAB_SOURCE_DIR + std::string(page));
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Readme, TheTablesOfVariantsAreMeasured) {
+    std::string const readme = text_of("/README.md"), compare = text_of("/docs/compare.md");
+    std::set<std::string_view> seen;
+    for (CatalogueEntry const& entry : catalogue())
+        if (seen.insert(entry.variant).second) {
+            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n" << short_row(entry);
+            EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos) << "expected in docs/compare.md the row\n"
+                                                                               << long_row(entry);
+        }
+}
+/// What a reader takes in at once.
+TEST(Readme, IsOnePage) {
+    std::string const readme = text_of("/README.md");
+    EXPECT_LE(std::ranges::count(readme, '\n'), 120);
+    EXPECT_LE(readme.size(), 12 * 1024u);
+}
+
+/// "per update d^3/6 + 3.5 d^2 + O(d) multiplications" as {1/6, 3.5}; a row of a block counts as an update.
+std::array<double, 2> claimed(std::string_view variant) {
+    std::string const text = std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"), "");
+    std::smatch claim;
+    std::array<double, 2> out{};
+    if (!std::regex_search(text, claim, std::regex("per (?:update|row) ([^:]*?) multiplications"))) return out;
+    std::regex const term("([0-9.]*) ?d\\^([23])(?:/([0-9]+))?");
+    std::string const terms = std::regex_replace(claim.str(1), std::regex("O\\([^)]*\\)"), "");
+    for (std::sregex_iterator it(terms.begin(), terms.end(), term), end; it != end; ++it) {
+        double const factor = it->str(1).empty() ? 1 : std::stod(it->str(1)), divisor = it->str(3).empty() ? 1 : std::stod(it->str(3));
+        out[it->str(2) == "3" ? 0 : 1] = factor / divisor;
+    }
+    return out;
+}
+
+/// The coefficients of d^3 and d^2 from the counts at four sizes: differences of a polynomial.
+std::array<double, 2> measured(std::string_view variant) {
+    constexpr double h = 16;
+    double m[4];
+    for (int k = 0; k < 4; ++k) m[k] = double(cost(variant, Index(h) * (k + 1))->update.multiplications);
+    double const cubic = (m[3] - 3 * m[2] + 3 * m[1] - m[0]) / (6 * h * h * h);
+    double const square = ((m[2] - 2 * m[1] + m[0]) - 6 * cubic * h * h * 2 * h) / (2 * h * h);
+    return {cubic, square};
+}
+
+TEST(Docstrings, StateTheMultiplicationsThatAreCounted) {
+    std::set<std::string_view> seen;
+    for (CatalogueEntry const& entry : catalogue()) {
+        if (!seen.insert(entry.variant).second || !cost(entry.variant, 4)) continue;
+        auto const said = claimed(entry.variant), counted = measured(entry.variant);
+        EXPECT_NEAR(said[0], counted[0], 0.01) << entry.variant << ": d^3";
+        // O(d^2) beside a cubic term may stand for any square; a block's counts are whole numbers a row.
+        double const allowed = said[0] >= 1 ? 1e9 : entry.block > 1 ? 0.05 : 0.005;
+        EXPECT_NEAR(said[1], counted[1], allowed) << entry.variant << ": d^2";
+    }
+}
+
+}  // namespace
+}  // namespace rlslab

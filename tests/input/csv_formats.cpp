@@ -1,0 +1,289 @@
+// Separators and decimal marks are found out, or given. A file that can be read in two ways, or is no table, is refused in a line that
+// names the remedy, unless another cell says which it is.
+#include "tests/common/files.hpp"
+
+#include <rlslab/input/csv.hpp>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <vector>
+
+namespace rlslab {
+namespace {
+
+using files::Folder, files::message_of;
+using Names = std::vector<std::string>;
+using Numbers = std::vector<double>;
+
+Columns read(std::string const& text, Names const& asked, CsvFormat format = {}) {
+    Folder const folder;
+    return read_columns(folder.file(text), asked, format);
+}
+std::string refusal(std::string const& text, Names const& asked, CsvFormat format = {}) {
+    Folder const folder;
+    return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
+}
+
+// --- decimal commas -------------------------------------------------------------------------------------------------------
+
+TEST(DecimalComma, IsReadWhereItIsNoSeparator) {
+    EXPECT_EQ(read("u;y\n1,5;-2,25e1\n3;,5\n4,;1234,5678\n", {"u", "y"}).values,
+              (std::vector<Numbers>{{1.5, 3, 4}, {-22.5, .5, 1234.5678}}));
+    EXPECT_EQ(read("u\ty\n1,5\t2\n", {"u"})["u"], (Numbers{1.5}));
+    EXPECT_EQ(read("1,5 2,5\n3,5 4,5\n", {"2"})["2"], (Numbers{2.5, 4.5}));
+    EXPECT_EQ(read("u y\n1,5 2,5\n", {"y"})["y"], (Numbers{2.5}));
+    EXPECT_EQ(read("u,y\n\"1,5e3\",\"2\"\n", {"u"})["u"], (Numbers{1500}));
+    EXPECT_FALSE(read("1,5;2,5\n", {"1"}).header);
+}
+TEST(DecimalComma, OneMarkAFile) {
+    EXPECT_EQ(refusal("u;y\n1;2\n1,5;2.5\n", {"u", "y"}), "data.csv:3: column 2 (y): expected a decimal comma as in line 3, found \"2.5\"");
+    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}), "data.csv:3: column 2 (y): expected a decimal point as in line 2, found \"2,5\"");
+    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"y"}), "no error");  // of what is asked for
+    EXPECT_EQ(refusal("u;y\n1,x;2\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"1,x\"");
+    EXPECT_EQ(refusal("1,5;-\n", {"2"}), "data.csv: no column \"2\"; the columns are \"1,5\", \"-\"");
+}
+TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
+    std::string const why =
+        "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says which "
+        "(--decimal , if it is the former)";
+    EXPECT_EQ(refusal("u;y\n1,234;1\n2;2\n", {"u"}), why);
+    EXPECT_EQ(read("u;y\n1,234;1\n2,5;2\n", {"u"})["u"], (Numbers{1.234, 2.5}));          // the next one tells
+    EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u", "y"})["u"], (Numbers{1.234}));               // or another column
+    EXPECT_EQ(read("u;y\n0,123;1\n12,3456;1\n", {"u"})["u"], (Numbers{0.123, 12.3456}));  // no thousands there
+    EXPECT_EQ(read("u;y\n-1,234;1\n", {"u"}, {.decimal = ','})["u"], (Numbers{-1.234}));
+    EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u", "y"}),
+              "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
+    EXPECT_EQ(refusal("u;y\n2.5;1\n1,234;2\n", {"u"}), "data.csv:3: column 1 (u): expected a decimal point as in line 2, found \"1,234\"");
+    EXPECT_EQ(refusal("u;y\n1,234;1\n", {"u"}, {.decimal = '.'}), "data.csv:2: column 1 (u): expected a decimal point, found \"1,234\"");
+    for (std::string const text : {"1,234,567", "1,234.5", "1.234,5", "1.234.567", "-12,345,678.25"})
+        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}),
+                  "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"" + text + "\"");
+    for (std::string const text : {"1,2,3", "1,23,456", "1.2,3", "1,234.5.6", ",", "1,,5", "1,-5"})
+        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
+}
+
+// --- separators -----------------------------------------------------------------------------------------------------------
+
+TEST(Separator, BlanksAnyNumberOfThem) {
+    EXPECT_EQ(read("   u      y\n  1.5   -2e3\n\n  3 \t  4  \n", {"u", "y"}).values, (std::vector<Numbers>{{1.5, 3}, {-2000, 4}}));
+    EXPECT_EQ(read("# by hand\n1 2\n3 4\n", {"2"})["2"], (Numbers{2, 4}));
+    EXPECT_EQ(read("\"flow rate\" \"y\"\n1 2\n", {"flow rate"})["flow rate"], (Numbers{1}));
+    EXPECT_EQ(read("u y\n1 NA\n", {"u"})["u"], (Numbers{1}));
+    EXPECT_EQ(refusal("u y\n1 2\n3\n", {"u"}), "data.csv:3: expected 2 columns as in line 1, found 1");
+    EXPECT_EQ(refusal("u y\n1 x\n", {"y"}), "data.csv:2: column 2 (y): expected a number, found \"x\"");
+}
+TEST(Separator, ANameMayHoldBlanks) {
+    EXPECT_EQ(read("flow rate\n1\n2\n", {"flow rate"})["flow rate"], (Numbers{1, 2}));
+    EXPECT_EQ(read("flow rate, y\n1, 2\n", {"flow rate"})["flow rate"], (Numbers{1}));
+    EXPECT_EQ(refusal("flow rate y\n1 2\n", {"y"}),
+              "data.csv:1: expected as many names as cells below, found 3 words over 2 in line 2 (quote a name "
+              "that holds blanks, or give the separator: --separator)");
+    EXPECT_EQ(refusal("flow rate\n", {"flow rate"}),
+              "data.csv: expected rows below the header, found none (the columns are \"flow rate\")");
+    EXPECT_EQ(refusal("u y\n#\n", {"u"}), "data.csv: no column \"u\"; the columns are \"u y\"");
+}
+TEST(Separator, ASpreadsheetsFirstLineNamesIt) {
+    EXPECT_EQ(read("sep=;\r\nu,1;y\r\n1;2\r\n", {"u,1"})["u,1"], (Numbers{1}));
+    EXPECT_EQ(read("\xef\xbb\xbf\"sep=\t\"\nu\ty\n1\t2\n", {"y"})["y"], (Numbers{2}));
+    EXPECT_EQ(read("SEP=|\nu|y\n1,5|2\n", {"u"})["u"], (Numbers{1.5}));
+    EXPECT_EQ(read("sep=,\nu,y\n1,2\n", {"y"}).lines, (std::vector<long>{3}));
+    EXPECT_EQ(refusal("sep=x\nu,y\n1,2\n", {"y"}), "data.csv:1: expected sep= with a comma, semicolon, tab, bar or blank, found \"sep=x\"");
+    EXPECT_EQ(refusal("sep=;\n", {"y"}), "data.csv: expected rows of numbers, found only comments and blank lines");
+    EXPECT_EQ(refusal("u;y\nsep=;1\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"sep=\"");
+}
+TEST(Separator, GivenItIsObeyed) {
+    EXPECT_EQ(read("sep=,\nu;y\n1,5;2\n", {"u"}, {.separator = ';'})["u"], (Numbers{1.5}));
+    EXPECT_EQ(read("a b\tc\n1 2\t3\n", {"c"}, {.separator = ' '})["c"], (Numbers{3}));
+    EXPECT_EQ(read("u|y\n1|2\n", {"y"}, {.separator = '|'})["y"], (Numbers{2}));
+    EXPECT_EQ(read("1,5\n2,5\n", {"1"}, {.decimal = ','})["1"], (Numbers{1.5, 2.5}));
+    EXPECT_EQ(read("u\n1,5\n", {"u"}, {.decimal = ','})["u"], (Numbers{1.5}));
+    EXPECT_EQ(read("u,y\n\"1,5\",\"2,5\"\n", {"y"}, {.decimal = ','})["y"], (Numbers{2.5}));
+    EXPECT_EQ(refusal("u;y\n1;2\n", {"u"}, {.separator = ','}), "data.csv: no column \"u\"; the columns are \"u;y\"");
+    EXPECT_THROW(read("u\n1\n", {"u"}, {.separator = 'x'}), std::invalid_argument);
+    EXPECT_THROW(read("u\n1\n", {"u"}, {.decimal = ';'}), std::invalid_argument);
+}
+TEST(Separator, RowsTwiceAsLongAsTheHeaderSayWhy) {
+    EXPECT_EQ(refusal("u,y\n1,5,2,5\n", {"u"}),
+              "data.csv:2: expected 2 columns as in line 1, found 4 (decimal commas? they need another separator, or quotes)");
+}
+
+// --- what is no text --------------------------------------------------------------------------------------------------------
+
+TEST(CsvRefuses, WhatOtherProgramsWrite) {
+    EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
+    EXPECT_EQ(refusal("PK\x03\x04", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
+    EXPECT_EQ(refusal("\xd0\xcf\x11\xe0", {"u"}),
+              "data.csv: expected rows of numbers as UTF-8 text, found a workbook: save the sheet as CSV");
+}
+
+RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
+    auto const flag = [] { return *rc::gen::arbitrary<bool>(); };
+    std::size_t const columns = *rc::gen::inRange<std::size_t>(2, 5), rows = *rc::gen::inRange<std::size_t>(1, 12);
+    char const separator = *rc::gen::element(';', '\t', ' ', '|'), decimal = *rc::gen::element('.', ',');
+    bool const header = flag(), given = separator == '|' || flag();
+    std::string text = given || flag() ? "" : fmt::format("sep={}\r\n", separator);
+    auto const between = [&](std::size_t j) {
+        return j == 0 ? "" : separator == ' ' ? std::string(*rc::gen::inRange<std::size_t>(1, 4), ' ') : std::string(1, separator);
+    };
+    Names names;
+    for (std::size_t j = 0; j < columns; ++j) names.push_back(header ? fmt::format("n{}", j) : std::to_string(j + 1));
+    for (std::size_t j = 0; header && j < columns; ++j) text += between(j) + names[j];
+    if (header) text += '\n';
+    std::vector<Numbers> table(columns);
+    for (std::size_t i = 0; i < rows; ++i, text += '\n')
+        for (std::size_t j = 0; j < columns; ++j) {
+            auto x = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>() * 0x9e3779b97f4a7c15u);
+            if (!(std::abs(x) <= largest_value)) x = double(i);
+            table[j].push_back(x);
+            std::string cell = fmt::format("{:#}", x);  // with its mark, so that no cell is in doubt
+            if (auto const at = cell.find('.'); at != cell.npos) cell[at] = decimal;
+            text += between(j) + cell;
+        }
+    bool const doubt = decimal == ',';
+    auto const data = read(text, names, {.separator = given ? separator : '\0', .decimal = doubt && flag() ? ',' : '\0'});
+    RC_ASSERT(data.header == header);
+    for (std::size_t j = 0; j < columns; ++j)
+        RC_ASSERT(std::ranges::equal(data.values[j], table[j], [](double a, double b) {
+            return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+        }));
+}
+
+// --- a point that may stand between thousands -------------------------------------------------------------------------------
+
+std::string const or_point = " may be a decimal point or a mark between thousands, and ", way_out = " (--decimal . if it is the former)";
+
+TEST(PointOrThousands, IsRefusedWhereAnyColumnHasADecimalComma) {
+    std::string const german = "druck;y;temp\n967;2908;20,69\n1.047;3148;15,63\n";
+    EXPECT_EQ(refusal(german, {"druck", "y"}),
+              "data.csv:3: column 1 (druck): \"1.047\"" + or_point + "\"20,69\" in line 2 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal(german, {"druck", "temp"}), "data.csv:3: column 1 (druck): expected a decimal comma as in line 2, found \"1.047\"");
+    EXPECT_EQ(read(german, {"druck"}, {.decimal = '.'})["druck"], (Numbers{967, 1.047}));
+    EXPECT_EQ(read(german, {"y"})["y"], (Numbers{2908, 3148})) << "no number in doubt";
+    // The comma comes after the number in doubt, in quotes, in a column of text, beside a number with a point.
+    EXPECT_EQ(refusal("a,b\n1.047,x\n2,\"1,5\"\n", {"a"}),
+              "data.csv:2: column 1 (a): \"1.047\"" + or_point + "\"1,5\" in line 3 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal("a b\n1.047 x\n2.5 1,5\n", {"a"}),
+              "data.csv:2: column 1 (a): \"1.047\"" + or_point + "\"1,5\" in line 3 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal("a;b\n-1.047;1\n2;2,5\n", {"a", "b"}),
+              "data.csv:2: column 1 (a): expected a number without marks between thousands, found \"-1.047\"");
+}
+TEST(PointOrThousands, IsRefusedWhereASemicolonSeparatesAndNothingSaysWhich) {
+    std::string const why = "data.csv:3: column 1 (u): \"1.000\"" + or_point + "no number says which" + way_out;
+    EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n1.001;3\n", {"u"}), why);
+    EXPECT_EQ(refusal("u;y\n999;1.234\n1.000;2\n", {"u"}), why) << "of a number that is not asked for";
+    EXPECT_EQ(read("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = '.'})["u"], (Numbers{999, 1}));
+    EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = ','}),
+              "data.csv:3: column 1 (u): expected a decimal comma, found \"1.000\"");
+    EXPECT_EQ(refusal("u;y\n1,234;1\n1.234;2\n", {"u"}),
+              "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
+}
+/// Of cells that are no numbers to be read, in columns that are not asked for.
+TEST(PointOrThousands, IsRefusedWhereANumberWithThousandsOrAUnitShowsTheComma) {
+    for (std::string const separator : {"\t", ";"})
+        for (std::string const shown : {"1.353,27", "-1.353,27", "1.234.567,5", "15,7 %", "3,25°C"})
+            EXPECT_EQ(refusal("u" + separator + "t\n1.047" + separator + shown + "\n", {"u"}),
+                      "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"" + shown + "\" in line 2 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal("u\tt\n1.047\t1.234.567\n", {"u"}),
+              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.234.567\" in line 2 has points between thousands" + way_out);
+    EXPECT_EQ(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}),
+              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.353,27\" in line 2 has a decimal comma" + way_out);
+    for (std::string const shows_nothing : {"1.2.3", "12.03.2024", "192.168.0.1", "a,b", "1,2,3", "12:30", "1.234 kg", "3.5 %"})
+        EXPECT_EQ(read("u\tt\n1.047\t" + shows_nothing + "\n", {"u"})["u"], (Numbers{1.047})) << shows_nothing;
+}
+TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
+    EXPECT_EQ(read("u;y\n1.000;1\n2.5;2\n", {"u"})["u"], (Numbers{1, 2.5}));
+    EXPECT_EQ(read("u;y\n1.000;0.125\n", {"u"})["u"], (Numbers{1})) << "in another column";
+    for (std::string const shown : {"0.125", "1234.567", "1.5e3", ".5", "12.", "1.2345"})
+        EXPECT_EQ(read("u;y\n1.000;" + shown + "\n", {"u"})["u"], (Numbers{1})) << shown;
+    // Without a semicolon it stays what it was.
+    EXPECT_EQ(read("u\n999\n1.000\n1.001\n", {"u"})["u"], (Numbers{999, 1, 1.001}));
+    EXPECT_EQ(read("u,y\n1.047,2.001\n", {"u"})["u"], (Numbers{1.047}));
+    EXPECT_EQ(read("u\ty\n1.047\t2\n", {"u"})["u"], (Numbers{1.047}));
+}
+TEST(CommaOrThousands, AnyColumnShowsWhich) {
+    EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u"})["u"], (Numbers{1.234}));
+    EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u"}),
+              "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in line 2 has a decimal "
+              "point (--decimal , if it is the former)");
+}
+
+// --- blank lines in a file of one column --------------------------------------------------------------------------------------
+
+TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
+    Columns const data = read("u\n1\n\n2\n   \n\n3\n\n", {"u"});
+    EXPECT_EQ(data.lines, (std::vector<long>{2, 3, 4, 5, 6, 7}));
+    Numbers const u = data["u"];
+    for (size_t k = 0; k < u.size(); ++k) EXPECT_EQ(std::isnan(u[k]), k == 1 || k == 3 || k == 4) << k;
+    EXPECT_EQ(read("u,v\n1,1\n\n2,2\n", {"u"})["u"], (Numbers{1, 2})) << "of two columns a row would have a separator";
+    EXPECT_EQ(read("u\n\n1\n2\n", {"u"})["u"], (Numbers{1, 2})) << "above the first row";
+}
+
+// --- a first row of numbers and text ------------------------------------------------------------------------------------------
+
+TEST(FirstRow, LikeTheNextHasNoNamesWhereColumnsAreAskedForByNumber) {
+    std::string const dates = "2024-01-01,5,8\n2024-01-02,6,9\n";
+    Columns const data = read(dates, {"3", "2"});
+    EXPECT_FALSE(data.header);
+    EXPECT_EQ(data.values, (std::vector<Numbers>{{8, 9}, {5, 6}}));
+    EXPECT_EQ(data.lines, (std::vector<long>{1, 2}));
+    EXPECT_EQ(
+        refusal("2024-01-01,3,2\n2024-01-02,6,9\n", {"3", "2"}),
+        "data.csv:1: expected a row of names: \"3\" may be column \"3\", or column 2 with \"3\" in this row, which is like the row below");
+    EXPECT_EQ(
+        refusal("2024-01-01,2,8\n2024-01-02,6,9\n", {"2"}),
+        "data.csv:1: expected a row of names: \"2\" may be column \"2\", or column 2 with \"2\" in this row, which is like the row below");
+    EXPECT_EQ(refusal(dates, {"1"}), "data.csv:1: column 1: expected a number, found \"2024-01-01\"");
+    EXPECT_EQ(refusal(dates, {"4"}), "data.csv: no column \"4\"; the columns are \"2024-01-01\", \"5\", \"8\"");
+    EXPECT_EQ(read("a 1\nb 2\n", {"2"})["2"], (Numbers{1, 2})) << "blanks separate: the row below was looked at before";
+    EXPECT_EQ(read("\"x\ny\",1\n\"z\n\",2\n", {"2"})["2"], (Numbers{1, 2})) << "rows of several lines";
+}
+TEST(FirstRow, OfNamesStaysOne) {
+    EXPECT_EQ(read("country,1990,1991\nFrance,1,2\n", {"1991"})["1991"], (Numbers{2})) << "years";
+    EXPECT_EQ(read("k,2,1\n5,6,7\n", {"2"})["2"], (Numbers{6})) << "a name over a number";
+    EXPECT_EQ(read("k,2,1\nNA,6,7\n", {"1"})["1"], (Numbers{7}));
+    EXPECT_EQ(refusal("k,2,1\n", {"2"}), "data.csv: expected rows below the header, found none (the columns are \"k\", \"2\", \"1\")");
+    EXPECT_EQ(refusal("k,u\nx,5\n", {"2"}), "data.csv: no column \"2\"; the columns are \"k\", \"u\"");
+}
+
+// --- ends of lines --------------------------------------------------------------------------------------------------------------
+
+TEST(LineEnds, ACarriageReturnAloneIsOne) {
+    EXPECT_EQ(read("u,y\r1,2\r3,4\r", {"y"})["y"], (Numbers{2, 4}));
+    EXPECT_EQ(read("# by hand\r\ru;y\r1,5;2\r3;4", {"u"}).lines, (std::vector<long>{4, 5}));
+    EXPECT_EQ(refusal("u,y\r", {"u"}), "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+}
+TEST(LineEnds, TheFirstOneOutsideQuotesDecides) {
+    EXPECT_EQ(read("\"a\rb\",y\n1,2\n", {"a\rb"})["a\rb"], (Numbers{1}));
+    EXPECT_EQ(refusal("u,y\n1,2\r3,4\n", {"y"}), "data.csv:2: expected 2 columns as in line 1, found 3");
+    EXPECT_EQ(read("u,y\r\r\n1,2\r\n", {"u"})["u"], (Numbers{1})) << "a carriage return too many";
+    std::string const piece(1 << 16, '#');  // the end crosses chunks
+    for (std::string const end : {"\r", "\r\n", "\n"})
+        EXPECT_EQ(read(piece.substr(1) + end + "u" + end + "1" + end, {"u"})["u"], (Numbers{1}));
+}
+
+// --- what is no table -----------------------------------------------------------------------------------------------------------
+
+TEST(NoTable, IsNamed) {
+    auto const found = [](std::string const& begin) {
+        std::string const text = refusal(begin + "\n1,2\n", {"u"}), before = "data.csv: expected rows of numbers as UTF-8 text, found ";
+        return text.starts_with(before) ? text.substr(before.size()) : text;
+    };
+    EXPECT_EQ(found("\x89PNG\r\n\x1a"), "a PNG image");
+    EXPECT_EQ(found("%PDF-1.7"), "a PDF document");
+    EXPECT_EQ(found("\xff\xd8\xff\xe0"), "a JPEG image");
+    std::string const page = "a web page (HTML): save the table in it as CSV";
+    for (std::string const begin : {"<!DOCTYPE html>", "<html lang=\"en\">", "\xef\xbb\xbf  <HTML>", "<table>"})
+        EXPECT_EQ(found(begin), page);
+    EXPECT_EQ(found("<?xml version=\"1.0\"?>"), "an XML file: save the table in it as CSV");
+    EXPECT_EQ(found("PAR1,PAR2"), "data.csv: no column \"u\"; the columns are \"PAR1\", \"PAR2\"");
+    EXPECT_EQ(found("<TICKER>,<PER>"), "data.csv: no column \"u\"; the columns are \"<TICKER>\", \"<PER>\"");
+}
+
+}  // namespace
+}  // namespace rlslab

@@ -1,0 +1,217 @@
+// Compressed data are read as the data they contain, and MATLAB's variables as columns. A file that cannot be read is refused in one line.
+#include "tests/common/files.hpp"
+
+#include <rlslab/input/formats/gzip.hpp>
+#include <rlslab/input/formats/open.hpp>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <bit>
+
+namespace rlslab {
+namespace {
+
+using files::Folder, files::message_of;
+using Names = std::vector<std::string>;
+using Numbers = std::vector<double>;
+
+std::string packed(std::string const& text) {
+    std::string out(compressBound(uLong(text.size())) + 32, '\0');
+    z_stream stream{};
+    EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+    stream.avail_in = uInt(text.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = uInt(out.size());
+    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+    out.resize(stream.total_out);
+    deflateEnd(&stream);
+    return out;
+}
+
+Columns read(std::string const& bytes, Names const& asked, CsvFormat format = {}) {
+    Folder const folder;
+    return read_data({folder.file(bytes, "data"), format}, asked);
+}
+std::string refusal(std::string const& bytes, Names const& asked, CsvFormat format = {}) {
+    Folder const folder;
+    return folder.without(message_of([&] { read_data({folder.file(bytes, "data"), format}, asked); }));
+}
+
+// --- gzip -----------------------------------------------------------------------------------------------------------------
+
+TEST(Gzip, IsReadByItsContent) {
+    EXPECT_EQ(read(packed("u;y\n1,5;2\n3;4\n"), {"u"})["u"], (Numbers{1.5, 3}));
+    EXPECT_EQ(read("u,y\n1,2\n", {"y"})["y"], (Numbers{2}));
+    EXPECT_EQ(read(packed("u|y\n1|2\n"), {"y"}, {.separator = '|'})["y"], (Numbers{2}));
+    EXPECT_EQ(refusal(packed("u,y\n1,2\n3,x\n"), {"y"}), "data:3: column 2 (y): expected a number, found \"x\"");
+}
+TEST(Gzip, PartsThatWereJoinedAreOneFile) {
+    EXPECT_EQ(read(packed("u,y\n1,2\n3,") + packed("") + packed("4\n"), {"y"})["y"], (Numbers{2, 4}));
+    EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));  // as a tape pads it
+    EXPECT_EQ(refusal(packed("u\n1\n") + "more", {"u"}), "data: expected the compressed data to end the file, found something behind them");
+}
+TEST(Gzip, DamageIsSeenWhereverItIs) {
+    std::string text = "u\n";
+    for (int i = 0; i < 300; ++i) text += std::to_string(i * i % 97) + '\n';
+    std::string const whole = packed(text);
+    for (std::size_t length = 2; length < whole.size(); ++length)
+        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: the compressed data end too early (was the file cut short?)") << length;
+    for (std::size_t at = 10; at < whole.size(); ++at) {  // behind the header
+        std::string damaged = whole;
+        damaged[at] = char(damaged[at] ^ 0x10);
+        if (refusal(damaged, {"u"}) == "no error") {  // a bit that fills up the last byte before the checksum says nothing
+            EXPECT_EQ(at, whole.size() - 9);
+            EXPECT_EQ(read(damaged, {"u"})["u"], read(whole, {"u"})["u"]);
+        }
+    }
+    std::string checksum = whole;
+    checksum[whole.size() - 6] ^= 1;
+    EXPECT_EQ(refusal(checksum, {"u"}), "data: the compressed data are damaged (incorrect data check)");
+    EXPECT_EQ(refusal(packed(whole), {"u"}),
+              "data: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
+    EXPECT_EQ(refusal(packed(""), {"u"}), "data: expected rows of numbers, found an empty file");
+}
+TEST(Gzip, ABombIsNotHeld) {
+    std::string bomb;  // a line of 256 MiB in 256 kB
+    for (int i = 0; i < 4; ++i) bomb += packed(std::string(1 << 26, '1'));
+    EXPECT_LT(bomb.size(), 300000u);
+    EXPECT_EQ(refusal(bomb, {"1"}), "data:1: expected a line of at most 1 MiB");
+}
+TEST(Gzip, RowsWithoutEndAreRefused) {
+    std::string rows;
+    for (int i = 0; i < 1 << 18; ++i) rows += "7\n";
+    long given = 0;
+    CsvFile endless(
+        [&](std::span<char> to) {
+            std::size_t const now = std::min(to.size(), rows.size());
+            std::ranges::copy(rows.substr(0, now), to.begin());
+            given += long(now);
+            return now;
+        },
+        "endless", {}, 1 << 20);
+    EXPECT_EQ(message_of([&] { endless.read({"1"}); }), "endless:524289: expected at most 524288 rows");
+    EXPECT_LT(given, 2 << 20);
+}
+
+// --- MATLAB -----------------------------------------------------------------------------------------------------------------
+
+/// A .mat file of version 5 as the format's description has it, without matio: each variable a matrix of doubles by columns.
+struct Mat5 {
+    std::string bytes;
+    Mat5() : bytes("MATLAB 5.0 MAT-file, by hand") {
+        bytes.resize(124, ' ');
+        put(std::uint16_t(0x0100)), put(std::uint16_t(0x4d49));
+    }
+    template <class T>
+    void put(T x) {
+        auto const raw = std::bit_cast<std::array<char, sizeof(T)>>(x);
+        bytes.append(raw.begin(), raw.end());
+    }
+    void pad() { bytes.resize((bytes.size() + 7) / 8 * 8, '\0'); }
+    Mat5& add(std::string const& name, std::int32_t rows, std::int32_t cols, Numbers const& values, std::uint32_t flags = 6) {
+        std::size_t const names = (name.size() + 7) / 8 * 8, numbers = values.size() * 8;
+        put(std::uint32_t(14)), put(std::uint32_t(16 + 16 + 8 + names + 8 + numbers));
+        put(std::uint32_t(6)), put(std::uint32_t(8)), put(flags), put(std::uint32_t(0));
+        put(std::uint32_t(5)), put(std::uint32_t(8)), put(rows), put(cols);
+        put(std::uint32_t(1)), put(std::uint32_t(name.size()));
+        bytes += name;
+        pad();
+        put(std::uint32_t(9)), put(std::uint32_t(numbers));
+        for (double const x : values) put(x);
+        return *this;
+    }
+};
+
+TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
+    std::string const file =
+        Mat5().add("u", 3, 1, {1, 2.5, -3}).add("y", 1, 3, {4, 5, 6}).add("X", 3, 2, {1, 2, 3, 7, 8, 9}).add("Ts", 1, 1, {0.1}).bytes;
+    Columns const data = read(file, {"y", "u", "X_2"});
+    EXPECT_EQ(data["u"], (Numbers{1, 2.5, -3}));
+    EXPECT_EQ(data["y"], (Numbers{4, 5, 6}));
+    EXPECT_EQ(data["X_2"], (Numbers{7, 8, 9}));
+    EXPECT_EQ(read(file, {"X(:,1)", "X(:, 2)", "u(:,1)"}).values, (std::vector<Numbers>{{1, 2, 3}, {7, 8, 9}, {1, 2.5, -3}}));
+    EXPECT_EQ(read(file, {"X(:,2)"})["X(:,2)"], (Numbers{7, 8, 9}));
+    EXPECT_EQ(refusal(file, {"y(:,2)"}), "data: no column \"y(:,2)\"; the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
+    EXPECT_EQ(data.lines, (std::vector<long>{1, 2, 3}));
+    EXPECT_EQ(refusal(file, {"u", "Ts"}), "data: expected columns of equal length, found 3 numbers in u and 1 in Ts");
+    EXPECT_EQ(refusal(file, {"X"}), "data: X is a matrix: its columns are called X_1 ... X_2");
+    EXPECT_EQ(refusal(file, {"U"}), "data: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
+    EXPECT_EQ(refusal(file, {"u"}, {.decimal = ','}), "data: a MATLAB file has no separators and decimal marks");
+}
+TEST(Matlab, WhatIsNoRealVectorIsNamed) {
+    double const inf = std::numeric_limits<double>::infinity();
+    std::string const file = Mat5()
+                                 .add("u", 2, 1, {1, inf})
+                                 .add("v", 2, 1, {1, -1e200})
+                                 .add("w", 0, 0, {})
+                                 .add("z", 2, 1, {1, 2}, 0x0806)
+                                 .add("c", 2, 1, {1, 2}, 1)
+                                 .add("X", 1 << 30, 3, {1})
+                                 .bytes;
+    EXPECT_EQ(refusal(file, {"u"}), "data: u, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found inf");
+    EXPECT_EQ(refusal(file, {"v"}), "data: v, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found -1e+200");
+    std::string const expected = ": expected a real numeric vector or matrix, found ";
+    EXPECT_EQ(refusal(file, {"w"}), "data: w" + expected + "nothing");
+    EXPECT_EQ(refusal(file, {"z"}), "data: z" + expected + "complex numbers");
+    EXPECT_EQ(refusal(file, {"c"}), "data: c" + expected + "a cell array");
+    EXPECT_EQ(refusal(file, {"X"}), "data: X" + expected + "1073741824 x 3 numbers");
+    EXPECT_TRUE(std::isnan(read(Mat5().add("u", 2, 1, {1, std::nan("")}).bytes, {"u"})["u"][1]));  // a missing value
+    EXPECT_EQ(refusal(Mat5().bytes, {"u"}), "data: expected variables, found none");
+}
+TEST(Matlab, CutShortItIsRefused) {
+    std::string const whole = Mat5().add("u", 3, 1, {1, 2, 3}).bytes;
+    EXPECT_EQ(refusal(whole.substr(0, 128), {"u"}), "data: expected variables, found none");
+    for (std::size_t length = 129; length < whole.size(); ++length)
+        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: it ends within a variable: the file is damaged") << length;
+    EXPECT_EQ(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}), "data: u: 8 bytes of numbers for 1048576 x 1: the file is damaged");
+}
+TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
+    std::ifstream stream(std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/mat5_packed", std::ios::binary);
+    std::string const whole{std::istreambuf_iterator<char>(stream), {}};
+    auto const good = read(whole, {"u", "y"}).values;
+    for (std::size_t length = 129; length < whole.size(); ++length) {  // between variables nothing shows what is missing behind
+        std::string const told = refusal(whole.substr(0, length), {"u", "y"});
+        if (told == "no error") {
+            EXPECT_EQ(read(whole.substr(0, length), {"u", "y"}).values, good);
+        }
+    }
+    for (std::size_t at = 128; at < whole.size(); ++at)
+        for (int bit = 0; bit < 8; bit += 3) {
+            std::string damaged = whole;
+            damaged[at] = char(damaged[at] ^ (1 << bit));
+            if (refusal(damaged, {"u", "y"}) == "no error") {
+                EXPECT_EQ(read(damaged, {"u", "y"}).values, good) << at;
+            }
+        }
+}
+TEST(Matlab, EitherEndFirst) {
+    std::string const little = Mat5().add("u", 2, 1, {1.5, -3}).bytes;
+    std::string big = little.substr(0, 124) + std::string("\1\0MI", 4);
+    auto const swap = [&](std::size_t from, std::size_t count) {
+        big.append(little.rbegin() + long(little.size() - from - count), little.rbegin() + long(little.size() - from));
+    };
+    for (std::size_t at = 128; at < little.size();)
+        if (at == 128 + 48) big += little.substr(at, 8), at += 8;  // the name
+        else if (at >= little.size() - 16) swap(at, 8), at += 8;
+        else swap(at, 4), at += 4;
+    EXPECT_EQ(read(big, {"u"})["u"], (Numbers{1.5, -3}));
+}
+TEST(Matlab, IsReadThroughGzipAndAPipe) {
+    std::string const file = Mat5().add("u", 2, 1, {1.5, -3}).bytes;
+    EXPECT_EQ(read(packed(file), {"u"})["u"], (Numbers{1.5, -3}));
+}
+TEST(Matlab, BothVersionsPackedAndPlain) {
+    for (char const* name : {"mat5", "mat5_packed", "mat73", "mat73_packed"}) {
+        std::string const path = std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/" + name;
+        Columns data;
+        std::string const told = message_of([&] { data = read_data(path, {"u", "y", "x_2", "s"}); });
+        if (told.find("matio") != told.npos) continue;  // without it, or it without HDF5
+        ASSERT_EQ(told, "no error") << name;
+        EXPECT_EQ(data.values, (std::vector<Numbers>{{1, 2.5, -3, 4}, {1, 2, 3, 4.5}, {5, 6, 7, 8}, {1, -2, 3, 4}})) << name;
+    }
+}
+
+}  // namespace
+}  // namespace rlslab

@@ -1,0 +1,206 @@
+// The rlslab program as a person or a script uses it: what it prints, where, and with which exit code.
+#include <rlslab/catalogue/catalogue.hpp>
+#include "studies/engine/journal.hpp"
+#include "tests/common/program.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(Program, RefusesBadFilesInOneLine) {
+    std::string const options = " --input u --output y --order 1";
+    write("empty.csv", "");
+    write("text.csv", "u,y\n1,2\n3,abc\n");
+    write("short.csv", "u,y\n1,2\n");
+    write("constant.csv", "u,y\n" + rows(40, [](int) { return std::string("1"); }));
+    write("huge.csv", "u,y\n1,2\n1e308,2\n");
+    write("ragged.csv", "u,y\n1,2\n3\n");
+    refused("compare none.csv" + options, "none.csv: cannot be opened");
+    refused("compare empty.csv" + options, "empty.csv: expected rows of numbers, found an empty file");
+    refused("compare text.csv" + options, "text.csv:3: column 2 (y): expected a number, found \"abc\"");
+    refused("compare short.csv" + options, "short.csv: 3 parameters need at least 3 rows, found 1");
+    refused("compare constant.csv" + options, "exact rank 2 of 3 over 39 rows (constant: b0, b1)");
+    refused("compare huge.csv" + options, "huge.csv:3: column 1 (u): expected");
+    refused("compare ragged.csv" + options, "ragged.csv:3: expected 2 columns");
+    refused("compare ." + options, ".: expected a file, found a directory");
+    refused("compare ok.csv --input v --output y --order 1", "no column \"v\"; the columns are \"u\", \"y\"");
+}
+TEST_F(Program, RefusesStudiesThatAreNotThere) {
+    refused("study", "study: expected the names of studies (rlslab list), or --all");
+    refused("study gain_error --all", "study: expected the names of studies (rlslab list), or --all");
+    refused("study gain_eror", "study: no study \"gain_eror\" (did you mean \"gain_error\"?)");
+    refused("study something", "study: no study \"something\"; expected one of choose, gain_identities, ");
+    refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
+    refused("study gain_error --seed -1", "--seed: expected a whole number");
+    refused("study gain_error --threads 0", "--threads: expected a whole number");
+    refused("study gain_error --out /dev/null/here", "/dev/null/here/figures: cannot create");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+TEST_F(Program, RefusesAFolderThatAnotherRunIsWriting) {
+    fs::create_directory(folder / "busy");
+    rlslab::FolderLock const other(folder / "busy");
+    refused("study gain_error --out busy", "busy: another run is writing there");
+    EXPECT_FALSE(fs::exists(folder / "busy" / "gain_error.csv"));
+}
+TEST_F(Program, RefusesBadOptionsInOneLine) {
+    std::string const data = "compare ok.csv --input u --output y";
+    refused(data + " --order 0", "--order: expected a whole number from 1 to 1000, found \"0\"");
+    refused(data + " --order abc", "--order: expected a whole number from 1 to 1000, found \"abc\"");
+    refused(data, "--order: expected");
+    refused(data + " --order 30", "61 parameters need at least 61 rows");
+    for (std::string const bad : {"0", "1.5", "nan", "-1", "inf", "x"})
+        refused(data + " --order 1 --forgetting " + bad, "--forgetting: expected a number in (0, 1], found \"" + bad + "\"");
+    for (std::string const bad : {"0", "-1", "nan", "inf"})
+        refused(data + " --order 1 --p0 " + bad, "--p0: expected a positive, finite number, found \"" + bad + "\"");
+    refused(data + " --order 1 --delay -1", "--delay: expected a whole number");
+    refused(data + " --order 1 --threads 0", "--threads: expected a whole number");
+    refused(data + " --order 1 --variants ud,foo", "--variants: no variant \"foo\"; expected one of conventional, ");
+    refused(data + " --order 1 --arithmetic foo", "--arithmetic: no arithmetic \"foo\"; expected one of bfloat16, ");
+    refused(data + " --order 1 --variants qr_sparse --arithmetic float", "--variants, --arithmetic: expected");
+    refused(data + " --order 1 --json --csv", "--json: does not go with --csv");
+    refused(data + " --order 1 --na 2", "--order: does not go with --na and --nb");
+    refused(data + " --order 1 --regressors u", "--regressors: does not go with");
+    refused(data + " --order 1 --bogus", "no option \"--bogus\" (rlslab compare --help)");
+    refused(data + " --order 1 --output u", "--output: expected once, found again");
+    refused("frob", "no command \"frob\"; expected one of compare, study, ");
+    refused("frob list", "no command \"frob\"; expected one of compare, study, ");
+    refused("list frob", "list: no part \"frob\"; expected one of variants, ");
+    refused("compare ok.csv --input u --order 1", "--output");
+    refused("compare", "FILE");
+    refused("bogus", "\"bogus\"");
+    refused("", "expected a command: compare, study, ");
+}
+TEST_F(Program, ReadsStandardInput) {
+    std::string const options = " --input u --output y --order 1 --arithmetic double";
+    Outcome run = shell("printf \"u,y\\n1,2\" | rlslab compare -" + options);
+    EXPECT_EQ(run.code, 2);
+    EXPECT_EQ(run.err, "rlslab: standard input: 3 parameters need at least 3 rows, found 1\n");
+    run = shell("rlslab compare - < ok.csv" + options);
+    EXPECT_EQ(run.code, 0) << run.err;
+}
+TEST_F(Program, RefusesALineOfTwoGigabytesAtOnceAndInLittleMemory) {
+    Outcome const run = shell("head -c 2000000000 /dev/zero | tr \"\\0\" 1 | rlslab compare - --input u --output y --order 1");
+    EXPECT_EQ(run.code, 2);
+    EXPECT_EQ(run.err, "rlslab: standard input:1: expected a line of at most 1 MiB\n");
+    rusage usage{};
+    getrusage(RUSAGE_CHILDREN, &usage);
+    EXPECT_LT(usage.ru_maxrss, 500 * 1024) << "kB, sanitizers included";
+}
+TEST_F(Program, SkipsAndCountsMissingValues) {
+    write("gaps.csv", "u,y\n" + rows(40, [](int k) { return k == 20 ? std::string("NA") : std::to_string(k * 5 % 13); }));
+    Outcome const run = shell("rlslab compare gaps.csv --input u --output y --order 1 --arithmetic double --json");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(json::parse(run.out)["data"]["skipped"], 2);
+    EXPECT_EQ(json::parse(run.out)["data"]["rows"], 37);
+}
+TEST_F(Program, AListDoesNotSwallowTheFileBehindIt) {
+    Outcome const run = shell("rlslab compare --output y --variants ud,qr --arithmetic double --regressors u ok.csv --csv");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 3) << run.out;
+}
+TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
+    Outcome const run = shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json --all");
+    ASSERT_EQ(run.code, 0) << run.err;
+    json const out = json::parse(run.out);
+    EXPECT_EQ(out["data"]["rows"], 148);
+    EXPECT_EQ(out["data"]["size"], 5);
+    EXPECT_LE(out["reference"]["radius"].get<double>(), 1e-30);
+    EXPECT_GT(out["reference"]["bits"].get<int>(), 100);
+    for (char const* key : {"condition", "prior_bias"}) EXPECT_TRUE(out["reference"][key].is_number_float()) << key;
+    ASSERT_EQ(out["reference"]["theta"].size(), 5u);
+    for (std::string const theta : out["reference"]["theta"]) {
+        std::string const digits = theta.substr(0, theta.find('e'));
+        EXPECT_EQ(std::count_if(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }), 30) << theta;
+    }
+    ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
+    for (json const& r : out["results"]) {
+        EXPECT_EQ(r.size(), 13u);  // the keys named below, variant, arithmetic, spread, path, runs, broken
+        EXPECT_EQ(r["runs"], 4);
+        for (auto const& [of, at_the_end] :
+             {std::pair{"theta", "theta_digits"}, {"worst", "theta_digits_worst"}, {"covariance", "covariance_digits"}}) {
+            EXPECT_EQ(r["path"][of].size(), out["checkpoints"].size());
+            EXPECT_EQ(r["path"][of].back(), r[at_the_end]);
+        }
+        for (char const* key : {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations", "ns_per_update"})
+            EXPECT_TRUE(r.at(key).is_number() || r.at(key).is_null()) << key;
+        EXPECT_TRUE(r["breakdown"].is_null() || (r["breakdown"]["step"].is_number_integer() &&
+                                                 std::set<std::string>{"indefinite", "nonfinite"}.contains(r["breakdown"]["kind"])));
+    }
+    ASSERT_EQ(out["recommendation"].size(), rlslab::arithmetics().size());
+    for (json const& r : out["recommendation"]) {
+        EXPECT_TRUE(r["variant"].is_string() || r["variant"].is_null());
+        EXPECT_FALSE(r["why"].get<std::string>().empty());
+    }
+}
+TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
+    std::string const command = "rlslab compare ok.csv --input u --output y --order 1 --no-timings --all";
+    json const results = json::parse(shell(command + " --json").out)["results"];
+    std::istringstream csv(shell(command + " --csv").out);
+    std::string line;
+    std::getline(csv, line);
+    EXPECT_EQ(line,
+              "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
+              "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,worst_high,"
+              "covariance_low,covariance_median,covariance_high");
+    for (json const& r : results) {
+        ASSERT_TRUE(std::getline(csv, line));
+        std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();
+        EXPECT_TRUE(line.starts_with(r["variant"].get<std::string>() + "," + r["arithmetic"].get<std::string>() + "," + digits + ","))
+            << line;
+    }
+    EXPECT_FALSE(std::getline(csv, line));
+    Outcome const table = shell(command);
+    EXPECT_THAT(table.out, Not(HasSubstr("\033")));
+    EXPECT_THAT(table.out, testing::ContainsRegex("\nin double +use [a-z_]+ +keeps "));
+    EXPECT_EQ(table.err, "");
+}
+TEST_F(Program, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
+    for (std::string const file : {"data/sales.csv --input lead --output sales --order 2 --forgetting 0.99",
+                                   "../shared/data/gas_furnace.csv --input u --output y --order 4"}) {
+        if (!fs::exists(root + "/" + file.substr(0, file.find(' ')))) {
+            std::printf("left out: %s is not here\n", file.c_str());
+            continue;
+        }
+        std::string const command = "cd '" + root + "'; rlslab compare " + file + " --no-timings --json --threads ";
+        std::string const one = shell(command + "1").out;
+        EXPECT_GT(one.size(), 10000u);
+        EXPECT_EQ(one, shell(command + "2").out) << file;
+        EXPECT_EQ(one, shell(command + "2").out) << file;
+    }
+}
+TEST_F(Program, ListsWhatThereIsAndHelps) {
+    json const list = json::parse(shell("rlslab list --json").out);
+    std::set<std::string_view> variants;
+    for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) variants.insert(entry.variant);
+    EXPECT_EQ(list["variants"].size(), variants.size());
+    EXPECT_EQ(list["arithmetics"].size(), rlslab::arithmetics().size());
+    EXPECT_TRUE(list["studies"].is_array());
+    std::string const text = shell("rlslab list").out;
+    for (char const* kind : {"variants", "arithmetics"})
+        for (json const& item : list[kind]) EXPECT_THAT(text, HasSubstr(item["name"].get<std::string>()));
+    std::string parts;
+    for (std::string const part : {"variants", "arithmetics", "rounding", "studies"}) {
+        parts += (parts.empty() ? "" : "\n") + shell("rlslab list " + part).out;
+        json const alone = json::parse(shell("rlslab list --json " + part).out);
+        ASSERT_EQ(alone.size(), 1u) << part;
+        EXPECT_EQ(alone.begin().value(), list[alone.begin().key()]) << part;
+    }
+    EXPECT_EQ(parts, text);
+    for (char const* command : {"rlslab --help", "rlslab compare --help", "rlslab list --help", "rlslab --version"})
+        EXPECT_EQ(shell(command).code, 0) << command;
+}
+
+}  // namespace

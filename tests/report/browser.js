@@ -1,0 +1,41 @@
+// Appended to a page by browser.cmake, which shows it in a frame as wide as a screen: says what a reader of it would miss.
+'use strict';
+const wrong = [];
+const wide = document.documentElement.scrollWidth;
+if (wide > window.innerWidth) {
+  wrong.push(`the page is ${wide} wide in a window of ${window.innerWidth}`);
+  for (const e of document.body.querySelectorAll('*'))
+    if (e.getBoundingClientRect().right > window.innerWidth + 1 && !e.closest('.scroll, .formula, svg'))
+      wrong.push(`beyond the edge: ${e.outerHTML.slice(0, 90)}`);
+}
+const shown = e => { const r = e.getBoundingClientRect(); return r.width > 100 && r.height > 100; };
+for (const figure of document.querySelectorAll('figure')) {
+  const panels = [...figure.querySelectorAll('.panel')];
+  if (!panels.length) wrong.push(`no panel in ${figure.id}`);
+  for (const panel of panels)
+    if ([...panel.querySelectorAll('svg')].filter(shown).length !== 1) wrong.push(`not one drawing is seen in a panel of ${figure.id}`);
+  // Text of 13 units: what is it on this screen?
+  for (const svg of [...figure.querySelectorAll('.panel svg')].filter(shown)) {
+    const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
+    if (12 * scale < 8.5) wrong.push(`text of ${(12 * scale).toFixed(1)} pixels in ${figure.id}`);
+  }
+}
+for (const box of document.querySelectorAll('.formula')) {
+  if (!box.textContent.trim()) wrong.push('an empty formula');
+  if (box.querySelector('merror')) wrong.push(`not typeset: ${box.textContent}`);
+}
+for (const image of document.images) if (!image.complete || !image.naturalWidth) wrong.push(`a broken image: ${image.src}`);
+// A click on a legend hides its series in every panel, a second one shows it again.
+for (const key of document.querySelectorAll('.legend span[data-s]')) {
+  if (key.parentElement.querySelectorAll('span[data-s]').length < 2) continue;
+  const mine = [...key.closest('figure').querySelectorAll(`g.s[data-s="${key.dataset.s}"]`)];
+  const hidden = () => mine.filter(g => getComputedStyle(g).display === 'none').length;
+  key.click();
+  if (hidden() !== mine.length) wrong.push(`a click on ${key.textContent} does not hide it`);
+  key.click();
+  if (hidden()) wrong.push(`a second click on ${key.textContent} does not show it`);
+  if (!mine.length) wrong.push(`nothing is drawn of ${key.textContent} in ${key.closest('figure').id}`);
+}
+const seen = `width ${window.innerWidth}, figures ${document.querySelectorAll('figure').length}, formulas ${
+  document.querySelectorAll('.formula').length}, typeset ${document.querySelectorAll('.formula math').length}`;
+window.parent.postMessage({ wrong: wrong.join(' | '), seen }, '*');

@@ -1,0 +1,258 @@
+// Laws of every drawing, whatever the numbers: inside its panel, no NaN, well formed, of bounded size. And of pages.
+#include "tests/report/drawn.hpp"
+#include "report/axis.hpp"
+#include "report/page.hpp"
+#include "report/svg.hpp"
+
+#include <rlslab/core/random.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace rlslab {
+using namespace report;
+using namespace drawn;
+namespace {
+
+TEST(Decades, AreLog10AndExactEnoughAtPowersOfTen) {
+    Seed seed{1};
+    for (int i = 0; i < 100000; ++i) {
+        double const x = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 2000) - 1000);
+        long double const exact = std::log10(static_cast<long double>(x));
+        ASSERT_NEAR(decades(x), double(exact), 4 * 0x1p-52 * std::max(1.0, double(std::abs(exact)))) << x;
+    }
+    for (int k = -307; k <= 308; ++k) EXPECT_NEAR(decades(std::stod("1e" + std::to_string(k))), k, 4 * 0x1p-52 * std::max(1, std::abs(k)));
+    EXPECT_EQ(decades(1), 0);
+    EXPECT_NEAR(decades(5e-324), -323.306215343115980, 1e-12);
+}
+
+void ticks_are_lawful(Range range, bool logarithmic, int about) {
+    SCOPED_TRACE(testing::Message() << range.low << " ... " << range.high << (logarithmic ? ", logarithmic" : "") << ", about " << about);
+    Axis axis(range, logarithmic, 0.03);
+    axis.place(0, 1);
+    Ticks const ticks = axis.ticks(about);
+    std::set<std::pair<std::string, std::string>> texts;
+    size_t labelled = 0;
+    for (size_t i = 0; i < ticks.all.size(); ++i) {
+        Tick const& tick = ticks.all[i];
+        if (i > 0) {
+            EXPECT_LT(ticks.all[i - 1].value, tick.value);
+        }
+        EXPECT_THAT(axis(tick.value), testing::AllOf(testing::Ge(-1e-6), testing::Le(1 + 1e-6))) << tick.value;
+        if (tick.text.empty()) continue;
+        ++labelled;
+        EXPECT_TRUE(texts.emplace(tick.text, tick.power).second) << tick.text << " twice";
+    }
+    EXPECT_LE(labelled, size_t(about) + 2);
+    EXPECT_LE(ticks.all.size(), 90u);
+}
+TEST(Ticks, AscendInsideTheRangeEachWithItsOwnLabel) {
+    Seed seed{2};
+    for (int i = 0; i < 4000; ++i) {
+        double const size = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 1900) - 950), middle = (seed.uniform() - 0.5) * 40 * size;
+        int const about = 3 + int(seed.uniform() * 9);
+        ticks_are_lawful({middle, middle + size}, false, about);
+        ticks_are_lawful({size, size * std::ldexp(1 + seed.uniform(), int(seed.uniform() * seed.uniform() * 60))}, true, about);
+    }
+    for (bool const logarithmic : {false, true})
+        for (Range const& range : {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)},
+                                   Range{1e9, 1e9 + 1}, Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101},
+                                   Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
+            ticks_are_lawful(range, logarithmic, 6);
+    for (Range const& range : {Range{0, 0}, Range{-1.7e308, 1.7e308}, Range{-5e-324, 5e-324}, Range{-1, 1e-300}})
+        ticks_are_lawful(range, false, 6);
+}
+TEST(Ticks, AreWhatPeopleWouldChoose) {
+    auto const texts = [](Range range, bool logarithmic, int about) {
+        std::vector<std::string> out;
+        for (Tick const& tick : Axis(range, logarithmic, 0).ticks(about).all)
+            if (!tick.text.empty()) out.push_back(tick.text + (tick.power.empty() ? "" : "^" + tick.power));
+        return out;
+    };
+    EXPECT_THAT(texts({0, 1}, false, 5), testing::ElementsAre("0.0", "0.2", "0.4", "0.6", "0.8", "1.0"));
+    EXPECT_THAT(texts({-30, 20}, false, 6), testing::ElementsAre("−30", "−20", "−10", "0", "10", "20"));
+    EXPECT_THAT(texts({0, 30000}, false, 3), testing::ElementsAre("0", "10\u2009000", "20\u2009000", "30\u2009000"));
+    EXPECT_THAT(texts({1e-16, 1}, true, 6), testing::ElementsAre("10^−15", "10^−12", "10^−9", "10^−6", "10^−3", "10^0"));
+    EXPECT_THAT(texts({1, 1000}, true, 6), testing::ElementsAre("1", "10", "100", "1000"));
+    EXPECT_EQ(Axis({0, 4e7}, false, 0).ticks(5).left_out, 7);
+    EXPECT_THAT(texts({0, 4e7}, false, 5), testing::ElementsAre("0", "1", "2", "3", "4"));
+}
+
+TEST(Drawing, OfNothingOrOnePointIsLawful) {
+    lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {}});
+    lawful(Figure{.name = "f", .title = "t", .x = "x", .y = "y", .panels = {{"p", {}, {}}}});
+    EXPECT_EQ(lawful(one({}, {})), 0u);
+    EXPECT_THAT(panel_svg(one({}, {}), 0, 520, 350), testing::HasSubstr("no number to draw"));
+    for (bool const logarithmic : {false, true}) EXPECT_EQ(lawful(one({3}, {4}, logarithmic, logarithmic)), 1u);
+    EXPECT_EQ(lawful(one({nan, infinity, 1}, {1, 1, -infinity})), 0u);
+    Figure cells = one({}, {});
+    cells.cells = true;
+    lawful(cells);
+}
+TEST(Drawing, LeavesOutWhatALogarithmicAxisCannotShow) {
+    Figure figure = one({1, 2, 3, 4, 5, 6}, {1, 0, -1, nan, infinity, 10}, true, true);
+    figure.panels[0].curves[0].line = false;
+    EXPECT_EQ(lawful(figure), 2u);
+    figure.panels[0].curves[0].x[0] = 0;
+    EXPECT_EQ(lawful(figure), 1u);
+}
+TEST(Drawing, BreaksALineAtANumberItCannotShow) {
+    std::string const text = panel_svg(one({1, 2, 3, 4, 5}, {1, 2, nan, 2, 1}), 0, 520, 350);
+    size_t const line = text.find("\" fill=\"none\" stroke=\"#0072b2\""), from = text.rfind("d=\"", line);
+    std::string const path = text.substr(from, line - from);
+    EXPECT_EQ(std::ranges::count(path, 'M'), 2) << path;
+    EXPECT_EQ(std::ranges::count(path, 'L'), 2) << path;
+}
+TEST(Drawing, ShowsAnyFiniteNumber) {
+    std::vector<double> const all{-1.79e308, -1e300, -1, -1e-300, -5e-324, 0, 5e-324, 1e-300, 1, 1e300, 1.79e308};
+    EXPECT_GE(lawful(one(all, all)), 6u);  // the small ones share a place
+    EXPECT_GE(lawful(one(all, all, true, true)), 5u);
+    Seed seed{3};
+    for (int i = 0; i < 150; ++i) {
+        std::vector<double> x, y, low, high;
+        for (int k = 0; k < 12; ++k) {
+            auto const draw = [&] {
+                double const u = seed.uniform();
+                if (u < 0.05) return std::array{nan, infinity, -infinity, 0.0}[size_t(seed.uniform() * 4)];
+                return (seed.uniform() < 0.3 ? -1 : 1) * std::ldexp(1 + seed.uniform(), int((seed.uniform() - 0.5) * (i % 3 ? 20 : 2000)));
+            };
+            x.push_back(draw()), y.push_back(draw()), low.push_back(draw()), high.push_back(draw());
+        }
+        Figure figure = one(x, y, i % 2, i % 4 / 2);
+        Panel& panel = figure.panels[0];
+        panel.curves[0].lower = low, panel.curves[0].upper = high, panel.curves[0].bars = i % 5 == 0, panel.curves[0].stems = i % 6 == 0;
+        panel.guides.push_back({.name = "guide", .look = {"#555555", true}, .x = x, .y = high});
+        panel.events = {{.x = x[3], .text = "held out"}, {.x = x[4], .y = y[4], .text = "broken", .series = "curve"}};
+        figure.square = i % 7 == 0;
+        figure.names = i % 2;
+        lawful(figure);
+    }
+}
+TEST(Drawing, CutsGuidesOffAtThePanel) {
+    Figure figure = one({1, 2, 3}, {1, 2, 3});
+    figure.panels[0].guides.push_back({.name = "far", .look = {"#555555", true}, .x = {1, 3}, .y = {-1e200, 1e200}});
+    EXPECT_GE(lawful(figure), 5u);
+}
+TEST(Drawing, EscapesEveryText) {
+    std::string const evil = "<script>alert(\"1\")</script> & 'x' \x01 \n";
+    Figure figure = one({1, 2}, {1, 2});
+    figure.title = figure.x = figure.y = figure.note = evil;
+    figure.names = true;
+    Panel& panel = figure.panels[0];
+    panel.name = panel.curves[0].name = evil;
+    panel.curves[0].says = {evil, evil};
+    panel.events = {{.x = 1, .text = evil}, {.x = 2, .y = 2, .text = evil, .series = evil}};
+    figure.panels.push_back(panel);
+    lawful(figure);
+    EXPECT_EQ(svg(figure).find("<script"), std::string::npos);
+    EXPECT_EQ(figure_html(figure).find("<script"), std::string::npos);
+    figure.x_names = {evil, evil, evil};
+    lawful(figure);
+    figure.cells = true, figure.x_names.clear();
+    for (Panel& p : figure.panels) p.curves[0].row = {evil, evil};
+    lawful(figure);
+}
+TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
+    Figure figure = one({1, 2, 3}, {1, 2, 5});
+    for (int n = 0; n < 40; ++n) {
+        lawful(figure);
+        figure.panels[0].curves.push_back(
+            {.name = "curve " + std::to_string(n), .look = look_of({}, size_t(n)), .x = {1, 3}, .y = {1.0 * n, 1.0 * n}});
+    }
+    std::string html = figure_html(figure);
+    EXPECT_THAT(html, testing::HasSubstr("class=\"beside\""));
+    EXPECT_LT(html.find("<span data-s=\"40\""), html.find("<span data-s=\"7\""));  // curve 39, at the top
+    EXPECT_LT(html.find("<span data-s=\"7\""), html.find("<span data-s=\"0\""));   // curve 6, over the one that ends at 5
+    figure.panels.push_back(figure.panels[0]);
+    html = figure_html(figure);
+    EXPECT_THAT(html, testing::Not(testing::HasSubstr("beside")));
+    EXPECT_LT(html.find("<span data-s=\"0\""), html.find("<span data-s=\"1\""));
+}
+TEST(Drawing, HoldsEveryTextHoweverLong) {
+    std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
+    for (std::string const& text : {words + words + words + words + words + words, endless, words + endless, std::string("short")}) {
+        Figure figure = one({1, 2, 3}, {1e-7, 2, 3e5}, false, true);
+        figure.title = figure.x = figure.y = figure.series = text;
+        Panel& panel = figure.panels[0];
+        panel.name = panel.curves[0].name = text;
+        panel.curves.push_back({.name = text + "1", .look = look_of({}, 1), .x = {1, 3}, .y = {1, 2}});
+        panel.events = {{.x = 1.4, .text = text}, {.x = 2.9, .text = text}};
+        for (bool const names : {false, true}) {
+            figure.names = names;
+            lawful(figure);
+            texts_fit(panel_svg(figure, 0, 400, 330), 400, 330);
+        }
+        figure.x_names = {text, text + "1", text + "2", text + "3"};
+        lawful(figure);
+        figure.x_names.clear(), figure.cells = true, figure.log_y = false;
+        figure.panels[0].curves[0].row = {text, text + "1", text};
+        lawful(figure);
+    }
+}
+TEST(Drawing, OfAMillionPointsIsSmallAndKeepsItsExtremes) {
+    std::vector<double> x, y;
+    Seed seed{4};
+    for (int i = 0; i < 1000000; ++i) x.push_back(i), y.push_back(seed.uniform());
+    y[123456] = 5, y[654321] = -5;
+    Figure figure = one(x, y);
+    std::string const text = panel_svg(figure, 0, 1040, 440);
+    EXPECT_LT(text.size(), 150000u);
+    Place low, high;
+    double top = infinity, bottom = 0;
+    for (Place const& p : places(text, low, high)) top = std::min(top, p.y), bottom = std::max(bottom, p.y);
+    EXPECT_LT(top - low.y, 25);
+    EXPECT_LT(high.y - bottom, 25);
+    figure.panels[0].curves[0].line = false;
+    EXPECT_LT(panel_svg(figure, 0, 520, 350).size(), 6000000u);
+}
+TEST(Drawing, SharesTheRangeOfYUnlessAPanelHasItsOwn) {
+    Figure figure = one({0, 1}, {0, 1});
+    figure.panels.push_back(figure.panels[0]);
+    figure.panels[1].curves[0].y = {0, 1000};
+    Place low, high;
+    auto const height = [&](size_t panel) {
+        std::vector<Place> const p = places(panel_svg(figure, panel, 520, 350), low, high);
+        double top = infinity;
+        for (Place const& place : p) top = std::min(top, place.y);
+        return (high.y - top) / (high.y - low.y);
+    };
+    EXPECT_LT(height(0), 0.1);
+    EXPECT_GT(height(1), 0.9);
+    figure.own_y = true;
+    EXPECT_GT(height(0), 0.9);
+}
+TEST(Drawing, ASquareAxisHasOneUnit) {
+    Figure figure = one({-1, 1, 1, -1}, {-1, -1, 1, 1});
+    figure.square = true;
+    Place low, high;
+    Range x, y;
+    for (Place const& p : places(panel_svg(figure, 0, 1040, 440), low, high)) x.add(p.x), y.add(p.y);
+    EXPECT_NEAR(x.high - x.low, y.high - y.low, 0.3);
+}
+TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
+    Figure figure = one({1, 2}, {1, 2});
+    figure.panels[0].curves.push_back({.name = "other", .look = look_of({}, 1), .x = {1}, .y = {2}});
+    figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
+    std::string const html = figure_html(figure);
+    for (char const* name : {"curve", "other", "guide"})
+        EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve") ? 0 : name == std::string("other") ? 1 : 2]->name), name);
+    for (char const* number : {"0", "1", "2"}) {
+        EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::string(number) + "\">"));
+        EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::string(number) + "\">"));
+    }
+}
+
+TEST(Pages, LoadNothing) {
+    std::string const text = page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") + table_html({"a", "<b>"}, {{"1", "&"}}));
+    for (char const* address : {"src=", "@import", "url(", "<link", "fetch("}) EXPECT_EQ(text.find(address), std::string::npos) << address;
+    EXPECT_THAT(text, testing::HasSubstr("<title>a &lt; b</title>"));
+    EXPECT_THAT(text, testing::HasSubstr("<th>&lt;b&gt;</th>"));
+}
+
+}  // namespace
+}  // namespace rlslab

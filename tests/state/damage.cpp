@@ -1,0 +1,206 @@
+// What is damaged or of another kind is refused in one line; a file is old or new whenever its writer is killed.
+#include "tests/common/files.hpp"
+
+#include <rlslab/adapt/forgetting.hpp>
+#include <rlslab/adapt/guard.hpp>
+#include <rlslab/state/state_file.hpp>
+#include <rlslab/variants/variants.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace rlslab {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+/// 10 000 files: every flipped bit, every length, every byte gone or twice, swapped halves, blocks of noise.
+TEST(State, DamagedIsRefused) {
+    Ud<float, 2> f({.size = 2, .forgetting = 0.875f});
+    f.update({1, -0.0f}, 3);
+    auto const good = state_of(f);
+    Ud<float, 2> other({.size = 2, .forgetting = 0.75f});
+    auto const second = state_of(other);
+    Bytes const whole(good.begin(), good.end());
+    int files = 0, accepted = 0;
+    auto const offer = [&](Bytes const& bytes) {
+        if (bytes == whole || bytes == Bytes(second.begin(), second.end())) return;
+        Ud<float, 2> g({.size = 2});
+        auto const before = state_of(g);
+        ++files;
+        accepted += load(g, bytes) == StateFault::none || state_of(g) != before;
+    };
+    for (size_t i = 0; i < 8 * whole.size(); ++i) {
+        Bytes bytes = whole;
+        bytes[i / 8] ^= std::byte(1 << i % 8);
+        offer(bytes);
+    }
+    for (size_t n = 0; n < whole.size(); ++n) {
+        offer(Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(n)));
+        Bytes less = whole, more = whole, head = whole;
+        less.erase(less.begin() + std::ptrdiff_t(n));
+        more.insert(more.begin() + std::ptrdiff_t(n), whole[n]);
+        std::copy(second.begin() + std::ptrdiff_t(n), second.end(), head.begin() + std::ptrdiff_t(n));
+        offer(less);
+        offer(more);
+        offer(head);
+    }
+    Seed seed{71};
+    while (files < 10000) {
+        Bytes bytes = whole;
+        size_t const first = seed.next() % bytes.size(), count = 1 + seed.next() % (bytes.size() - first);
+        for (size_t i = first; i < first + count; ++i) bytes[i] = std::byte(seed.next() & 255);
+        offer(bytes);
+    }
+    EXPECT_EQ(accepted, 0) << files;
+}
+TEST(State, WithAForgedChecksumIsNotBelievedInEverything) {
+    Information<double> f({.size = 2}), g({.size = 2, .forgetting = 0.5});
+    Bytes bytes = state_of(f);
+    auto const seal = [&] {
+        Checksum sum;
+        sum.add(std::span(bytes).first(bytes.size() - 4));
+        detail::write_low(sum.value(), 4, bytes.data() + bytes.size() - 4);
+    };
+    Bytes const before = state_of(g);
+    bytes[bytes.size() - 5] = std::byte(7);  // solved_
+    seal();
+    EXPECT_EQ(load(g, bytes), StateFault::value);
+    EXPECT_EQ(state_of(g), before) << "as it was";
+    bytes = state_of(f);
+    bytes[8] = std::byte(1);  // its entries are no numbers of version 1
+    seal();
+    EXPECT_EQ(load(g, bytes), StateFault::value);
+    EXPECT_EQ(state_of(g), before);
+    bytes[8] = std::byte(3);
+    seal();
+    EXPECT_EQ(load(g, bytes), StateFault::later_version);
+    EXPECT_EQ(files::message_of([&] { loaded<Information<double>>(std::span<std::byte const>(bytes)); }),
+              "expected a state of information in double, found one of format 3, this program reads formats up to 2");
+    bytes = state_of(f);
+    for (std::uint64_t const entries : {std::uint64_t(0), std::uint64_t(2), std::uint64_t(0xffffffff)}) {
+        detail::write_low(entries, 4, bytes.data() + StateHeader::size);
+        seal();
+        EXPECT_EQ(load(g, bytes), StateFault::layout) << entries;
+        EXPECT_EQ(state_of(g), before);
+        EXPECT_NO_THROW((void)described_state(bytes));
+    }
+    bytes = state_of(f);
+    detail::write_low(0x7fffffff, 4, bytes.data() + 24);  // nobody makes a filter of so many parameters
+    seal();
+    EXPECT_THROW(loaded<Information<double>>(std::span<std::byte const>(bytes)), InputError);
+}
+TEST(State, SaysWhatIsInIt) {
+    Guarded<Forgetting<Ud<float>, RotatingRidge<float>>> f({.size = 2, .forgetting = 0.5f});
+    f.update(Vector<float>::Ones(2).eval(), 1);
+    EXPECT_EQ(described_state(state_of(f)),
+              "a state of ud in float with 2 parameters: format 2, 937 bytes\n"
+              "guard, edition 1\n"
+              "  on_outlier       skip\n"
+              "  on_change        reset\n"
+              "  on_windup        cap\n"
+              "  on_breakdown     reset\n"
+              "  innovation       6\n"
+              "  least_noise      0\n"
+              "  noise_memory     200\n"
+              "  asymmetry        0.0009765625\n"
+              "  rows             1  (counted)\n"
+              "ridge, edition 1\n"
+              "  ridge            0.001\n"
+              "  toward_zero      0\n"
+              "  rows             1  (counted)\n"
+              "ud, edition 1\n");
+    Bytes bytes = state_of(f);
+    bytes[200] ^= std::byte(1);
+    EXPECT_EQ(files::message_of([&] { (void)described_state(bytes); }),
+              "expected a state, found 937 bytes that are a state damaged: its checksum is another");
+    std::filesystem::path const old = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/ud-float.state";
+    EXPECT_EQ(described_state(detail::bytes_of(old)),
+              "a state of ud in float with 4 parameters: format 1, 220 bytes\n"
+              "format 1 does not say by name what is around the variant, nor its options\n");
+}
+TEST(State, IsRefusedInOneLine) {
+    files::Folder const folder;
+    auto const path = folder.path / "x.state";
+    save(Qr<double>({.size = 3}), path);
+    Ud<float> f({.size = 5});
+    auto const message = [&] { return folder.without(files::message_of([&] { load(f, path); })); };
+    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of qr in double with 3 parameters");
+    save(Ud<float>({.size = 1}), path);
+    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of ud in float with 1 parameter");
+    auto const around = [&](auto const& expected) {
+        auto filter = expected;
+        return folder.without(files::message_of([&] { load(filter, path); }));
+    };
+    using F = Ud<float>;
+    std::string const same = "x.state: expected a state of ud in float with 3 parameters, found one of ud in float with 3 parameters";
+    save(Guarded<F>({.size = 3}, {.innovation = 4}), path);
+    EXPECT_EQ(around(Guarded<F>({.size = 3})), same + ", its guard has innovation 4, expected 6");
+    EXPECT_EQ(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})), same + ", its guard has on_outlier skip, expected report");
+    EXPECT_EQ(around(Forgetting<F, Kulhavy<float>>({.size = 3})), same + ", guard around ud, expected kulhavy around ud");
+    folder.file("a,b\n1,2\n", "x.state");
+    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
+    std::filesystem::remove(path);
+    EXPECT_EQ(message(), "x.state: cannot read: No such file or directory");
+    std::filesystem::create_directory(path);
+    EXPECT_EQ(message(), "x.state: cannot read: it is a folder");
+    std::filesystem::remove(path);
+    EXPECT_THAT(files::message_of([&] { save(f, folder.path / "no" / "folder"); }), testing::HasSubstr("cannot write"));
+    EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })), testing::StartsWith("x.state: cannot read"));
+}
+
+// --- kills -----------------------------------------------------------------------------------------------------------------
+
+/// Whether the file is old or new after each of 100 processes was killed that did nothing but save one and the other.
+template <class Save>
+bool whole_after_kills(Save save_to, int kills) {
+    files::Folder const folder;
+    auto const path = folder.path / "filter.state";
+    Ud<double> old_one({.size = 60, .forgetting = 0.5}), new_one({.size = 60, .forgetting = 0.75});
+    save_to(old_one, path);
+    Seed seed{81};
+    for (int i = 0; i < kills; ++i) {
+        pid_t const child = fork();
+        if (child == 0)
+            for (;;) {
+                save_to(new_one, path);
+                save_to(old_one, path);
+            }
+        usleep(useconds_t(seed.next() % 5000));
+        kill(child, SIGKILL);
+        waitpid(child, nullptr, 0);
+        try {
+            Bytes const found = state_of(loaded<Ud<double>>(path));
+            if (found != state_of(old_one) && found != state_of(new_one)) return false;
+        } catch (InputError const&) {
+            return false;
+        }
+    }
+    return true;
+}
+TEST(State, IsOldOrNewAfterAnyKill) {
+    EXPECT_TRUE(whole_after_kills([](auto const& f, auto const& path) { save(f, path, false); }, 50));
+    EXPECT_TRUE(whole_after_kills([](auto const& f, auto const& path) { save(f, path, true); }, 50));
+}
+TEST(StateSaboteur, AWriterInPlaceIsCaught) {
+    pid_t const parent = getpid();
+    auto const in_place = [parent](auto const& f, auto const& path) {
+        Bytes const bytes = state_of(f);
+        std::ofstream file(path, std::ios::binary);
+        file.write(reinterpret_cast<char const*>(bytes.data()), std::streamsize(bytes.size() / 2)).flush();
+        if (getpid() != parent) raise(SIGKILL);  // at the worst moment
+        file.write(reinterpret_cast<char const*>(bytes.data() + bytes.size() / 2), std::streamsize(bytes.size() - bytes.size() / 2));
+    };
+    auto const with_time = [&](auto const& f, auto const& path) { in_place(f, path); };
+    bool whole = true;
+    for (int i = 0; i < 20 && whole; ++i) whole = whole_after_kills(with_time, 20);
+    EXPECT_FALSE(whole);
+}
+
+}  // namespace
+}  // namespace rlslab
