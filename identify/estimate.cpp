@@ -8,8 +8,6 @@
 #include <rlslab/catalogue/breakdown.hpp>
 #include <rlslab/reference/distributions.hpp>
 #include <rlslab/reference/scatter.hpp>
-#include <rlslab/variants/qr.hpp>
-#include <rlslab/variants/ud.hpp>
 
 #include <algorithm>
 #include <array>
@@ -110,24 +108,10 @@ Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records con
     return out;
 }
 
-/// The factored variants as they are tried: ud and qr, the other triangles, full factors, those that take blocks.
-std::vector<std::string_view> sound_variants() {
-    std::array<std::vector<std::string_view>, 4> ranked;
-    for (VariantForm const& f : variant_forms()) {
-        if (f.form != Stored<double>::Form::factor) continue;
-        bool const first = f.variant == Ud<double>::name || f.variant == Qr<double>::name;
-        ranked[first ? 0 : !f.single_rows ? 3 : f.triangle ? 1 : 2].push_back(f.variant);
-    }
-    std::vector<std::string_view> out;
-    for (auto const& rank : ranked) out.insert(out.end(), rank.begin(), rank.end());
-    return out;
-}
-
 /// The variant to use instead: the first that does not break down and whose error does not matter; "" if there is none.
 std::string better_variant(Problem<double> const& problem, Records const& records, Vector<Reference> const& best,
                            Vector<double> const& allowed, std::string const& than) {
-    for (std::string_view const variant : sound_variants()) {
-        std::string const name(variant);
+    for (char const* name : {"ud", "qr", "carlson", "inverse_qr", "gentleman", "extended_qr", "potter", "qr_block"}) {
         if (name == than) continue;
         Run const tried = run(entry_of(name), problem, records, {records.rows()});
         if (!tried.failure && largest_difference(tried.theta.back(), best, allowed) <= 1) return name;
@@ -188,7 +172,7 @@ std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estima
         out.push_back({Rank::breakdown,
                        fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
                                    estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
-                                                                          : "its numbers are no longer finite",
+                                                                                : "its numbers are no longer finite",
                                    dependent        ? ""
                                    : better.empty() ? ": " + instead
                                                     : fmt::format(": --variant {} does not break down on this record", better)),

@@ -23,10 +23,10 @@ struct TrackedRow {
 struct Tracked {
     std::string text;  ///< "window of 60 rows; guard reset"
     std::vector<TrackedRow> rows;
-    double fit;        ///< of the predictions, percent, without the guard's outliers; NaN: not known
-    double covered;    ///< share of the outputs within their interval
-    double quantile;   ///< of the intervals: the normal distribution's
-    Index broken = 0;  ///< first row after which the stored P was not positive definite, or a number not finite; 0: none
+    double fit;                   ///< of the predictions, percent, without the guard's outliers; NaN: not known
+    double covered;               ///< share of the outputs within their interval
+    double quantile;              ///< of the intervals: the normal distribution's
+    Index broken = 0;             ///< first row after which the stored P was not positive definite, or a number not finite; 0: none
     Health kind = Health::sound;  ///< what broke
     std::vector<std::string> warnings = {};
 };
