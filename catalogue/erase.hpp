@@ -170,15 +170,9 @@ template <RecursiveLeastSquares F>
 CatalogueEntry entry_of(Arithmetic const* arithmetic) {
     Index block = 1;
     if constexpr (TakesBlocks<F>) block = F::block;
-    return {F::name,
-            arithmetic,
-            StartsWithoutPrior<F>,
-            block,
-            ReportsCovariance<F> ? "covariance" : "information",
-            GainPerturbable<F>,
-            F::family,
-            &Erased<F>::make,
-            &nanoseconds<F>};
+    return {
+        F::name,   arithmetic,       StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
+        F::family, &Erased<F>::make, &nanoseconds<F>};
 }
 
 /// The properties of T as data.

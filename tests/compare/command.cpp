@@ -102,7 +102,8 @@ TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {
         EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"binary16"});
     EXPECT_EQ(arithmetics(compared(plain + "bf16")), std::set<std::string>{"bfloat16"});
     for (std::string const name : {"f64", "binary64"}) EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
-    EXPECT_THAT(shell("rlslab compare two.csv --regressors u --output y --intercept --digits 3 --arithmetic f32").out, HasSubstr(" in float"));
+    EXPECT_THAT(shell("rlslab compare two.csv --regressors u --output y --intercept --digits 3 --arithmetic f32").out,
+                HasSubstr(" in float"));
 }
 
 /// The lines of what stands on the terminal, without colours.
