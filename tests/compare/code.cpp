@@ -185,7 +185,7 @@ TEST(Code, TheModelStandsAboveTheFilter) {
     c.options.p0 = 4;
     c.model = {"f.csv", "y[k]", {"-y[k-1]", "u[k]", "1"}, {{"u", 0.5}, {"y", -2.25}}};
     static Arithmetic const single{"float", 24, -126, 127, false, nullptr};
-    static CatalogueEntry const entry{"inverse_qr", &single, false, 1, "covariance", false, nullptr, nullptr};
+    static CatalogueEntry const entry{"inverse_qr", &single, false, 1, "covariance", false, Family{}, nullptr, nullptr};
     Result r{.entry = &entry};
     r.spread = PerMeasure<Spread>{{5, 6, 7}, {4, 5, 6}, {5, 6, 7}};
     r.operations = 10;
