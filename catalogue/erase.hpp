@@ -165,14 +165,27 @@ double nanoseconds(Problem<double> const& problem, Records const& records, Seed 
     return least;
 }
 
+/// F's entry in a list whose filters nobody times.
+template <RecursiveLeastSquares F>
+CatalogueEntry untimed_entry_of(Arithmetic const* arithmetic) {
+    Index block = 1;
+    if constexpr (TakesBlocks<F>) block = F::block;
+    return {F::name,
+            arithmetic,
+            StartsWithoutPrior<F>,
+            block,
+            ReportsCovariance<F> ? "covariance" : "information",
+            GainPerturbable<F>,
+            F::family,
+            &Erased<F>::make,
+            nullptr};
+}
 /// F's entry in the catalogue.
 template <RecursiveLeastSquares F>
 CatalogueEntry entry_of(Arithmetic const* arithmetic) {
-    Index block = 1;
-    if constexpr (TakesBlocks<F>) block = F::block;
-    return {
-        F::name,   arithmetic,       StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
-        F::family, &Erased<F>::make, &nanoseconds<F>};
+    CatalogueEntry entry = untimed_entry_of<F>(arithmetic);
+    entry.time = &nanoseconds<F>;
+    return entry;
 }
 
 /// The properties of T as data.

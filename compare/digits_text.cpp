@@ -119,9 +119,8 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
             others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()), *other.result->operations));
     out += line("also", others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
     std::string const text = code(a);
-    return out + (text.empty()  ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
-                  : columns > 0 ? "\n" + folded(text, width)
-                                : "\n" + text);
+    return out + (text.empty() ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
+                               : fmt::format("\n{}", columns > 0 ? folded(text, width) : text));
 }
 
 std::string answer_json(DigitsAnswer const& a) {

@@ -8,24 +8,12 @@
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::studies {
-namespace {
-
-template <RecursiveLeastSquares F>
-CatalogueEntry entry_in(Arithmetic const* arithmetic) {
-    Index block = 1;
-    if constexpr (TakesBlocks<F>) block = F::block;
-    return {
-        F::name,          arithmetic, StartsWithoutPrior<F>, block, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
-        &Erased<F>::make, nullptr};
-}
-
-}  // namespace
 
 std::vector<CatalogueEntry> const& fixed_point_filters() {
     static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return VariableFixed(x).value(); }};
     static std::vector<CatalogueEntry> const entries = [] {
         std::vector<CatalogueEntry> out;
-        for_each(Variants<VariableFixed>{}, [&]<class F>() { out.push_back(entry_in<F>(&arithmetic)); });
+        for_each(Variants<VariableFixed>{}, [&]<class F>() { out.push_back(untimed_entry_of<F>(&arithmetic)); });
         return out;
     }();
     return entries;
@@ -33,7 +21,7 @@ std::vector<CatalogueEntry> const& fixed_point_filters() {
 
 CatalogueEntry const& symmetric_of_any_length() {
     static Arithmetic const arithmetic = arithmetic_of<VariablePrecision>();
-    static CatalogueEntry const entry = entry_in<Symmetric<VariablePrecision>>(&arithmetic);
+    static CatalogueEntry const entry = untimed_entry_of<Symmetric<VariablePrecision>>(&arithmetic);
     return entry;
 }
 

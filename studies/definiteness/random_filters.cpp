@@ -7,24 +7,18 @@
 #include <rlslab/variants/variants.hpp>
 
 namespace rlslab::studies {
-namespace {
 
 using T = RandomlyRounded;
 
-template <RecursiveLeastSquares F>
-CatalogueEntry entry_in(Arithmetic const* arithmetic) {
-    return {F::name,          arithmetic, StartsWithoutPrior<F>, 1, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
-            &Erased<F>::make, nullptr};
-}
-
-}  // namespace
-
 CatalogueEntry const& randomly_rounded(std::string_view variant) {
     static Arithmetic const arithmetic = arithmetic_of<T>();
-    static std::vector<CatalogueEntry> const entries{
-        entry_in<Symmetric<T>>(&arithmetic), entry_in<Joseph<T>>(&arithmetic),  entry_in<JosephRankTwo<T>>(&arithmetic),
-        entry_in<Ud<T>>(&arithmetic),        entry_in<Carlson<T>>(&arithmetic), entry_in<InverseQr<T>>(&arithmetic),
-        entry_in<Qr<T>>(&arithmetic)};
+    static std::vector<CatalogueEntry> const entries{untimed_entry_of<Symmetric<T>>(&arithmetic),
+                                                     untimed_entry_of<Joseph<T>>(&arithmetic),
+                                                     untimed_entry_of<JosephRankTwo<T>>(&arithmetic),
+                                                     untimed_entry_of<Ud<T>>(&arithmetic),
+                                                     untimed_entry_of<Carlson<T>>(&arithmetic),
+                                                     untimed_entry_of<InverseQr<T>>(&arithmetic),
+                                                     untimed_entry_of<Qr<T>>(&arithmetic)};
     for (CatalogueEntry const& entry : entries)
         if (entry.variant == variant) return entry;
     throw std::logic_error("no such variant rounds at random");

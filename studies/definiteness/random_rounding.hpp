@@ -25,7 +25,7 @@ struct RandomRounding {
 /// Exponents are double's. Infinities stay, every NaN becomes one.
 template <class Draw>
 constexpr double round_at_random(double head, double tail, RandomRounding const& rule, Draw&& draw) {
-    using namespace detail;
+    using namespace rlslab::detail;
     if (!is_number(head)) return not_a_number(head);
     int const surplus = 53 - rule.digits - rule.random_bits;
     std::uint64_t const ulp = std::uint64_t{1} << (53 - rule.digits), size = bits_of(floor_of(head, tail)), rest = size & (ulp - 1);
@@ -93,8 +93,8 @@ public:
     RandomlyRounded& operator*=(RandomlyRounded b) { return *this = *this * b; }
     RandomlyRounded& operator/=(RandomlyRounded b) { return *this = *this / b; }
 
-    friend RandomlyRounded abs(RandomlyRounded a) { return {detail::magnitude(a.value_), AlreadyRounded{}}; }
-    friend bool isfinite(RandomlyRounded a) { return detail::is_number(a.value_); }
+    friend RandomlyRounded abs(RandomlyRounded a) { return {rlslab::detail::magnitude(a.value_), AlreadyRounded{}}; }
+    friend bool isfinite(RandomlyRounded a) { return rlslab::detail::is_number(a.value_); }
     friend bool operator==(RandomlyRounded const&, RandomlyRounded const&) = default;
     friend auto operator<=>(RandomlyRounded const&, RandomlyRounded const&) = default;
 };

@@ -9,11 +9,6 @@
 namespace rlslab::studies {
 namespace {
 
-template <RecursiveLeastSquares F>
-CatalogueEntry entry_in(Arithmetic const* arithmetic) {
-    return {F::name,          arithmetic, StartsWithoutPrior<F>, 1, ReportsCovariance<F> ? "covariance" : "information", GainPerturbable<F>,
-            &Erased<F>::make, nullptr};
-}
 template <class T>
 CatalogueEntry const* found(std::string_view variant) {
     static Arithmetic const arithmetic = arithmetic_of<T>();
@@ -21,7 +16,7 @@ CatalogueEntry const* found(std::string_view variant) {
         std::vector<CatalogueEntry> out;
         using Some = TypeList<ConventionalTwoSided<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Carlson<T>, Ud<T>,
                               InverseQr<T>, Information<T>, Qr<T>, Gentleman<T>, ExtendedQr<T>>;
-        for_each(Some{}, [&]<class F>() { out.push_back(entry_in<F>(&arithmetic)); });
+        for_each(Some{}, [&]<class F>() { out.push_back(untimed_entry_of<F>(&arithmetic)); });
         return out;
     }();
     for (CatalogueEntry const& entry : entries)

@@ -43,7 +43,7 @@ Judgement cheaper() {
     for (Index j = 0; j < n; ++j) columns.push_back(column());
     Vector<C> const y = column();
     auto const all_at_once = [&]<class Recursion>(Recursion recursion) {
-        return counted([&] {
+        return rlslab::counted([&] {
                    for (auto const& x : columns) recursion.append(x);
                })
             .multiplications;
@@ -51,7 +51,7 @@ Judgement cheaper() {
     long const bordering = all_at_once(OrderRecursive<C>(y, n)), twin = all_at_once(OrderRecursiveQr<C>(y, n));
     long anew = 0;
     for (Index d = 1; d <= n; ++d)
-        anew += counted([&] {
+        anew += rlslab::counted([&] {
                     OrderRecursiveQr<C> fresh(y, d);
                     for (Index j = 0; j < d; ++j) fresh.append(columns[size_t(j)]);
                 }).multiplications;

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -289,27 +288,6 @@ TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
 }
 TEST(House, EveryFileSaysWhatItIs) {
     for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;
-}
-
-/// Private words that the field has a word for: their old -> new is in docs/history.md.
-std::vector<std::string> private_words(std::string const& code) {
-    static std::regex const words(
-        "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
-        "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk)\\b(?!\\|)|"
-        "\\b(settle|weigh|wanted|excess|feed)\\(|"
-        "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
-    std::vector<std::string> out;
-    for (std::sregex_iterator it(code.begin(), code.end(), words), end; it != end; ++it) out.push_back(it->str());
-    return out;
-}
-TEST(House, NamesAreTheFieldsWords) {
-    for (auto const& [path, code] : project())
-        if (path != "tests/house/house.cpp") {
-            EXPECT_THAT(private_words(code), testing::IsEmpty()) << path;
-        }
-    EXPECT_EQ(private_words("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
-              (std::vector<std::string>{"Undisturbed", "absorb"}));
-    EXPECT_EQ(private_words("curve.low, range.low, fit.lower; // Fit::high"), (std::vector<std::string>{"curve.low", "Fit::high"}));
 }
 
 }  // namespace

@@ -128,6 +128,7 @@ class Saboteur {
 public:
     using scalar = double;
     static constexpr std::string_view name = "saboteur";
+    static constexpr Family family{};
     explicit Saboteur(Problem<double> const& p)
         : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size), K_(p.size),
           P_(start_covariance<double, Dynamic>(p)) {}
