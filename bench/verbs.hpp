@@ -10,8 +10,8 @@ int run_rows(int argc, char** argv);
 
 std::string page_of(Run const& run);
 
-/// argv: the program, "ranks", and up to four numbers: ranks, parameters, rows, rows of a group. Outside of an MPI job it starts mpirun with
-/// the same words. Throws std::runtime_error for other words and where mpirun does not start.
+/// argv: the program, "ranks", and up to four numbers: ranks, parameters, rows, rows of a group. Outside of an MPI job it starts mpirun
+/// with the same words. Throws std::runtime_error for other words and where mpirun does not start.
 int run_ranks(char** argv);
 
 }  // namespace rlslab::bench

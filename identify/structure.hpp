@@ -15,8 +15,8 @@ bool structure_given(IdentifyOptions const& options);
 /// The largest order to choose from; 0 if the structure is given.
 int widest_order(IdentifyOptions const& options);
 
-/// The structure that the options give, or that of the order which choose_order chooses up to `supported`. Throws InputError if too few rows
-/// miss no value, or if the columns of order 1 are linearly dependent.
+/// The structure that the options give, or that of the order which choose_order chooses up to `supported`. Throws InputError if too few
+/// rows miss no value, or if the columns of order 1 are linearly dependent.
 Structure choose_structure(Record const& record, IdentifyOptions const& options, Index supported);
 
 /// The terms of an order, or of the given structure if `order` is 0: outputs first, then each input, then the constant.

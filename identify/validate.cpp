@@ -41,8 +41,8 @@ Index largest_at(Signal const& r) {
     return at;
 }
 
-/// The first significant lag of an input, if all its lags up to `lag` are in the equation: by more than z standard deviations. `lag` if none
-/// is, or if that fit would take too long.
+/// The first significant lag of an input, if all its lags up to `lag` are in the equation: by more than z standard deviations. `lag` if
+/// none is, or if that fit would take too long.
 Index first_significant_lag(Record const& record, std::vector<Term> const& terms, Index fitted, int input, Index lag, double z) {
     std::vector<Term> wide;
     Index nearest = lag, furthest = lag;

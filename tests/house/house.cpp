@@ -165,8 +165,8 @@ std::map<std::string, std::set<std::string>> foundations() {
 
 std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
 
-/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue are links; what is in quotes
-/// starts at the project's folder.
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue are links; what is in
+/// quotes starts at the project's folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
     std::istringstream lines(code);

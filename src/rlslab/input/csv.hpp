@@ -74,8 +74,8 @@ private:
 /// CsvFile(path, format).read(requested).
 Columns read_columns(std::string const& path, std::vector<std::string> const& requested, CsvFormat format = {});
 
-/// The place among `names` of the column `requested`. file, at: the file and the place of its names, for messages. Throws InputError when no
-/// column, or more than one, has that name.
+/// The place among `names` of the column `requested`. file, at: the file and the place of its names, for messages. Throws InputError when
+/// no column, or more than one, has that name.
 std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header, std::string const& file,
                           std::string const& at);
 

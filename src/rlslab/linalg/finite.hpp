@@ -115,8 +115,8 @@ Truth<T> finite_solution(StateVector<T, N> const& right, StateVector<T, N>& x, S
     solve(x);
     return all_finite(x);
 }
-/// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten. determined: whether R
-/// has no zero on its diagonal.
+/// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten. determined: whether
+/// R has no zero on its diagonal.
 template <Scalar T, int N>
 [[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
                                             StateVector<T, N>& x, Truth<T>& determined) {
