@@ -65,7 +65,8 @@ void add_state(Index size) {
     for (Index const size : {4, 16, 32, 64, 128}) {
         for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Ud<T>, InverseQr<T>, Qr<T>>{},
                  [size]<class F>() { add_filter_row<Guarded<F>>("guard", size); });
-        for_each(TypeList<Conventional<T>, Symmetric<T>, Ud<T>, Qr<T>, Gentleman<T>>{}, [size]<class F>() { add_window<F>(size); });
+        for_each(TypeList<Conventional<T>, Symmetric<T>, Ud<T>, Qr<T>, Gentleman<T>>{},
+                 [size]<class F>() { add_window<F>(size); });
         for_each(TypeList<Ud<T>, Qr<T>>{}, [size]<class F>() { add_state<F>(size); });
     }
     return true;

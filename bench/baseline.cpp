@@ -36,10 +36,10 @@ Baseline baseline_of(std::string const& run_json) {
     Times times = times_in(run);
     auto const scale = times.find(yardstick);
     if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", yardstick));
-    Baseline out{
-        fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"), run.at("context").value("compiler", "unknown compiler")),
-        int(scale->second.size()),
-        {}};
+    Baseline out{fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"),
+                             run.at("context").value("compiler", "unknown compiler")),
+                 int(scale->second.size()),
+                 {}};
     double const unit = spread(scale->second).middle;
     for (auto& [name, of_row] : times) {
         if (of_row.size() < 5) throw std::runtime_error(fmt::format("{}: expected at least five repetitions", name));
@@ -50,8 +50,9 @@ Baseline baseline_of(std::string const& run_json) {
 }
 
 std::string written(Baseline const& baseline) {
-    std::string out = fmt::format("{{\n \"machine\": {},\n \"yardstick\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
-                                  Json(baseline.machine).dump(), yardstick, baseline.repetitions);
+    std::string out =
+        fmt::format("{{\n \"machine\": {},\n \"yardstick\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
+                    Json(baseline.machine).dump(), yardstick, baseline.repetitions);
     char const* between = "\n";
     for (auto const& [name, ratio] : baseline.rows) {
         Json const three{rounded(ratio.least), rounded(ratio.middle), rounded(ratio.greatest)};

@@ -10,7 +10,8 @@ namespace rlslab::bench {
 /// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.
 inline constexpr char yardstick[] = "limit/read_modify_write/8192";
 
-/// A row's times over the median of the yardstick's in the same run: interleaved at random, repetitions of two rows are no pairs.
+/// A row's times over the median of the yardstick's in the same run: interleaved at random, repetitions of two rows are
+/// no pairs.
 struct Ratio {
     double least, middle, greatest;
     bool operator==(Ratio const&) const = default;
@@ -26,16 +27,17 @@ using Times = std::map<std::string, std::vector<double>>;
 /// Of the JSON that Google Benchmark wrote. Throws nlohmann::json::exception for another.
 Times times_of(std::string const& run_json);
 
-/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or where a row has fewer than five
-/// repetitions.
+/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or where a row has
+/// fewer than five repetitions.
 Baseline baseline_of(std::string const& run_json);
 
 std::string written(Baseline const& baseline);
 /// Throws std::runtime_error for what written() does not write.
 Baseline read_baseline(std::string const& text);
 
-/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where the repetitions of both runs
-/// are alike, n beside m do that with probability 2 n! m! / (n + m)! at most: 0.0006 for 7 beside 7, for each row.
+/// A row whose repetitions all lie on one side of the baseline's, its middle by more than a twentieth. Where the
+/// repetitions of both runs are alike, n beside m do that with probability 2 n! m! / (n + m)! at most: 0.0006 for 7
+/// beside 7, for each row.
 struct Moved {
     std::string name;
     Ratio before, now;

@@ -1,5 +1,5 @@
-// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts on
-// several cores; reference/ROWSxSIZE: the certified solution.
+// batch/VARIANT/ROWSxSIZE: the variants that take blocks, on many rows; fold_all/THREADS/ROWSxSIZE: the same in parts
+// on several cores; reference/ROWSxSIZE: the certified solution.
 #include "bench/rows.hpp"
 
 #include <rlslab/many/fold_all.hpp>
@@ -36,7 +36,10 @@ void reference(benchmark::State& state, Index rows, Index size) {
     double radius = 1;
     for (auto _ : state)
         watch.add([] {},
-                  [&] { return nanoseconds_of([&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); }); });
+                  [&] {
+                      return nanoseconds_of(
+                          [&] { radius = certified(scenario.problem, scenario.records, {rows}).front().radius(); });
+                  });
     watch.finish({std::min(-std::log10(radius), 30.0), std::isfinite(radius)});
 }
 

@@ -17,7 +17,9 @@ void run_blocks(benchmark::State& state, Index size) {
     Index const scored = scenario.scored, rows = y.size() - scored;
     F start(problem_in<T>(scenario.problem));
     process(start, psi.leftCols(scored), y.head(scored));
-    auto const theta = [](F const& filter) { return Vector<double>(Vector<T>(filter.theta()).template cast<double>()); };
+    auto const theta = [](F const& filter) {
+        return Vector<double>(Vector<T>(filter.theta()).template cast<double>());
+    };
     double const start_digits = digits(scenario.exact, theta(start), std::numeric_limits<T>::digits);
     Stopwatch watch(state, rows);
     F filter = start;

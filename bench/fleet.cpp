@@ -1,4 +1,5 @@
-// fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and bytes of state moved.
+// fleet/VARIANT/double8/SIZE and float16: a million filters in the order of memory, one row each; ns per filter, and
+// bytes of state moved.
 #include "bench/rows.hpp"
 
 #include <rlslab/many/fleet.hpp>
@@ -10,7 +11,8 @@ namespace {
 
 constexpr Index million = 1'000'000;
 
-/// Every filter on the scenario's rows: what a row costs does not depend on its numbers. A timed stretch is one row of each filter.
+/// Every filter on the scenario's rows: what a row costs does not depend on its numbers. A timed stretch is one row of
+/// each filter.
 template <class F>
 void run_fleet(benchmark::State& state, Index size, unsigned threads) {
     using T = typename F::scalar::lane_type;
@@ -33,14 +35,16 @@ void run_fleet(benchmark::State& state, Index size, unsigned threads) {
     Stopwatch watch(state, million);
     for (auto _ : state) watch.add(next, [&] { return nanoseconds_of([&] { fleet.update(psi, y, threads); }); });
     watch.finish({digits(scenario.exact, theta, std::numeric_limits<T>::digits), fleet.theta(million - 1).allFinite()});
-    double const bytes = double(sizeof(F)) / F::scalar::lanes * 2 + double(size + 1) * sizeof(T);  // read and written; the row
+    double const bytes =
+        double(sizeof(F)) / F::scalar::lanes * 2 + double(size + 1) * sizeof(T);  // read and written; the row
     state.counters["GB_per_s"] = bytes / double(state.counters["ns_per_update"]);
 }
 
 template <class F>
 void add(std::string const& arithmetic, Index size) {
     for (unsigned const threads : {1u, 2u})
-        add_row("fleet/" + std::string(F::name) + (threads > 1 ? "_2_threads" : "") + "/" + arithmetic + "/" + std::to_string(size),
+        add_row("fleet/" + std::string(F::name) + (threads > 1 ? "_2_threads" : "") + "/" + arithmetic + "/" +
+                    std::to_string(size),
                 [=](benchmark::State& state) { run_fleet<F>(state, size, threads); });
 }
 

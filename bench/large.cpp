@@ -9,7 +9,8 @@ namespace {
 template <class F>
 void add() {
     add_large_rows<F>();
-    add_large_rows<F>(std::string(F::name) + "_rows_known", [](F& filter, auto const& psi, auto const& y) { filter.update_block(psi, y); });
+    add_large_rows<F>(std::string(F::name) + "_rows_known",
+                      [](F& filter, auto const& psi, auto const& y) { filter.update_block(psi, y); });
 }
 
 [[maybe_unused]] bool const added = [] {

@@ -11,8 +11,8 @@ namespace rlslab::bench {
 
 inline std::vector<Index> const large_sizes{512, 1024, 2048, 4096};
 
-/// Rows of noise from theta = 0 and P0 = 10 I. After k < d rows theta is in the span of their regressors, and a system of order k
-/// gives it: with Psi (d x k), y (k), W = diag(lambda^(k-1), ..., lambda, 1) and v = 10 / lambda^k
+/// Rows of noise from theta = 0 and P0 = 10 I. After k < d rows theta is in the span of their regressors, and a system
+/// of order k gives it: with Psi (d x k), y (k), W = diag(lambda^(k-1), ..., lambda, 1) and v = 10 / lambda^k
 ///   theta = v Psi (W^-1 + v Psi'Psi)^-1 y,
 /// computed in 257 bits.
 struct LargeScenario {
@@ -22,7 +22,8 @@ struct LargeScenario {
     Vector<double> y, theta;
 
     explicit LargeScenario(Index size)
-        : problem{.size = size, .forgetting = 0.9921875, .prior = Prior<double>{.variance = 10}}, psi(size, rows), y(rows) {
+        : problem{.size = size, .forgetting = 0.9921875, .prior = Prior<double>{.variance = 10}}, psi(size, rows),
+          y(rows) {
         Seed seed{4};
         for (double& x : psi.reshaped()) x = seed.bell();
         for (double& x : y) x = seed.bell();
@@ -36,7 +37,8 @@ struct LargeScenario {
     }
 };
 
-/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed. process_rows(filter, psi, y) takes rows.
+/// large/NAME/double/SIZE: a new filter and a few rows, of which the first is not timed. process_rows(filter, psi, y)
+/// takes rows.
 template <class F, class Process>
 void add_large_rows(std::string const& name, Process process_rows) {
     for (Index size : large_sizes)

@@ -32,7 +32,8 @@ std::vector<std::vector<double>> drawn_again(std::vector<std::vector<double>> ro
     return rows;
 }
 
-// --- the rows, by size --------------------------------------------------------------------------------------------------
+// --- the rows, by size
+// --------------------------------------------------------------------------------------------------
 
 NamesAt row(std::string const& group, std::string const& name, std::string const& arithmetic = "double") {
     return [=](int size) { return Names{fmt::format("{}/{}/{}/{}", group, name, arithmetic, size)}; };
@@ -64,20 +65,33 @@ std::vector<Line> lines() {
         {"`symmetric` / dlib", row("update", "symmetric"), dlib, {8, 16, 24, 32, 64, 128}, {.2, .2, .2, .2, .2, .26}},
         {"`ud` / dlib", row("update", "ud"), dlib, {8, 16, 24, 32, 64}, {.25}},
         {"`conventional` / the two passes", conventional, two_passes, {64, 128}, {1.45, 1.15}},
-        {"`conventional`, rows known in advance / the two passes", row("block", "conventional"), two_passes, {128}, {.87}},
+        {"`conventional`, rows known in advance / the two passes",
+         row("block", "conventional"),
+         two_passes,
+         {128},
+         {.87}},
     };
     for (char const* name : {"conventional", "symmetric", "potter", "carlson", "inverse_qr", "ud", "qr", "gentleman"})
-        out.push_back(
-            {fmt::format("`{}` in `float` / in `double`", name), row("update", name, "float"), row("update", name), {32, 64, 128}, {.6}});
+        out.push_back({fmt::format("`{}` in `float` / in `double`", name),
+                       row("update", name, "float"),
+                       row("update", name),
+                       {32, 64, 128},
+                       {.6}});
     for (char const* name : {"potter", "carlson", "inverse_qr", "gentleman"})
-        out.push_back({fmt::format("`{}` / `conventional`", name), row("update", name), conventional, {16, 24, 32}, {2}});
+        out.push_back(
+            {fmt::format("`{}` / `conventional`", name), row("update", name), conventional, {16, 24, 32}, {2}});
     out.push_back({"`ud` / `conventional`", row("update", "ud"), conventional, {24, 32, 64, 128}, {1.3, 1.3, 1, .75}});
     out.push_back({"`qr` / dlib", row("update", "qr"), dlib, {16, 24, 32, 64}, {.6}});
     out.push_back({"`qr`, rows known in advance / dlib", row("block", "qr"), dlib, {16, 24, 32, 64}, {.4}});
     NamesAt const qr_block = batch("batch/qr_block");
     out.push_back({"`qr_block` / GSL's TSQR", qr_block, batch("peer/gsl_tsqr"), columns, {.4, .4, .45, .4, .4}});
-    out.push_back({"`qr_block` / LAPACK's dgels", qr_block, batch("peer/lapack_dgels"), columns, {.4, .4, .45, .4, .4}});
-    out.push_back({"`qr_block` / Eigen's Householder QR", qr_block, batch("peer/eigen_householder"), columns, {.4, .4, .45, .4, .4}});
+    out.push_back(
+        {"`qr_block` / LAPACK's dgels", qr_block, batch("peer/lapack_dgels"), columns, {.4, .4, .45, .4, .4}});
+    out.push_back({"`qr_block` / Eigen's Householder QR",
+                   qr_block,
+                   batch("peer/eigen_householder"),
+                   columns,
+                   {.4, .4, .45, .4, .4}});
     out.push_back({"`qr_block` / the normal equations",
                    qr_block,
                    batch("peer/normal_equations"),
@@ -85,12 +99,24 @@ std::vector<Line> lines() {
                    {2.4},
                    false,
                    batch("peer/normal_equations_openblas")});
-    out.push_back({"`fold_all`, one thread / two", batch("fold_all/1_thread"), batch("fold_all/2_threads"), columns, {1.8}, true});
+    out.push_back({"`fold_all`, one thread / two",
+                   batch("fold_all/1_thread"),
+                   batch("fold_all/2_threads"),
+                   columns,
+                   {1.8},
+                   true});
     for (char const* name : {"conventional", "symmetric", "potter", "ud", "inverse_qr", "qr"})
-        out.push_back({fmt::format("`{}` under a guard / alone", name), row("guard", name), row("update", name), {16, 32, 64, 128}, {1.1}});
+        out.push_back({fmt::format("`{}` under a guard / alone", name),
+                       row("guard", name),
+                       row("update", name),
+                       {16, 32, 64, 128},
+                       {1.1}});
     for (char const* name : {"conventional", "symmetric", "ud", "qr", "gentleman"})
-        out.push_back(
-            {fmt::format("`{}` over a window / alone", name), row("window", name), row("update", name), {16, 32, 64, 128}, {2.2}});
+        out.push_back({fmt::format("`{}` over a window / alone", name),
+                       row("window", name),
+                       row("update", name),
+                       {16, 32, 64, 128},
+                       {2.2}});
     return out;
 }
 
@@ -151,15 +177,16 @@ std::string table_of_limits(Times const& times) {
             std::optional<Interval> const ratio = measured(times, line, line.sizes[i]);
             if (!ratio) continue;
             double const limit = line.limits[line.limits.size() == 1 ? 0 : i];
-            cells += fmt::format("{}{}: {:.2f} [{:.2f}, {:.2f}]", cells.empty() ? "" : ", ", line.sizes[i], ratio->middle, ratio->low,
-                                 ratio->high);
+            cells += fmt::format("{}{}: {:.2f} [{:.2f}, {:.2f}]", cells.empty() ? "" : ", ", line.sizes[i],
+                                 ratio->middle, ratio->low, ratio->high);
             std::string& where = by_verdict[int(verdict(*ratio, {limit, line.least}))];
             where += fmt::format("{}{}", where.empty() ? "" : ", ", line.sizes[i]);
         }
         if (cells.empty()) continue;
         std::string verdicts;
         for (auto const& [name, which] : {std::pair("held", 0), std::pair("open", 1), std::pair("**missed**", 2)})
-            if (!by_verdict[which].empty()) verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : "; ", name, by_verdict[which]);
+            if (!by_verdict[which].empty())
+                verdicts += fmt::format("{}{} {}", verdicts.empty() ? "" : "; ", name, by_verdict[which]);
         out += fmt::format("| {}: {} | {} | {} |\n", line.what, words(line), cells, verdicts);
     }
     return out;

@@ -8,11 +8,13 @@
 
 namespace rlslab::bench {
 
-/// A ratio of medians over the repetitions, and its 95 % interval by bootstrap: the repetitions of each row drawn again, 4000 times.
+/// A ratio of medians over the repetitions, and its 95 % interval by bootstrap: the repetitions of each row drawn
+/// again, 4000 times.
 struct Interval {
     double middle, low, high;
 };
-/// The sum of the medians of `rows` over that of `over`; each has at least one number. The same numbers give the same interval.
+/// The sum of the medians of `rows` over that of `over`; each has at least one number. The same numbers give the same
+/// interval.
 Interval ratio_of(std::vector<std::vector<double>> const& rows, std::vector<std::vector<double>> const& over);
 
 /// Where an interval lies: within the limit, on both sides of it, beyond it.

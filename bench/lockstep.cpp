@@ -1,4 +1,5 @@
-// lockstep/VARIANT/double8/SIZE and float16: as many filters as a Pack has lanes, one row each at a time; ns per filter.
+// lockstep/VARIANT/double8/SIZE and float16: as many filters as a Pack has lanes, one row each at a time; ns per
+// filter.
 #include "bench/rows.hpp"
 
 #include <rlslab/arithmetic/pack.hpp>
@@ -16,7 +17,8 @@ void run_lockstep(benchmark::State& state, Index size) {
     Matrix<P> const psi = scenario.records.psi.unaryExpr([](double x) { return P(T(x)); });
     Vector<P> const y = scenario.records.y.unaryExpr([](double x) { return P(T(x)); });
     Problem<double> const& p = scenario.problem;
-    F scored(Problem<P>{.size = size, .forgetting = P(T(p.forgetting)), .prior = Prior<P>{.variance = P(T(p.prior->variance))}});
+    F scored(Problem<P>{
+        .size = size, .forgetting = P(T(p.forgetting)), .prior = Prior<P>{.variance = P(T(p.prior->variance))}});
     stretch<Theta::unasked>(scored, psi, y, 0, scenario.scored);
     auto const lane = [](F const& filter, int i) {
         return Vector<double>(Vector<P>(filter.theta()).unaryExpr([i](P const& x) { return double(x[i]); }));
@@ -28,7 +30,8 @@ void run_lockstep(benchmark::State& state, Index size) {
     Stopwatch watch(state, rows * P::lanes);
     F filter = scored;
     for (auto _ : state)
-        watch.add([&] { filter = scored; }, [&] { return stretch<Theta::unasked>(filter, psi, y, scenario.scored, y.size()); });
+        watch.add([&] { filter = scored; },
+                  [&] { return stretch<Theta::unasked>(filter, psi, y, scenario.scored, y.size()); });
     bool finite = true;
     for (int i = 0; i < P::lanes; ++i) finite = finite && lane(filter, i).allFinite();
     watch.finish({least_digits, finite});

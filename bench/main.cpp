@@ -1,4 +1,5 @@
-// rlslab_bench: times rows, and shows what a run has. Exit code: 0; 1 where `check` finds a row that became slower; 2 no answer.
+// rlslab_bench: times rows, and shows what a run has. Exit code: 0; 1 where `check` finds a row that became slower; 2
+// no answer.
 #include "bench/limits.hpp"
 #include "bench/results.hpp"
 #include "bench/verbs.hpp"
@@ -20,7 +21,7 @@ constexpr char usage[] = R"(expected one of
   limits RUN.json             how the run stands to the limits of docs/speed.md
   table RUN.json              nanoseconds at 4, 16 and 64 parameters beside dlib, as Markdown
   ranks [RANKS [PARAMETERS [ROWS [GROUP]]]]
-                              rows a second of the ranks of an MPI job, which it starts by mpirun (in builds with MPI))";
+                              rows a second of the ranks of an MPI job, which it starts by mpirun)";
 
 template <class Make>
 auto of_run(char const* path, Make make) {
@@ -29,16 +30,17 @@ auto of_run(char const* path, Make make) {
 
 int check(Baseline const& before, Baseline const& now) {
     if (before.machine != now.machine)
-        throw std::runtime_error(
-            fmt::format("the baseline is of another machine or compiler ({}); this one is {}", before.machine, now.machine));
+        throw std::runtime_error(fmt::format("the baseline is of another machine or compiler ({}); this one is {}",
+                                             before.machine, now.machine));
     int slower = 0, rows = 0;
     for (auto const& [name, ratio] : now.rows) rows += int(before.rows.count(name));
     if (rows == 0) throw std::runtime_error("no row of the baseline is in the run");
-    if (size_t(rows) < before.rows.size()) fmt::print("{} rows of the baseline are not in the run\n", before.rows.size() - size_t(rows));
+    if (size_t(rows) < before.rows.size())
+        fmt::print("{} rows of the baseline are not in the run\n", before.rows.size() - size_t(rows));
     for (Moved const& m : moved(before, now)) {
         slower += m.factor() > 1;
-        fmt::print("{:<44}{:>7.3f} x  {:.3g} ... {:.3g}, was {:.3g} ... {:.3g}\n", m.name, m.factor(), m.now.least, m.now.greatest,
-                   m.before.least, m.before.greatest);
+        fmt::print("{:<44}{:>7.3f} x  {:.3g} ... {:.3g}, was {:.3g} ... {:.3g}\n", m.name, m.factor(), m.now.least,
+                   m.now.greatest, m.before.least, m.before.greatest);
     }
     fmt::print("{} of {} rows became slower, beyond what the repetitions scatter and by more than 5 %\n", slower, rows);
     return slower > 0 ? 1 : 0;
@@ -61,7 +63,8 @@ int main(int argc, char** argv) try {
     if (verb == "table" && argc == 3) return fmt::print("{}", table_of_times(of_run(argv[2], run_of))), 0;
     if ((verb != "check" && verb != "record") || argc != 4) throw std::runtime_error(usage);
     Baseline const now = of_run(argv[2], baseline_of);
-    if (verb == "check") return check(made_from(argv[3], "not there (./lab bench --record makes it)", read_baseline), now);
+    if (verb == "check")
+        return check(made_from(argv[3], "not there (./lab bench --record makes it)", read_baseline), now);
     rlslab::replace_file(argv[3], written(now));
     fmt::print("{} rows recorded\n", now.rows.size());
     return 0;

@@ -30,7 +30,8 @@ double size_of(std::string const& group, std::string const& what) {
 
 BenchRow measured(json const& row) {
     std::vector<std::string> const parts = parts_of(row.at("run_name"));
-    if (parts.size() < 2) throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
+    if (parts.size() < 2)
+        throw std::runtime_error("not a row of these benchmarks: " + row.at("run_name").get<std::string>());
     BenchRow out{.group = parts.front(),
                  .name = parts.size() > 2 ? parts[1] : parts.front(),
                  .arithmetic = parts.size() > 3 ? parts[2] : "",
@@ -52,8 +53,8 @@ BenchRow measured(json const& row) {
 Run run_of(std::string const& run_json) {
     json const all = parsed_results(run_json);
     json const& context = all.at("context");
-    Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"), context.value("compiler", "unknown compiler"),
-                        context.value("date", "").substr(0, 10)),
+    Run run{fmt::format("{}, {}, {}", context.value("cpu", "unknown processor"),
+                        context.value("compiler", "unknown compiler"), context.value("date", "").substr(0, 10)),
             {}};
     // Interleaved repetitions end in any order; the page has that of the program.
     std::vector<json> rows = all.at("benchmarks");
@@ -91,7 +92,8 @@ std::string table_of_times(Run const& run) {
         if (row.solves_for_theta()) cell += fmt::format(" + {:.0f}", *row.theta_nanoseconds);
     }
     if (names.empty()) throw std::runtime_error("expected rows update/VARIANT/double/4, 16 or 64 in the run");
-    std::ranges::stable_partition(names, [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
+    std::ranges::stable_partition(names,
+                                  [](std::string const& name) { return name.starts_with('`'); });  // dlib comes last
     std::string out = "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n";
     for (std::string const& name : names) out += fmt::format("| {} | {} |\n", name, fmt::join(cells[name], " | "));
     return out + fmt::format("\n{}. After +: what `theta()` takes where it has to be solved for.\n", run.machine);

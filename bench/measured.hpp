@@ -16,7 +16,9 @@ struct BenchRow {
     bool finite;
     std::optional<double> theta_nanoseconds, longest_nanoseconds;  ///< longest: of single updates
     bool solves_for_theta() const { return theta_nanoseconds.value_or(0) > 5; }
-    double answered() const { return nanoseconds + theta_nanoseconds.value_or(0); }  ///< the update and theta() after it
+    double answered() const {
+        return nanoseconds + theta_nanoseconds.value_or(0);
+    }  ///< the update and theta() after it
 };
 
 struct Run {
@@ -24,14 +26,15 @@ struct Run {
     std::vector<BenchRow> rows;
 };
 
-/// Medians where the run was repeated, else the rows as they are. Throws std::runtime_error or nlohmann::json::exception for another JSON.
+/// Medians where the run was repeated, else the rows as they are. Throws std::runtime_error or
+/// nlohmann::json::exception for another JSON.
 Run run_of(std::string const& run_json);
 
 /// "24 ns", "1.6 µs": three digits.
 std::string time_for_people(double nanoseconds);
 
-/// Markdown: nanoseconds an update of each variant and of dlib (where it is in the run) in double at 4, 16 and 64 parameters, and the
-/// machine. Throws std::runtime_error where the run has no such row.
+/// Markdown: nanoseconds an update of each variant and of dlib (where it is in the run) in double at 4, 16 and 64
+/// parameters, and the machine. Throws std::runtime_error where the run has no such row.
 std::string table_of_times(Run const& run);
 
 }  // namespace rlslab::bench

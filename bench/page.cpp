@@ -80,12 +80,16 @@ std::string drawn(Rows const& rows, std::string const& title) {
     for (std::string const& name : distinct(rows, std::mem_fn(&BenchRow::name))) {
         Rows mine = kept(rows, [&](BenchRow const& r) { return r.name == name; });
         std::ranges::sort(mine, {}, &BenchRow::size);
-        Curve curve{.name = name, .look = look_in_bench(mine.front(), mine.front().family == "peer" ? peers++ : place++), .x = {}, .y = {}};
+        Curve curve{.name = name,
+                    .look = look_in_bench(mine.front(), mine.front().family == "peer" ? peers++ : place++),
+                    .x = {},
+                    .y = {}};
         for (BenchRow const& row : mine) {
             sizes.insert(row.size);
             curve.x.push_back(row.size), curve.y.push_back(row.nanoseconds), curve.says.push_back(sentence(row));
         }
-        (mine.front().family == "limit" ? figure.panels[0].guides : figure.panels[0].curves).push_back(std::move(curve));
+        (mine.front().family == "limit" ? figure.panels[0].guides : figure.panels[0].curves)
+            .push_back(std::move(curve));
     }
     if (sizes.size() < 2) return "";
     figure.x_ticks.assign(sizes.begin(), sizes.end());
@@ -95,9 +99,12 @@ std::string drawn(Rows const& rows, std::string const& title) {
 std::string cell(BenchRow const* row, BenchRow const* base, bool least) {
     if (!row) return "<td></td>";
     std::string out = fmt::format("<td{}><b>{}</b>", least ? " class=\"best\"" : "", time_for_people(row->nanoseconds));
-    out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits) : "<small class=\"bad\">not finite</small>";
-    if (row->solves_for_theta()) out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
-    if (row->longest_nanoseconds) out += fmt::format("<small>longest {}</small>", time_for_people(*row->longest_nanoseconds));
+    out += row->finite ? fmt::format("<small>{:.1f} digits</small>", row->digits)
+                       : "<small class=\"bad\">not finite</small>";
+    if (row->solves_for_theta())
+        out += fmt::format("<small>+ {} theta</small>", time_for_people(*row->theta_nanoseconds));
+    if (row->longest_nanoseconds)
+        out += fmt::format("<small>longest {}</small>", time_for_people(*row->longest_nanoseconds));
     if (base) {
         bool const alike = row->theta_nanoseconds.has_value() == base->theta_nanoseconds.has_value();
         double const ratio = alike ? row->answered() / base->answered() : row->nanoseconds / base->nanoseconds;
@@ -112,18 +119,20 @@ std::string breakable(std::string name) {
     return name;
 }
 
-/// Names down, cases across; the variant with the least time to an answer in each column is shaded. base(name, case): the row that times
-/// are compared with, or null.
+/// Names down, cases across; the variant with the least time to an answer in each column is shaded. base(name, case):
+/// the row that times are compared with, or null.
 template <class Base>
 std::string table_against(Rows const& rows, Base base) {
-    auto const names = distinct(rows, std::mem_fn(&BenchRow::name)), cases = distinct(rows, std::mem_fn(&BenchRow::what));
+    auto const names = distinct(rows, std::mem_fn(&BenchRow::name)),
+               cases = distinct(rows, std::mem_fn(&BenchRow::what));
     std::string out = "<div class=\"scroll\"><table><thead>\n<tr><th></th>";
     for (std::string const& what : cases) out += fmt::format("<th>{}</th>", what);
     std::vector<BenchRow const*> least;
     for (std::string const& what : cases) {
         BenchRow const* best = nullptr;
         for (BenchRow const& row : rows)
-            if (row.what == what && row.finite && row.family != "peer" && (!best || row.answered() < best->answered())) best = &row;
+            if (row.what == what && row.finite && row.family != "peer" && (!best || row.answered() < best->answered()))
+                best = &row;
         least.push_back(best);
     }
     out += "</tr></thead><tbody>";
@@ -145,20 +154,23 @@ std::string title_of(std::string const& group, std::string const& arithmetic) {
     if (group == "update") return fmt::format("One filter, one row at a time, {}", arithmetic);
     if (group == "fixed") return fmt::format("The same with the size known to the compiler, {}", arithmetic);
     if (group == "block") return fmt::format("One filter, rows known in advance, {}", arithmetic);
-    if (group == "large") return fmt::format("One filter of many parameters, {}; digits against a solution in 257 bits", arithmetic);
+    if (group == "large")
+        return fmt::format("One filter of many parameters, {}; digits against a solution in 257 bits", arithmetic);
     if (group == "lockstep") return fmt::format("Many filters in lockstep, {}, time of one of them", arithmetic);
-    if (group == "fleet") return fmt::format("A million filters in the order of memory, {}, time of one of them", arithmetic);
+    if (group == "fleet")
+        return fmt::format("A million filters in the order of memory, {}, time of one of them", arithmetic);
     return group + ", " + arithmetic;
 }
 
 struct AroundOne {
     char const *group, *title, *text;
 };
-constexpr std::array around_one{AroundOne{"guard", "A guard around a filter, double", "Each row is looked at before and after it."},
-                                AroundOne{"window", "A filter over a sliding window, double", "Each row takes another one back."},
-                                AroundOne{"refactor", "A window factored anew, double, time of one of its rows",
-                                          "What a window does in one step on alarm or schedule: as many rows as it holds."},
-                                AroundOne{"state", "The state of a filter, double, saved and loaded again", "Bytes with a checksum."}};
+constexpr std::array around_one{
+    AroundOne{"guard", "A guard around a filter, double", "Each row is looked at before and after it."},
+    AroundOne{"window", "A filter over a sliding window, double", "Each row takes another one back."},
+    AroundOne{"refactor", "A window factored anew, double, time of one of its rows",
+              "What a window does in one step on alarm or schedule: as many rows as it holds."},
+    AroundOne{"state", "The state of a filter, double, saved and loaded again", "Bytes with a checksum."}};
 
 /// What is around a filter, against the filter alone.
 std::string around_filters(Rows const& rows) {
@@ -166,10 +178,13 @@ std::string around_filters(Rows const& rows) {
     for (AroundOne const& around : around_one) {
         Rows const mine = kept(rows, [&](BenchRow const& r) { return r.group == around.group; });
         if (mine.empty()) continue;
-        Rows const alone = kept(rows, [](BenchRow const& r) { return r.group == "update" && r.arithmetic == "double"; });
-        out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{} × is against the filter alone.</p>\n{}</section>\n", around.title,
-                           around.text,
-                           table_against(mine, [&](std::string const& name, std::string const& what) { return find(alone, name, what); }));
+        Rows const alone =
+            kept(rows, [](BenchRow const& r) { return r.group == "update" && r.arithmetic == "double"; });
+        out += fmt::format(
+            "<section><h2>{}</h2>\n<p class=\"soft\">{} × is against the filter alone.</p>\n{}</section>\n",
+            around.title, around.text, table_against(mine, [&](std::string const& name, std::string const& what) {
+                return find(alone, name, what);
+            }));
     }
     return out;
 }
@@ -178,7 +193,8 @@ std::string around_filters(Rows const& rows) {
 std::string filters(Rows const& rows) {
     std::string out;
     Rows const single = kept(rows, [](BenchRow const& r) {
-        return !r.arithmetic.empty() && r.group != "peer" && std::ranges::find(around_one, r.group, &AroundOne::group) == around_one.end();
+        return !r.arithmetic.empty() && r.group != "peer" &&
+               std::ranges::find(around_one, r.group, &AroundOne::group) == around_one.end();
     });
     auto const panel_of = [](BenchRow const& r) { return title_of(r.group, r.arithmetic); };
     for (std::string const& title : distinct(single, panel_of)) {
@@ -192,8 +208,9 @@ std::string filters(Rows const& rows) {
         }
         Rows with_limit = panel;
         if (arithmetic == "double" && (group == "update" || group == "large"))
-            for (BenchRow limit :
-                 kept(rows, [&](BenchRow const& r) { return r.group == "limit" && (r.size >= 512) == (group == "large"); })) {
+            for (BenchRow limit : kept(rows, [&](BenchRow const& r) {
+                     return r.group == "limit" && (r.size >= 512) == (group == "large");
+                 })) {
                 limit.name = "limit: " + limit.name;
                 with_limit.push_back(limit);
             }
@@ -213,7 +230,8 @@ std::string others(Rows const& rows) {
     std::string out;
     for (Section const& section :
          {Section{"Batches: all rows at hand, double, one thread",
-                  "Time per row, the solution included; × is against the normal equations, which square the condition number.",
+                  "Time per row, the solution included; × is against the normal equations, which square the condition "
+                  "number.",
                   "normal_equations",
                   {"batch", "peer"},
                   true},
@@ -233,8 +251,8 @@ std::string others(Rows const& rows) {
             return r.arithmetic.empty() && std::ranges::find(section.groups, r.group) != section.groups.end();
         });
         if (mine.empty()) continue;
-        out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{}</p>\n{}{}</section>\n", section.title, section.text,
-                           section.plotted ? drawn(mine, section.title) : "", table(mine, section.base));
+        out += fmt::format("<section><h2>{}</h2>\n<p class=\"soft\">{}</p>\n{}{}</section>\n", section.title,
+                           section.text, section.plotted ? drawn(mine, section.title) : "", table(mine, section.base));
     }
     return out;
 }
@@ -244,15 +262,21 @@ std::string others(Rows const& rows) {
 std::string page_of(Run const& run) {
     std::string const head = fmt::format(
         "<h1>The time of an update</h1>\n"
-        "<p>What one row of data costs a filter of d parameters: the same data, prior and forgetting for all. Every time "
-        "stands with the digits of theta, measured against the certified reference: a fast wrong answer is worth nothing.</p>\n"
+        "<p>What one row of data costs a filter of d parameters: the same data, prior and forgetting for all. Every "
+        "time "
+        "stands with the digits of theta, measured against the certified reference: a fast wrong answer is worth "
+        "nothing.</p>\n"
         "<p class=\"soft\">{}</p>\n"
-        "<p class=\"soft\">The plots show the update alone; peers are brown, the machine's limit is grey. In the tables what "
-        "theta() takes on top is said where it has to be solved for, and counts in ×, the time over dlib's (less than 1 is "
-        "faster), and in which variant is shaded as the fastest. information takes its rows without a report, whose innovation "
+        "<p class=\"soft\">The plots show the update alone; peers are brown, the machine's limit is grey. In the "
+        "tables what "
+        "theta() takes on top is said where it has to be solved for, and counts in ×, the time over dlib's (less than "
+        "1 is "
+        "faster), and in which variant is shaded as the fastest. information takes its rows without a report, whose "
+        "innovation "
         "would have to solve for theta.</p>\n",
         escaped(run.machine));
-    return page("rlslab: the time of an update", head + filters(run.rows) + around_filters(run.rows) + others(run.rows));
+    return page("rlslab: the time of an update",
+                head + filters(run.rows) + around_filters(run.rows) + others(run.rows));
 }
 
 }  // namespace rlslab::bench

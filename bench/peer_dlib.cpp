@@ -6,8 +6,8 @@
 namespace rlslab::bench {
 namespace {
 
-/// Its cheap mode: with the forgetting applied to C as well it does what everybody else does; without, it adds d rank-one
-/// updates to each row.
+/// Its cheap mode: with the forgetting applied to C as well it does what everybody else does; without, it adds d
+/// rank-one updates to each row.
 class Dlib {
     dlib::rls rls_;
     dlib::matrix<double, 0, 1> psi_;  // what its users hold; the copy is d of its 5 d^2 moves
@@ -16,7 +16,8 @@ public:
     using scalar = double;
     static constexpr std::string_view name = "dlib";
 
-    explicit Dlib(Problem<double> const& problem) : rls_(problem.forgetting, problem.prior->variance, true), psi_(problem.size) {}
+    explicit Dlib(Problem<double> const& problem)
+        : rls_(problem.forgetting, problem.prior->variance, true), psi_(problem.size) {}
     void update(Regressor<double> psi, double y) {
         for (Index i = 0; i < psi.size(); ++i) psi_(i) = psi[i];
         rls_.train(psi_, y);

@@ -33,7 +33,8 @@ public:
 /// In place, on a tall matrix by columns: the fastest it offers. What is destroyed is copied outside the time.
 void add_householder() {
     add_batch_rows(
-        "peer/eigen_householder", [](Records const& records) { return std::pair(MatrixXd(records.psi.transpose()), &records.y); },
+        "peer/eigen_householder",
+        [](Records const& records) { return std::pair(MatrixXd(records.psi.transpose()), &records.y); },
         [](auto& input) -> VectorXd {
             Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> const qr(input.first);
             return qr.solve(*input.second);

@@ -5,13 +5,15 @@
 #include <Eigen/Cholesky>
 
 // Fortran's, with the types of OpenBLAS' default build; lapacke.h would be one package more for this line.
-extern "C" void dgels_(char const* trans, int const* m, int const* n, int const* nrhs, double* a, int const* lda, double* b, int const* ldb,
-                       double* work, int const* lwork, int* info, std::size_t trans_length);
-extern "C" void dsyrk_(char const* uplo, char const* trans, int const* n, int const* k, double const* alpha, double const* a,
-                       int const* lda, double const* beta, double* c, int const* ldc, std::size_t uplo_length, std::size_t trans_length);
-extern "C" void dtrsm_(char const* side, char const* uplo, char const* trans, char const* diag, int const* m, int const* n,
-                       double const* alpha, double const* a, int const* lda, double* b, int const* ldb, std::size_t side_length,
-                       std::size_t uplo_length, std::size_t trans_length, std::size_t diag_length);
+extern "C" void dgels_(char const* trans, int const* m, int const* n, int const* nrhs, double* a, int const* lda,
+                       double* b, int const* ldb, double* work, int const* lwork, int* info, std::size_t trans_length);
+extern "C" void dsyrk_(char const* uplo, char const* trans, int const* n, int const* k, double const* alpha,
+                       double const* a, int const* lda, double const* beta, double* c, int const* ldc,
+                       std::size_t uplo_length, std::size_t trans_length);
+extern "C" void dtrsm_(char const* side, char const* uplo, char const* trans, char const* diag, int const* m,
+                       int const* n, double const* alpha, double const* a, int const* lda, double* b, int const* ldb,
+                       std::size_t side_length, std::size_t uplo_length, std::size_t trans_length,
+                       std::size_t diag_length);
 extern "C" void openblas_set_num_threads(int threads);
 
 namespace rlslab::bench {
@@ -47,10 +49,11 @@ Vector<double> solve_normal_equations(Records const* records) {
     return M.selfadjointView<Eigen::Lower>().llt().solve(records->psi * records->y);
 }
 
-/// CholeskyQR2 of [Psi y], by columns as the records lie: L1 L1' = A A', the rows are divided by L1 a block at a time while it is in
-/// cache, L2 L2' = Q Q' of what comes, L = L1 L2. Its guard is the condition number at which the second factorisation is no longer
-/// proven to mend the first, 8 kappa sqrt(m d u + d (d + 1) u) <= 1, kappa by L1's Frobenius norms; beyond it theta is left NaN, as
-/// someone who has to answer would go on with another QR. Source: Yamamoto, Nakatsukasa, Yanagisawa & Fukaya 2015.
+/// CholeskyQR2 of [Psi y], by columns as the records lie: L1 L1' = A A', the rows are divided by L1 a block at a time
+/// while it is in cache, L2 L2' = Q Q' of what comes, L = L1 L2. Its guard is the condition number at which the second
+/// factorisation is no longer proven to mend the first, 8 kappa sqrt(m d u + d (d + 1) u) <= 1, kappa by L1's Frobenius
+/// norms; beyond it theta is left NaN, as someone who has to answer would go on with another QR. Source: Yamamoto,
+/// Nakatsukasa, Yanagisawa & Fukaya 2015.
 Vector<double> solve_cholesky_qr2(Matrix<double> const& A) {
     constexpr Index block = 256;
     Index const d = A.rows(), m = A.cols();
@@ -72,7 +75,10 @@ Vector<double> solve_cholesky_qr2(Matrix<double> const& A) {
     }
     Eigen::LLT<Eigen::Ref<Matrix<double>>> const two(second);
     Matrix<double> const L = L1 * Matrix<double>(two.matrixL());
-    return L.topLeftCorner(d - 1, d - 1).transpose().triangularView<Eigen::Upper>().solve(L.row(d - 1).head(d - 1).transpose());
+    return L.topLeftCorner(d - 1, d - 1)
+        .transpose()
+        .triangularView<Eigen::Upper>()
+        .solve(L.row(d - 1).head(d - 1).transpose());
 }
 
 [[maybe_unused]] bool const added = [] {

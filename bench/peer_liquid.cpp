@@ -9,7 +9,8 @@
 namespace rlslab::bench {
 namespace {
 
-/// Only the newest sample of a regressor is pushed: the rest is in its delay line, which like the scenario's starts with zeros.
+/// Only the newest sample of a regressor is pushed: the rest is in its delay line, which like the scenario's starts
+/// with zeros.
 class Liquid {
     struct Destroy {
         void operator()(eqrls_rrrf q) const { eqrls_rrrf_destroy(q); }

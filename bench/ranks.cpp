@@ -44,7 +44,9 @@ double merging(Rows const& rows) {
 }
 
 /// Whether this is a rank of an MPI job, whichever of the usual launchers (Open MPI, MPICH, Slurm) started it.
-bool under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE") || std::getenv("PMIX_RANK"); }
+bool under_mpirun() {
+    return std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_SIZE") || std::getenv("PMIX_RANK");
+}
 
 void fold(Index size, Index all, Index group) {
     Seed seed{1};
@@ -58,7 +60,8 @@ void fold(Index size, Index all, Index group) {
     double const took = seconds() - before;
     if (filter)
         std::printf(
-            "%d ranks, %ld parameters, %ld rows in groups of %ld: %.2f s, %.3g rows/s a rank; merging a group %.3g s; |theta| %.6g\n",
+            "%d ranks, %ld parameters, %ld rows in groups of %ld: %.2f s, %.3g rows/s a rank; merging a group %.3g s; "
+            "|theta| %.6g\n",
             ranks.ranks(), long(size), long(all), long(group), took, double(all) / took / ranks.ranks(), merging(rows),
             filter->theta().norm());
 }
@@ -70,7 +73,8 @@ int run_ranks(char** argv) {
         for (int k = 2; k <= i; ++k)
             if (!argv[k]) return otherwise;
         Index const given = std::atol(argv[i]);
-        if (given < 1) throw std::runtime_error("expected ranks [RANKS [PARAMETERS [ROWS [GROUP]]]], numbers from 1 on");
+        if (given < 1)
+            throw std::runtime_error("expected ranks [RANKS [PARAMETERS [ROWS [GROUP]]]], numbers from 1 on");
         return given;
     };
     std::string const ranks = std::to_string(number(2, 2));

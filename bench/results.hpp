@@ -1,5 +1,5 @@
-// The JSON that Google Benchmark writes, made JSON: it writes NaN and Infinity, which JSON has not, for the relative scatter of times that
-// are 0.
+// The JSON that Google Benchmark writes, made JSON: it writes NaN and Infinity, which JSON has not, for the relative
+// scatter of times that are 0.
 #pragma once
 
 #include <fmt/format.h>
@@ -18,7 +18,8 @@ inline nlohmann::json parsed_results(std::string const& text) {
     return nlohmann::json::parse(std::regex_replace(text, not_finite, "$1null"));
 }
 
-/// make(the text of the file). Throws std::runtime_error, with the file's name before any complaint; `missing` where there is none.
+/// make(the text of the file). Throws std::runtime_error, with the file's name before any complaint; `missing` where
+/// there is none.
 template <class Make>
 auto made_from(std::string const& path, std::string const& missing, Make make) {
     try {

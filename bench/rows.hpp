@@ -24,8 +24,8 @@ struct Answer {
     bool finite;
 };
 
-/// Times an iteration without its preparation. A row is quoted by the least time over all iterations. Google Benchmark's own time is their
-/// mean, and contains the cost of stopping and starting its clock.
+/// Times an iteration without its preparation. A row is quoted by the least time over all iterations. Google
+/// Benchmark's own time is their mean, and contains the cost of stopping and starting its clock.
 class Stopwatch {
     benchmark::State& state_;
     double const updates_;  // in one iteration
@@ -68,9 +68,9 @@ std::string family_of(F const& filter) {
     else return RecursiveLeastSquares<F> ? "information" : "peer";
 }
 
-/// The longest of `steps` steps; step(k) gives the nanoseconds that it took. Each step counts with its least time over several runs through
-/// all of them, so that other processes do not: what is long in each run is left. Less what the clock itself takes. begin() comes before
-/// each run.
+/// The longest of `steps` steps; step(k) gives the nanoseconds that it took. Each step counts with its least time over
+/// several runs through all of them, so that other processes do not: what is long in each run is left. Less what the
+/// clock itself takes. begin() comes before each run.
 template <class Begin, class Step>
 double longest_step(Index steps, Begin begin, Step step) {
     constexpr int runs = 20;
@@ -84,8 +84,8 @@ double longest_step(Index steps, Begin begin, Step step) {
     return std::ranges::max(least) - clock;
 }
 
-/// F, a variant, what is around one, or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are independent. Fed with
-/// the scored rows of the scenario it gives its digits; every timed stretch starts from there.
+/// F, a variant, what is around one, or a peer dressed as one: F(Problem<T>), update(psi, y), theta(); copies are
+/// independent. Fed with the scored rows of the scenario it gives its digits; every timed stretch starts from there.
 template <class F>
 class FilterRow {
     using T = typename F::scalar;
@@ -115,8 +115,8 @@ class FilterRow {
 
 public:
     explicit FilterRow(Scenario const& scenario)
-        : scenario_(scenario), psi_(scenario_.records.psi.template cast<T>()), y_(scenario_.records.y.template cast<T>()),
-          scored_(problem_in<T>(scenario_.problem)) {
+        : scenario_(scenario), psi_(scenario_.records.psi.template cast<T>()),
+          y_(scenario_.records.y.template cast<T>()), scored_(problem_in<T>(scenario_.problem)) {
         stretch<Theta::unasked>(scored_, psi_, y_, 0, scenario_.scored);
         digits_ = digits(scenario_.exact, theta(scored_), std::numeric_limits<T>::digits);
     }
@@ -125,12 +125,15 @@ public:
         Stopwatch watch(state, rows);
         F filter = scored_;
         for (auto _ : state)
-            watch.add([&] { filter = scored_; }, [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
+            watch.add([&] { filter = scored_; },
+                      [&] { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored, y_.size()); });
         watch.finish({digits_, theta(filter).allFinite()});
         state.counters["ns_theta"] = nanoseconds_of_theta(filter);
         state.counters["ns_longest"] = longest_step(
             rows, [&] { filter = scored_; },
-            [&](Index k) { return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored + k, scenario_.scored + k + 1); });
+            [&](Index k) {
+                return stretch<Theta::unasked>(filter, psi_, y_, scenario_.scored + k, scenario_.scored + k + 1);
+            });
         state.SetLabel(family_of(filter));
     }
 };
@@ -139,21 +142,23 @@ public:
 template <class F>
 void add_filter_row(std::string const& group, Index size, Scenario const& (*scenario)(Index) = tapped_delay_line) {
     std::string const arithmetic = std::same_as<typename F::scalar, float> ? "float" : "double";
-    add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size), [=](benchmark::State& state) {
-        static std::map<Index, FilterRow<F>> made;
-        made.try_emplace(size, scenario(size)).first->second.run(state);
-    });
+    add_row(group + "/" + std::string(F::name) + "/" + arithmetic + "/" + std::to_string(size),
+            [=](benchmark::State& state) {
+                static std::map<Index, FilterRow<F>> made;
+                made.try_emplace(size, scenario(size)).first->second.run(state);
+            });
 }
 
-/// A whole set of rows at once: times solve(input) -> theta. input = prepare(records) is made anew for each iteration, outside the time: a
-/// copy of what the library overwrites, in the layout in which it is fastest.
+/// A whole set of rows at once: times solve(input) -> theta. input = prepare(records) is made anew for each iteration,
+/// outside the time: a copy of what the library overwrites, in the layout in which it is fastest.
 template <class Prepare, class Solve>
 void run_batch(benchmark::State& state, Scenario const& scenario, Prepare prepare, Solve solve) {
     Stopwatch watch(state, scenario.records.rows());
     Vector<double> theta;
     std::optional<decltype(prepare(scenario.records))> input;
     for (auto _ : state)
-        watch.add([&] { input.emplace(prepare(scenario.records)); }, [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
+        watch.add([&] { input.emplace(prepare(scenario.records)); },
+                  [&] { return nanoseconds_of([&] { theta = solve(*input); }); });
     watch.finish({digits(scenario.exact, theta, std::numeric_limits<double>::digits), theta.allFinite()});
 }
 

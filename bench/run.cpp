@@ -22,7 +22,8 @@ public:
             auto const counter = [&](char const* name) { return run.counters.at(name).value; };
             fmt::print("{:<44}{:>14.1f}{:>9.1f}{:>8}", run.run_name.str(), counter("ns_per_update"), counter("digits"),
                        counter("finite") != 0 ? "yes" : "no");
-            if (run.counters.contains("ns_theta")) fmt::print("{:>12.1f}{:>12.1f}", counter("ns_theta"), counter("ns_longest"));
+            if (run.counters.contains("ns_theta"))
+                fmt::print("{:>12.1f}{:>12.1f}", counter("ns_theta"), counter("ns_longest"));
             fmt::print("\n");
         }
         std::fflush(stdout);
@@ -33,7 +34,8 @@ public:
 std::string processor() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos) return line.substr(line.find(": ") + 2);
+        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+            return line.substr(line.find(": ") + 2);
     return "unknown processor";
 }
 

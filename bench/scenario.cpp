@@ -49,7 +49,8 @@ Scenario const& tapped_delay_line(Index size) {
         Seed seed{1};
         Index const scored = 2 * size + 100;
         Matrix<double> psi = delay_line(size, scored + stretch_rows(size), seed);
-        Problem<double> const problem{.size = size, .forgetting = rounded_to_float(0.99), .prior = Prior<double>{.variance = 10}};
+        Problem<double> const problem{
+            .size = size, .forgetting = rounded_to_float(0.99), .prior = Prior<double>{.variance = 10}};
         return measured(problem, std::move(psi), scored, seed);
     });
 }
@@ -59,7 +60,8 @@ Scenario const& rows_of_window(Index size) {
     return once(made, size, [size] {
         Scenario const& all = tapped_delay_line(size);
         Index const rows = window_rows(size), first = all.scored - rows;
-        Records kept{.psi = all.records.psi.middleCols(first, rows), .y = all.records.y.segment(first, rows), .names = {}};
+        Records kept{
+            .psi = all.records.psi.middleCols(first, rows), .y = all.records.y.segment(first, rows), .names = {}};
         CertifiedSolution exact = certified(all.problem, kept, {rows}).front();
         return Scenario{all.problem, std::move(kept), rows, std::move(exact)};
     });
@@ -97,13 +99,15 @@ Scenario const& interpolation(Index size) {
             psi(i, k) = rounded_to_float(1 - (at - double(i)));
             psi(i + 1, k) = rounded_to_float(at - double(i));
         }
-        return measured({.size = size, .forgetting = 1, .prior = Prior<double>{.variance = 10}}, std::move(psi), rows, seed);
+        return measured({.size = size, .forgetting = 1, .prior = Prior<double>{.variance = 10}}, std::move(psi), rows,
+                        seed);
     });
 }
 
 double digits(CertifiedSolution const& exact, Vector<double> const& theta, int arithmetic_bits) {
     if (!theta.allFinite()) return 0;
-    return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })), arithmetic_bits * std::log10(2.0));
+    return std::min(exact.theta_digits(theta.unaryExpr([](double x) { return Reference(x); })),
+                    arithmetic_bits * std::log10(2.0));
 }
 
 }  // namespace rlslab::bench

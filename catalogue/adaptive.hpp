@@ -1,4 +1,5 @@
-// A filter of a variant that is named while the program runs, in one arithmetic, with all that windows, guards and rules ask of a filter.
+// A filter of a variant that is named while the program runs, in one arithmetic, with all that windows, guards and
+// rules ask of a filter.
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
@@ -43,10 +44,11 @@ struct AnyForm {
     typename AnyAdaptive<T>::Interface& filter;
 };
 
-/// A value: copies are filters of their own. Around a variant, or around what is composed around one: so a window, a guard or a rule is
-/// compiled once an arithmetic, and not once a variant. Each call is one virtual call to F's own text: the bits are those of the type F.
-/// By its type it models everything that adapt/ asks for. What F cannot do throws std::logic_error: ask `abilities` before composing.
-/// Allocates at copies, and where theta or gain are reported.
+/// A value: copies are filters of their own. Around a variant, or around what is composed around one: so a window, a
+/// guard or a rule is compiled once an arithmetic, and not once a variant. Each call is one virtual call to F's own
+/// text: the bits are those of the type F. By its type it models everything that adapt/ asks for. What F cannot do
+/// throws std::logic_error: ask `abilities` before composing. Allocates at copies, and where theta or gain are
+/// reported.
 template <Real T>
 class AnyAdaptive {
 public:
@@ -80,9 +82,12 @@ public:
         virtual CompositionCounts counts() const = 0;
     };
 
-    /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for another name.
-    explicit AnyAdaptive(Problem<T> const& problem, std::string_view variant = "ud") : filter_(named(variant, problem)) {}
-    /// A copy of this filter; a function, since a constructor from anything would ask whether AnyAdaptive is a filter to know what it is.
+    /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for
+    /// another name.
+    explicit AnyAdaptive(Problem<T> const& problem, std::string_view variant = "ud")
+        : filter_(named(variant, problem)) {}
+    /// A copy of this filter; a function, since a constructor from anything would ask whether AnyAdaptive is a filter
+    /// to know what it is.
     template <class F>
     static AnyAdaptive around(F const& filter) {
         return AnyAdaptive(std::make_unique<Around<F>>(filter));
@@ -117,7 +122,9 @@ public:
     friend void restart(AnyAdaptive& f, T const& variance, Regressor<T> theta, T const& lambda) {
         f.filter_->restart(variance, theta, lambda);
     }
-    friend Step<T> cap_row(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) { return f.filter_->cap_row(psi, y, lambda); }
+    friend Step<T> cap_row(AnyAdaptive& f, Regressor<T> psi, T const& y, T const& lambda) {
+        return f.filter_->cap_row(psi, y, lambda);
+    }
 
 private:
     template <class F>
@@ -134,7 +141,9 @@ struct AnyAdaptive<T>::Around final : Interface {
     F f;
     explicit Around(F const& filter) : f(filter) {}
 
-    [[noreturn]] static void cannot() { throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name)); }
+    [[noreturn]] static void cannot() {
+        throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name));
+    }
 
     std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
     Abilities abilities() const override { return abilities_by_type<F>; }
@@ -226,9 +235,11 @@ std::unique_ptr<AnyAdaptive<float>::Interface> AnyAdaptive<float>::named(std::st
 template <>
 std::unique_ptr<AnyAdaptive<double>::Interface> AnyAdaptive<double>::named(std::string_view, Problem<double> const&);
 template <>
-std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view, Problem<Reference> const&);
+std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view,
+                                                                                 Problem<Reference> const&);
 
-// --- a form that only the run knows -------------------------------------------------------------------------------------------------
+// --- a form that only the run knows
+// -------------------------------------------------------------------------------------------------
 
 template <Real T>
 void set_forgetting(AnyForm<T> f, T const& lambda) {

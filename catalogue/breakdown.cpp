@@ -9,7 +9,8 @@ namespace rlslab {
 
 Health breakdown(AnyFilter const& filter, Arithmetic const& arithmetic, Health last) {
     double const widening = arithmetic.digits > 53 ? 0x1p-53 : 0;
-    Health const stored = surely_positive(filter.stored_in_double(), widening) ? Health::sound : definiteness(filter.stored());
+    Health const stored =
+        surely_positive(filter.stored_in_double(), widening) ? Health::sound : definiteness(filter.stored());
     return stored == Health::sound && last == Health::nonfinite && !is_finite(filter.theta()) ? last : stored;
 }
 

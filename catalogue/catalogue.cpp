@@ -1,5 +1,5 @@
-// A catalogue: the instances of some arithmetics, in the order of the two lists. RLSLAB_LINKED names them by their places in the
-// list of arithmetics.
+// A catalogue: the instances of some arithmetics, in the order of the two lists. RLSLAB_LINKED names them by their
+// places in the list of arithmetics.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/instances.hpp>
 #include <rlslab/model/order_recursive.hpp>
@@ -38,9 +38,11 @@ Lists const& lists() {
 std::vector<Arithmetic> const& arithmetics() { return lists().arithmetics; }
 std::vector<CatalogueEntry> const& catalogue() { return lists().entries; }
 
-CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant, std::string_view arithmetic) {
-    auto const found = std::ranges::find_if(
-        entries, [&](CatalogueEntry const& entry) { return entry.variant == variant && entry.arithmetic->name == arithmetic; });
+CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant,
+                                 std::string_view arithmetic) {
+    auto const found = std::ranges::find_if(entries, [&](CatalogueEntry const& entry) {
+        return entry.variant == variant && entry.arithmetic->name == arithmetic;
+    });
     return found == entries.end() ? nullptr : &*found;
 }
 CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic) {

@@ -19,13 +19,16 @@ struct Cost {
     long total() const { return update.total() + theta.total(); }
 };
 
-/// Every pair of variant and arithmetic: arithmetics from the shortest to the longest, variants in the order of the list.
+/// Every pair of variant and arithmetic: arithmetics from the shortest to the longest, variants in the order of the
+/// list.
 std::vector<CatalogueEntry> const& catalogue();
-/// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the length set by the `PrecisionScope`
-/// of the calling thread. It has no entry in the catalogue because its length is chosen at run time.
+/// Every variant in VariablePrecision (<rlslab/arithmetic/variable_precision.hpp>), which rounds to the length set by
+/// the `PrecisionScope` of the calling thread. It has no entry in the catalogue because its length is chosen at run
+/// time.
 std::vector<CatalogueEntry> const& variable_precision_catalogue();
 /// The entry of a variant in an arithmetic, of these or of the catalogue's; nullptr where there is none.
-CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant, std::string_view arithmetic);
+CatalogueEntry const* find_entry(std::vector<CatalogueEntry> const& entries, std::string_view variant,
+                                 std::string_view arithmetic);
 CatalogueEntry const* find_entry(std::string_view variant, std::string_view arithmetic = "double");
 /// An entry of each variant of the catalogue, in the order of the list.
 std::vector<CatalogueEntry const*> one_entry_each();
@@ -33,7 +36,8 @@ std::vector<CatalogueEntry const*> one_entry_each();
 std::optional<Family> family_of_variant(std::string_view name);
 /// The arithmetics of the catalogue, in its order.
 std::vector<Arithmetic> const& arithmetics();
-/// What a dense variant stores, as seen on a filter in double after some rows. Sparse ones, in double alone, are not there.
+/// What a dense variant stores, as seen on a filter in double after some rows. Sparse ones, in double alone, are not
+/// there.
 struct VariantForm {
     std::string_view variant;
     Stored<double>::Quantity quantity;
@@ -43,8 +47,8 @@ struct VariantForm {
 };
 /// In the order of the list.
 std::vector<VariantForm> const& variant_forms();
-/// The operations per row of a variant with `size` parameters in steady state (lambda = 0.99). A variant that takes blocks solves for theta
-/// once for each block. nullopt for a variant whose arithmetic is in another library.
+/// The operations per row of a variant with `size` parameters in steady state (lambda = 0.99). A variant that takes
+/// blocks solves for theta once for each block. nullopt for a variant whose arithmetic is in another library.
 std::optional<Cost> cost(std::string_view variant, Index size);
 
 }  // namespace rlslab

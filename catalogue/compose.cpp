@@ -67,8 +67,10 @@ AnyAdaptive<T> innermost(Composition const& c, std::string_view variant, Problem
     std::optional<AnyAdaptive<T>> out;
     if (c.policy().hands_over())
         for_each(Variants<T>{}, [&]<class F>() {
-            if constexpr (ReportsLeastShare<F> && Downdates<F> && requires { typename SounderThan<typename F::scalar>::type; })
-                if (F::name == variant) out = AnyAdaptive<T>::around(Relay<F, typename SounderThan<typename F::scalar>::type>(problem));
+            if constexpr (ReportsLeastShare<F> && Downdates<F> &&
+                          requires { typename SounderThan<typename F::scalar>::type; })
+                if (F::name == variant)
+                    out = AnyAdaptive<T>::around(Relay<F, typename SounderThan<typename F::scalar>::type>(problem));
         });
     return out ? *out : AnyAdaptive<T>(problem, variant);
 }
@@ -92,7 +94,8 @@ AnyAdaptive<T> with_control(Composition const& c, AnyAdaptive<T> const& filter, 
     if (c.keeps_the_problem()) return out;
     for_each(Rules<T>{}, [&]<class Rule>() {
         if (Rule::name == c.control)
-            out = AnyAdaptive<T>::around(Forgetting<AnyAdaptive<T>, Rule>(filter, problem, rule_of<Rule>(c.parameters)));
+            out =
+                AnyAdaptive<T>::around(Forgetting<AnyAdaptive<T>, Rule>(filter, problem, rule_of<Rule>(c.parameters)));
     });
     return out;
 }
@@ -129,7 +132,9 @@ class Composed final : public ComposedFilter {
 public:
     Composed(AnyAdaptive<T> const& filter, T const& forgetting) : filter_(filter, forgetting) {}
 
-    Step<double> update(Regressor<double> psi, double y) override { return in_doubles(filter_.update(rounded(psi), round_to<T>(y))); }
+    Step<double> update(Regressor<double> psi, double y) override {
+        return in_doubles(filter_.update(rounded(psi), round_to<T>(y)));
+    }
     Step<double> update(Regressor<double>, double, Matrix<double> const&) override {
         throw std::invalid_argument("expected a variant alone: a composition takes no errors in its gain");
     }
@@ -145,13 +150,17 @@ public:
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Composed>(*this); }
     std::vector<std::byte> saved() const override {
-        throw std::invalid_argument("expected a variant alone: save a composition by its type (<rlslab/state/state.hpp>)");
+        throw std::invalid_argument(
+            "expected a variant alone: save a composition by its type (<rlslab/state/state.hpp>)");
     }
     void load(std::span<std::byte const>) override {
-        throw std::invalid_argument("expected a variant alone: load a composition by its type (<rlslab/state/state.hpp>)");
+        throw std::invalid_argument(
+            "expected a variant alone: load a composition by its type (<rlslab/state/state.hpp>)");
     }
     CompositionCounts counts() const override { return filter_.filter().composition_counts(); }
-    double noise_variance() const override { return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan(""); }
+    double noise_variance() const override {
+        return filter_.degrees() > 0 ? in_double(filter_.noise_variance()) : std::nan("");
+    }
     Interval<double> interval(Index j, double q) override {
         if (!filter_.filter().abilities().variances) return alone(filter_.theta()[j]);
         return in_doubles(filter_.interval(j, T(q)));
@@ -166,16 +175,21 @@ public:
 }  // namespace
 
 template <>
-std::unique_ptr<ComposedFilter> compose<RLSLAB_ARITHMETIC>(Composition const& c, std::string_view variant, Problem<double> const& given) {
+std::unique_ptr<ComposedFilter> compose<RLSLAB_ARITHMETIC>(Composition const& c, std::string_view variant,
+                                                           Problem<double> const& given) {
     Problem<T> const problem = problem_as<T>(given);
     constexpr char const* in_range = "numbers of the control in the arithmetic's range";
-    for (double const x : c.parameters) expects(is_finite(round_to<T>(x)) && (x == 0 || !(round_to<T>(x) == T(0))), in_range);
+    for (double const x : c.parameters)
+        expects(is_finite(round_to<T>(x)) && (x == 0 || !(round_to<T>(x) == T(0))), in_range);
     for (size_t i = 0; i < c.parameters.size(); ++i)
-        if (control_named(c.control).parameters.at(i).range.inverted) expects(is_finite(T(1) / round_to<T>(c.parameters[i])), in_range);
+        if (control_named(c.control).parameters.at(i).range.inverted)
+            expects(is_finite(T(1) / round_to<T>(c.parameters[i])), in_range);
     if (is_its_own_rule(c, variant))
-        return std::make_unique<Composed>(AnyAdaptive<T>::around(Walking(problem, round_to<T>(c.parameters.at(0)))), problem.forgetting);
+        return std::make_unique<Composed>(AnyAdaptive<T>::around(Walking(problem, round_to<T>(c.parameters.at(0)))),
+                                          problem.forgetting);
     AnyAdaptive<T> filter = innermost(c, variant, problem);
-    if (c.window > 0) filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));
+    if (c.window > 0)
+        filter = AnyAdaptive<T>::around(Windowed<AnyAdaptive<T>>(filter, problem.forgetting, {.rows = c.window}));
     filter = with_guard(c, with_control(c, filter, problem), problem);
     return std::make_unique<Composed>(filter, problem.forgetting);
 }

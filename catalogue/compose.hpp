@@ -8,7 +8,8 @@ namespace rlslab {
 
 /// `composed` in one arithmetic. catalogue/compose.cpp, compiled for that I, defines it.
 template <int I>
-std::unique_ptr<ComposedFilter> compose(Composition const& composition, std::string_view variant, Problem<double> const& problem);
+std::unique_ptr<ComposedFilter> compose(Composition const& composition, std::string_view variant,
+                                        Problem<double> const& problem);
 
 /// What a variant can do, in double; `relays`: it knows how near to singular its P is, and can hand over.
 struct VariantAbilities {

@@ -14,8 +14,8 @@ constexpr int place_of() {
 
 }  // namespace
 
-std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant, std::string_view arithmetic,
-                                         Problem<double> const& problem) {
+std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant,
+                                         std::string_view arithmetic, Problem<double> const& problem) {
     if (!contradiction(composition).empty() || !obstacle(composition, variant).empty()) return nullptr;
     if (arithmetic == "float") return compose<place_of<float>()>(composition, variant, problem);
     if (arithmetic == "double") return compose<place_of<double>()>(composition, variant, problem);

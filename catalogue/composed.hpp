@@ -12,8 +12,9 @@ namespace rlslab {
 class ComposedFilter : public AnyFilter {
 public:
     virtual CompositionCounts counts() const = 0;
-    /// Of Assessed, rounded to binary64: the noise's variance, theta_j +- q deviations, the next output +- q deviations.
-    /// Deviations are NaN until the noise is known, and of a variant that shows no state (`kalman` and `extended_qr` with `constant`).
+    /// Of Assessed, rounded to binary64: the noise's variance, theta_j +- q deviations, the next output +- q
+    /// deviations. Deviations are NaN until the noise is known, and of a variant that shows no state (`kalman` and
+    /// `extended_qr` with `constant`).
     virtual double noise_variance() const = 0;
     virtual Interval<double> interval(Index j, double q) = 0;
     virtual Interval<double> prediction(Regressor<double> psi, double q) = 0;
@@ -21,10 +22,11 @@ public:
 
 /// The arithmetics in which compositions exist besides "reference" (257 bits).
 std::vector<std::string_view> const& composed_arithmetics();
-/// The composition around the variant in one of these, or in "reference"; null for another arithmetic, or where there is an obstacle. The
-/// guard hands over to ud in double from float, in 113 bits from double; in 257 bits there is nothing sounder, and it resets. Numbers are
-/// rounded to the arithmetic. Throws std::invalid_argument where they are then no options (a variance that is 0 or infinite there).
-std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant, std::string_view arithmetic,
-                                         Problem<double> const& problem);
+/// The composition around the variant in one of these, or in "reference"; null for another arithmetic, or where there
+/// is an obstacle. The guard hands over to ud in double from float, in 113 bits from double; in 257 bits there is
+/// nothing sounder, and it resets. Numbers are rounded to the arithmetic. Throws std::invalid_argument where they are
+/// then no options (a variance that is 0 or infinite there).
+std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant,
+                                         std::string_view arithmetic, Problem<double> const& problem);
 
 }  // namespace rlslab

@@ -68,7 +68,8 @@ std::vector<std::string_view> const& composed_arithmetics() {
 std::string contradiction(Composition const& c) {
     if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
     if (c.policy().hands_over() && c.window > 0) return "a window cannot take back rows from the filter that goes on";
-    if (c.policy().hands_over() && !c.keeps_the_problem()) return "a rule of forgetting does not go along to the filter that goes on";
+    if (c.policy().hands_over() && !c.keeps_the_problem())
+        return "a rule of forgetting does not go along to the filter that goes on";
     return "";
 }
 
@@ -80,7 +81,8 @@ std::string obstacle(Composition const& c, std::string_view variant) {
     VariantAbilities const can = abilities_of(variant);
     Abilities const& a = can.abilities;
     bool const ruled = !c.keeps_the_problem();
-    if (!ruled && c.window == 0 && c.guard.empty()) return can.single_rows ? "" : "takes rows in blocks, or is another library's";
+    if (!ruled && c.window == 0 && c.guard.empty())
+        return can.single_rows ? "" : "takes rows in blocks, or is another library's";
     if (is_its_own_rule(c, variant)) return "";
     if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";
     if (c.window > 0 && !a.downdates) return "takes no row back";
@@ -95,7 +97,8 @@ std::string obstacle(Composition const& c, std::string_view variant) {
 
 bool needs_noise_variance(Composition const& c) {
     for (size_t i = 0; i < c.parameters.size(); ++i)
-        if (std::isnan(c.parameters[i]) && control_named(c.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance)
+        if (std::isnan(c.parameters[i]) &&
+            control_named(c.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance)
             return true;
     return false;
 }
@@ -103,16 +106,17 @@ bool needs_noise_variance(Composition const& c) {
 Composition completed(Composition composition, Problem<double> const& problem, double noise_variance) {
     for (size_t i = 0; i < composition.parameters.size(); ++i) {
         double& x = composition.parameters[i];
-        bool const of_noise = control_named(composition.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance;
+        bool const of_noise =
+            control_named(composition.control).parameters.at(i).range.otherwise == RuleDefault::noise_variance;
         if (std::isnan(x))
             x = of_noise                    ? noise_variance
                 : problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff()
                                             : problem.prior->variance;
         if (!std::isfinite(x) || (of_noise && !(x > 0)))
-            throw InputError(
-                fmt::format("--control {}: expected its number: none follows from a record that the model fits exactly, or of "
-                            "whose residuals double cannot hold the squares",
-                            composition.control));
+            throw InputError(fmt::format(
+                "--control {}: expected its number: none follows from a record that the model fits exactly, or of "
+                "whose residuals double cannot hold the squares",
+                composition.control));
     }
     return composition;
 }
@@ -120,7 +124,8 @@ Composition completed(Composition composition, Problem<double> const& problem, d
 std::vector<std::string> warnings_of(Composition const& c, Index rows, Index parameters) {
     std::vector<std::string> out;
     if (c.window >= std::max<Index>(rows, 1))
-        out.push_back(fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.window));
+        out.push_back(
+            fmt::format("the window of {} rows is as long as the record, or longer: no row leaves it", c.window));
     if (c.control == CovarianceReset<double>::name && c.parameters[0] > double(rows))
         out.emplace_back("the control resets P after the record's end: it did nothing");
     if (c.window > 0 && c.window < parameters)

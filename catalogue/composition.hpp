@@ -11,8 +11,8 @@
 
 namespace rlslab {
 
-/// One number of a rule of forgetting, as the rule itself describes it (adapt/rules.hpp). `start` is NaN where the number must be given
-/// or follows from the data.
+/// One number of a rule of forgetting, as the rule itself describes it (adapt/rules.hpp). `start` is NaN where the
+/// number must be given or follows from the data.
 struct ControlParameter {
     std::string_view name, member;
     bool whole;
@@ -32,7 +32,8 @@ Control const& control_named(std::string_view name);
 /// The names of guard_policies.
 std::vector<std::string_view> const& guard_names();
 
-/// Names that are empty and a window of 0 rows are not there. Throughout: a window stands next to the filter, a guard outermost.
+/// Names that are empty and a window of 0 rows are not there. Throughout: a window stands next to the filter, a guard
+/// outermost.
 struct Composition {
     std::string control = "";
     std::vector<double> parameters = {};  ///< of the control, all of them
@@ -42,7 +43,8 @@ struct Composition {
     bool empty() const { return control.empty() && window == 0 && guard.empty(); }
     /// Whether theta and P minimise the J of some rows with constant lambda: no rule changes the forgetting.
     bool keeps_the_problem() const;
-    /// What the guard does; that it reports where there is none. Throws std::invalid_argument for a name that is no policy's.
+    /// What the guard does; that it reports where there is none. Throws std::invalid_argument for a name that is no
+    /// policy's.
     GuardPolicy policy() const;
 };
 /// Why no variant can be composed so, or "".
@@ -54,8 +56,8 @@ std::string obstacle(Composition const& composition, std::string_view variant);
 
 /// Whether one of its numbers is not given and follows from the noise.
 bool needs_noise_variance(Composition const& composition);
-/// The composition with the numbers that follow from the data: fortescue's VARIANCE is the noise's, reset's the prior's, the largest of
-/// its P. Throws InputError where one of its numbers is not to be had.
+/// The composition with the numbers that follow from the data: fortescue's VARIANCE is the noise's, reset's the
+/// prior's, the largest of its P. Throws InputError where one of its numbers is not to be had.
 Composition completed(Composition composition, Problem<double> const& problem, double noise_variance);
 
 /// What is odd about it on a record of so many rows and parameters.
@@ -63,10 +65,11 @@ std::vector<std::string> warnings_of(Composition const& composition, Index rows,
 
 /// What a composition did so far. Counts of what is not part of it stay 0.
 struct CompositionCounts {
-    Index refactored = 0;                                                        ///< times that a window's kept rows were factored anew
-    Index since = 0;                                                             ///< rows since then, or since the start
-    Index unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as a guard counts them (GuardCounts)
-    bool handed_over = false;                                                    ///< to the sounder variant
+    Index refactored = 0;  ///< times that a window's kept rows were factored anew
+    Index since = 0;       ///< rows since then, or since the start
+    Index unusable = 0, outliers = 0, changes = 0, windups = 0,
+          breakdowns = 0;      ///< as a guard counts them (GuardCounts)
+    bool handed_over = false;  ///< to the sounder variant
 };
 
 }  // namespace rlslab

@@ -13,7 +13,9 @@ Cost counted_cost(Index d) {
     using T = typename F::scalar;
     F filter(Problem<T>{.size = d, .forgetting = T(0.99)});
     Seed seed{1};
-    auto const noise = [&seed](Index n) { return Vector<T>(Vector<T>::NullaryExpr(n, [&seed] { return T(seed.bell()); })); };
+    auto const noise = [&seed](Index n) {
+        return Vector<T>(Vector<T>::NullaryExpr(n, [&seed] { return T(seed.bell()); }));
+    };
     for (Index k = 0; k < 2 * d + 1; ++k) filter.update(noise(d), T(seed.bell()));
     auto const per_row = [](Tally const& t, long rows) {
         return Operations{t.additions / rows, t.multiplications / rows, t.divisions / rows, t.square_roots / rows};

@@ -17,8 +17,8 @@ template <class T>
 double in_double(T const& x) {
     return static_cast<double>(x);
 }
-/// The stored numbers rounded to binary64, except that a nonzero number never becomes zero: the zeros of a factor decide whether it is a
-/// triangle, and whether it is singular.
+/// The stored numbers rounded to binary64, except that a nonzero number never becomes zero: the zeros of a factor
+/// decide whether it is a triangle, and whether it is singular.
 template <class T>
 Stored<double> in_double(Stored<T> const& stored) {
     return stored.template mapped<double>([](T const& x) {
@@ -84,12 +84,15 @@ public:
     Step<double> update(Regressor<double> psi, double y, Matrix<double> const& relative) override {
         if constexpr (GainPerturbable<F>) {
             Index const columns = relative.cols();
-            expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()), "an error for each number of the gain");
+            expects(relative.rows() == psi.size() && (columns == 1 || columns == psi.size()),
+                    "an error for each number of the gain");
             Vector<T> const row = Eigen::Map<Vector<double> const>(psi.data(), psi.size()).unaryExpr(&round_to<T>);
             RoundingSeedScope<T> const draws(seed_);
-            return step_in_double(filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
+            return step_in_double(
+                filter_.update(row, round_to<T>(y), RelativeErrors<T>{relative, std::vector<T>(size_t(psi.size()))}));
         } else {
-            throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " + std::string(F::name));
+            throw std::invalid_argument("expected a variant that uses its gain in the update of P, not " +
+                                        std::string(F::name));
         }
     }
     Step<double> update_block(Records const& records, Index first, Index last) override {
@@ -192,7 +195,8 @@ CatalogueEntry entry_of(Arithmetic const* arithmetic) {
 template <class T>
 Arithmetic arithmetic_of() {
     using Traits = ArithmeticTraits<T>;
-    return {Traits::name, Traits::digits, Traits::min_exp, Traits::max_exp, DataRounding<T>::stochastic, &DataRounding<T>::round};
+    return {Traits::name,           Traits::digits, Traits::min_exp, Traits::max_exp, DataRounding<T>::stochastic,
+            &DataRounding<T>::round};
 }
 
 }  // namespace rlslab

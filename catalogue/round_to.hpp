@@ -6,7 +6,8 @@
 
 namespace rlslab {
 
-/// While this object exists, stochastic rounding in this thread draws from the seed. In other arithmetics it has no effect.
+/// While this object exists, stochastic rounding in this thread draws from the seed. In other arithmetics it has no
+/// effect.
 template <class Scalar>
 struct RoundingSeedScope {
     explicit RoundingSeedScope(Seed&) {}

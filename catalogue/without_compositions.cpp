@@ -5,7 +5,8 @@
 
 namespace rlslab {
 
-std::unique_ptr<ComposedFilter> composed(Composition const&, std::string_view, std::string_view, Problem<double> const&) {
+std::unique_ptr<ComposedFilter> composed(Composition const&, std::string_view, std::string_view,
+                                         Problem<double> const&) {
     throw InputError("--control, --window, --guard, --digits: not in this program: use rlslab");
 }
 

@@ -1,5 +1,5 @@
-# Arb and what it stands on (FLINT, MPFR, GMP) ship neither a CMake config nor pkg-config files everywhere. FLINT 3 has Arb
-# inside (flint/arb.h, libflint); before that it is a library of its own (arb.h, libarb; on Debian 12 libflint-arb).
+# Arb and what it stands on (FLINT, MPFR, GMP) ship neither a CMake config nor pkg-config files everywhere. FLINT 3 has
+# Arb inside (flint/arb.h, libflint); before that it is a library of its own (arb.h, libarb; on Debian 12 libflint-arb).
 # Defines Arb::Arb.
 include(FindPackageHandleStandardArgs)
 find_path(Arb_INCLUDE_DIR NAMES flint/arb.h arb.h)

@@ -11,7 +11,8 @@ set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 # In the tree rlslab/variants is a link: the variants are installed from where they are. The catalogue is not installed.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants COMPONENT headers
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants COMPONENT
+    headers
   FILES_MATCHING PATTERN "*.hpp")
 if(TARGET rlslab_program)
   install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
@@ -36,20 +37,24 @@ if(TARGET rlslab_sparse)
 endif()
 foreach(component IN LISTS components)
   set_target_properties(rlslab_${component} PROPERTIES EXPORT_NAME ${component})
-  install(TARGETS rlslab_${component} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+  install(TARGETS rlslab_${component} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT
+      ${component})
   install(EXPORT rlslab-${component} NAMESPACE rlslab:: DESTINATION ${package_dir} COMPONENT ${component})
 endforeach()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/rlslabConfig.cmake.in
   ${PROJECT_BINARY_DIR}/rlslabConfig.cmake INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
-# Before 1.0 a minor version may change an interface. Headers serve every processor; rlslabConfig.cmake looks whether the core does.
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT)
+# Before 1.0 a minor version may change an interface. Headers serve every processor; rlslabConfig.cmake looks whether
+# the core does.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake COMPATIBILITY SameMinorVersion
+    ARCH_INDEPENDENT)
 install(FILES
   ${PROJECT_BINARY_DIR}/rlslabConfig.cmake ${PROJECT_BINARY_DIR}/rlslabConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindArb.cmake ${CMAKE_CURRENT_LIST_DIR}/FindSuiteSparse.cmake
   DESTINATION ${package_dir} COMPONENT headers)
 
-# pkg-config: the same two targets. What the core is linked with has the names that were found here (FLINT 3 has Arb inside).
+# pkg-config: the same two targets. What the core is linked with has the names that were found here (FLINT 3 has Arb
+# inside).
 set(core_libraries "")
 foreach(part arb flint mpfr gmp)
   if(Arb_${part}_LIBRARY)

@@ -1,13 +1,15 @@
 # Debian packages, by `./lab package` or cpack: rlslab (the program) and librlslab-dev (headers, core, what finds them).
 set(CPACK_PACKAGE_NAME rlslab)
 set(CPACK_PACKAGE_VENDOR "the rlslab authors")
-set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING "who makes the Debian packages: name <address>")
+set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING
+    "who makes the Debian packages: name <address>")
 set(CPACK_PACKAGE_CONTACT ${RLSLAB_MAINTAINER})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Recursive least squares whose digits are measured")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+    WORLD_READ WORLD_EXECUTE)
 
 # A package is a group of components.
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -29,7 +31,8 @@ set(CPACK_DEBIAN_APP_DESCRIPTION "The program compares the variants of recursive
 in arithmetics from bfloat16 to 257 bits, against a certified reference;
 identifies ARX models; and runs the studies that its claims rest on.")
 
-# Headers need Eigen alone. What only the core and the sparse variants need is recommended: apt installs it unless told otherwise.
+# Headers need Eigen alone. What only the core and the sparse variants need is recommended: apt installs it unless told
+# otherwise.
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME librlslab-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")

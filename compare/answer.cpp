@@ -16,11 +16,13 @@ using namespace report;
 namespace {
 
 /// The arithmetics of the hardware and their names in C++, the shortest first.
-std::vector<std::pair<std::string, std::string>> const hardware{{"float", "float"}, {"double", "double"}, {"extended", "long double"}};
+std::vector<std::pair<std::string, std::string>> const hardware{
+    {"float", "float"}, {"double", "double"}, {"extended", "long double"}};
 
 Result const& result_of(Comparison const& c, std::string const& arithmetic, std::string const& variant) {
-    return *std::ranges::find_if(c.results,
-                                 [&](Result const& x) { return x.entry->variant == variant && x.entry->arithmetic->name == arithmetic; });
+    return *std::ranges::find_if(c.results, [&](Result const& x) {
+        return x.entry->variant == variant && x.entry->arithmetic->name == arithmetic;
+    });
 }
 
 std::string comment(std::string const& head, std::vector<std::string> const& items) {
@@ -51,7 +53,8 @@ std::string loss_text(Comparison const& c, Recommendation const& r, Loss const& 
     return fmt::format("{} {}", who, lost.broken > 0 ? "broke down: " + breakdown_text(lost) : "has no answer");
 }
 
-/// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or "".
+/// What the recommended one loses to the best of each measure, where it does, then the runner-up and `conventional`; or
+/// "".
 std::string losses_text(Comparison const& c, Recommendation const& r) {
     std::vector<std::string> out;
     for (size_t i = 0; i < r.losses.size(); ++i)
@@ -68,8 +71,10 @@ std::string verdict(Comparison const& c, size_t width) {
     for (Recommendation const& r : c.recommendations) {
         if (r.variant.empty()) {
             std::string const why = (r.too_short ? "too short for this record: " : "use none: ") + r.why;
-            auto const known = std::ranges::find(without, why, &std::pair<std::string, std::vector<std::string>>::first);
-            (known == without.end() ? without.emplace_back(why, std::vector<std::string>()) : *known).second.push_back(r.arithmetic);
+            auto const known =
+                std::ranges::find(without, why, &std::pair<std::string, std::vector<std::string>>::first);
+            (known == without.end() ? without.emplace_back(why, std::vector<std::string>()) : *known)
+                .second.push_back(r.arithmetic);
             continue;
         }
         arithmetic = std::max(arithmetic, r.arithmetic.size());
@@ -81,9 +86,11 @@ std::string verdict(Comparison const& c, size_t width) {
         PerMeasure<Spread> const& spread = *best.spread;
         size_t const indent = arithmetic + 5;
         std::string const keeps = fmt::format(
-            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, {:.1f} of P{}{}",
-            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high, spread.worst.median,
-            spread.covariance.median, c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
+            "in {:<{}}  use {:<{}}  keeps {:.1f} digits of theta ({:.1f} to {:.1f}), {:.1f} of its worst component, "
+            "{:.1f} of P{}{}",
+            r.arithmetic, arithmetic, r.variant, variant, spread.theta.median, spread.theta.low, spread.theta.high,
+            spread.worst.median, spread.covariance.median,
+            c.options.composition.empty() ? fmt::format("; {} operations", *best.operations) : "",
             best.ns_per_update ? fmt::format(", {:.0f} ns", *best.ns_per_update) : "");
         std::string const lost = losses_text(c, r);
         out += wrapped(keeps + (lost.empty() ? "" : ";"), 0, indent, width) + '\n';
@@ -106,7 +113,8 @@ std::string folded(std::string const& code, size_t width) {
             line += ' ' + code.substr(begin, end - begin);
         }
         line = wrapped(line, 0, comment ? 0 : 4, width - (comment ? 5 : 0));
-        for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1)) line.insert(at + 1, "//   ");
+        for (size_t at = line.find('\n'); comment && at != line.npos; at = line.find('\n', at + 1))
+            line.insert(at + 1, "//   ");
         out += line + '\n';
     }
     return out;
@@ -133,7 +141,8 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
     std::string out = filter.guarded ? "#include <rlslab/adapt/guard.hpp>\n" : composition_includes(composition, T);
     std::string const variant = fmt::format("#include <rlslab/variants/{}.hpp>\n", filter.variant);
     out += (out.find(variant) == out.npos ? variant : "") + "\n";
-    out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output), c.model.regressors);
+    out += comment(fmt::format("{} = psi'theta,  psi = ", c.model.output.empty() ? "y" : c.model.output),
+                   c.model.regressors);
     out += comment("theta = ", c.names);
     std::vector<std::string> means;
     for (auto const& [column, mean] : c.model.means) means.push_back(fmt::format("{} less {}", column, mean));
@@ -143,7 +152,8 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
         for (int const e : filter.exponents) factors.push_back(fmt::format("2^{}", e));
         out += comment("then each regressor times ", factors);
         out += fmt::format(
-            "// and the output times 2^{}; theta_i of the columns before that = theta_i times the regressor's factor times 2^{}\n",
+            "// and the output times 2^{}; theta_i of the columns before that = theta_i times the regressor's factor "
+            "times 2^{}\n",
             filter.output_exponent, -filter.output_exponent);
     }
     std::string prior = fmt::format("{{.variance = {:#}}}", c.options.p0.value_or(0));
@@ -157,18 +167,19 @@ std::string code(Comparison const& c, CodedFilter const& filter) {
         prior = "{.covariance = P0.asDiagonal()}";
     }
     constexpr Index largest_fixed = 16;  // a fixed size keeps everything in the object: no heap after the start
-    std::string type =
-        fmt::format("rlslab::{}<{}{}>", class_of(filter.variant), T, c.size <= largest_fixed ? fmt::format(", {}", c.size) : "");
+    std::string type = fmt::format("rlslab::{}<{}{}>", class_of(filter.variant), T,
+                                   c.size <= largest_fixed ? fmt::format(", {}", c.size) : "");
     if (filter.guarded) type = fmt::format("rlslab::Guarded<{}>", type);
-    std::string const problem =
-        fmt::format("{{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}}", c.size, c.options.forgetting, T, prior);
+    std::string const problem = fmt::format("{{.size = {}, .forgetting = {:#}, .prior = rlslab::Prior<{}>{}}}", c.size,
+                                            c.options.forgetting, T, prior);
     if (composition.empty()) out += fmt::format("{} filter({});\n", type, problem);
     else
         out += fmt::format("rlslab::Problem<{}> const problem{};\n", T, problem) +
                composition_code(composition, type, filter.variant, T, c.size);
     out += filter.guarded || !composition.guard.empty()
                ? "// each row: filter.update(psi, y); filter.signal() tells what was met, filter.counts() how often\n"
-               : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not rlslab::Health::sound\n";
+               : "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
+                 "rlslab::Health::sound\n";
     return out;
 }
 

@@ -1,5 +1,5 @@
-// Runs the comparison: each entry of the catalogue processes the records. The definiteness of the stored P is decided exactly after each
-// step. theta and P are compared with the reference for the same bits that the arithmetic was given.
+// Runs the comparison: each entry of the catalogue processes the records. The definiteness of the stored P is decided
+// exactly after each step. theta and P are compared with the reference for the same bits that the arithmetic was given.
 #include "compare/compare.hpp"
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
@@ -44,7 +44,8 @@ RoundingEffect effect_of(Arithmetic const& arithmetic, RoundedProblem const& rou
                        {},
                        std::numeric_limits<double>::quiet_NaN(),
                        std::numeric_limits<double>::quiet_NaN()};
-    CertifiedSolution const* const exact = rounded.orders.front().exact.empty() ? nullptr : &rounded.orders.front().exact.back();
+    CertifiedSolution const* const exact =
+        rounded.orders.front().exact.empty() ? nullptr : &rounded.orders.front().exact.back();
     out.data_in_range = rounded.records.psi.allFinite() && rounded.records.y.allFinite();
     Prior<double> const& prior = *rounded.problem.prior;
     double const least = std::ldexp(1.0, arithmetic.min_exp),
@@ -116,13 +117,16 @@ std::vector<CatalogueEntry const*> chosen(CompareOptions const& options) {
     };
     std::vector<CatalogueEntry const*> out;
     for (CatalogueEntry const& entry : catalogue())
-        if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name)) out.push_back(&entry);
-    if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+        if (selected(options.variants, entry.variant) && selected(options.arithmetics, entry.arithmetic->name))
+            out.push_back(&entry);
+    if (out.empty())
+        throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
 /// The entries, unless none of them can be composed so.
-std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*> const& entries, Composition const& composition) {
+std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*> const& entries,
+                                              Composition const& composition) {
     if (composition.empty()) return entries;
     if (std::string const why = contradiction(composition); !why.empty())
         throw InputError("--control, --window, --guard: do not go together: " + why);
@@ -130,7 +134,8 @@ std::vector<CatalogueEntry const*> composable(std::vector<CatalogueEntry const*>
     for (CatalogueEntry const* const entry : entries) {
         std::string const why = obstacle(composition, entry->variant);
         if (why.empty()) return entries;
-        if (std::string const text = fmt::format("{} {}", entry->variant, why); std::ranges::find(reasons, text) == reasons.end())
+        if (std::string const text = fmt::format("{} {}", entry->variant, why);
+            std::ranges::find(reasons, text) == reasons.end())
             reasons.push_back(text);
     }
     throw InputError(fmt::format("--variants: none of them can be composed so: {}", fmt::join(reasons, "; ")));
@@ -152,7 +157,8 @@ Composition as_stored(Composition composition, double (*round)(double)) {
     return composition;
 }
 
-// --- the steps of a comparison --------------------------------------------------------------------------------------------------
+// --- the steps of a comparison
+// --------------------------------------------------------------------------------------------------
 
 /// The ways in which the chosen arithmetics round the data: those that hold binary64 share one.
 std::string_view rounding_of(Arithmetic const& a) { return a.digits >= 53 ? std::string_view("double") : a.name; }
@@ -228,9 +234,11 @@ struct Prepared {
     std::map<std::string_view, CompositionReference> references;
     std::vector<RoundingEffect> effects;  ///< where the arithmetic is shorter than binary64
 };
-Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& records, Composition composition, Solved const& given,
-                 std::vector<std::vector<Index>> const& orders, std::function<void()> const& one_more) {
-    composition.window = std::min(composition.window, records.rows());  // a longer one takes memory alone: nothing leaves either
+Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& records, Composition composition,
+                 Solved const& given, std::vector<std::vector<Index>> const& orders,
+                 std::function<void()> const& one_more) {
+    composition.window =
+        std::min(composition.window, records.rows());  // a longer one takes memory alone: nothing leaves either
     double most_digits = 0;
     for (Arithmetic const* const a : used) most_digits = std::max(most_digits, a->decimal_digits());
     Prepared out;
@@ -240,15 +248,16 @@ Prepared prepare(std::vector<Arithmetic const*> const& used, Records const& reco
         bool const wide = name == "double";
         auto const round = wide ? &as_is : a->round;
         int const digits = wide ? std::max(30, int(most_digits) + 15) : 30;
-        RoundedProblem const& one = out.rounded[name] = rounded_problem(records, given.problem, round, orders, digits, one_more);
+        RoundedProblem const& one = out.rounded[name] =
+            rounded_problem(records, given.problem, round, orders, digits, one_more);
         out.references.try_emplace(name, as_stored(composition, round), one, digits);
         if (!wide) out.effects.push_back(effect_of(*a, one, given.with, given.scales));
     }
     return out;
 }
 
-std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared, CompareOptions const& options,
-                              StagedProgress const& progress) {
+std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries, Prepared& prepared,
+                              CompareOptions const& options, StagedProgress const& progress) {
     std::vector<Result> out(entries.size());
     std::vector<size_t> order(entries.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;  // the slow arithmetics first
@@ -257,8 +266,9 @@ std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries,
     tbb::task_arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic).execute([&] {
         tbb::parallel_for_each(order.begin(), order.end(), [&](size_t i) {
             std::string_view const name = rounding_of(*entries[i]->arithmetic);
-            out[i] = options.composition.empty() ? score(*entries[i], prepared.rounded.at(name), options.seed)
-                                                 : score_composed(*entries[i], prepared.rounded.at(name), prepared.references.at(name));
+            out[i] = options.composition.empty()
+                         ? score(*entries[i], prepared.rounded.at(name), options.seed)
+                         : score_composed(*entries[i], prepared.rounded.at(name), prepared.references.at(name));
             std::lock_guard const lock(one_at_a_time);
             if (progress) progress("comparing", double(++done) / double(entries.size()));
         });
@@ -267,12 +277,14 @@ std::vector<Result> score_all(std::vector<CatalogueEntry const*> const& entries,
 }
 
 /// Operations and nanoseconds of each. Called when no other thread of this program runs.
-void time_all(std::vector<Result>& results, Prepared const& prepared, Records const& records, CompareOptions const& options) {
+void time_all(std::vector<Result>& results, Prepared const& prepared, Records const& records,
+              CompareOptions const& options) {
     for (Result& r : results) {
         if (!r.obstacle.empty()) continue;
         if (auto const counted = cost(r.entry->variant, records.parameters())) r.operations = counted->total();
         if (options.timings && options.composition.empty() && r.breakdown.value_or(Breakdown{1, {}}).step > 0)
-            r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records, Seed{options.seed});
+            r.ns_per_update = r.entry->time(prepared.rounded.at(rounding_of(*r.entry->arithmetic)).problem, records,
+                                            Seed{options.seed});
     }
 }
 
@@ -289,8 +301,8 @@ Comparison compare(Records const& records, CompareOptions const& options, Staged
     std::vector<Arithmetic const*> const used = arithmetics_of(entries);
     std::set<std::string_view> roundings;
     for (Arithmetic const* const a : used) roundings.insert(rounding_of(*a));
-    auto const orders =
-        options.composition.empty() ? row_orders(records.rows(), options.forgetting, options.seed) : std::vector<std::vector<Index>>(1);
+    auto const orders = options.composition.empty() ? row_orders(records.rows(), options.forgetting, options.seed)
+                                                    : std::vector<std::vector<Index>>(1);
     size_t done = 0;
     auto const one_more = [&] {  // of three for the data as they are, and one for each order in each rounding
         if (progress) progress("reference", double(++done) / double(3 + orders.size() * roundings.size()));

@@ -1,4 +1,5 @@
-// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare` shows.
+// Every variant in every arithmetic on one set of records, against the certified reference: what `rlslab compare`
+// shows.
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
@@ -16,7 +17,8 @@
 
 namespace rlslab::compare {
 
-/// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than the prior.
+/// If the prior moves theta by more than this, nothing is recommended: the accuracy of a variant then matters less than
+/// the prior.
 inline constexpr double most_prior_bias = 0.01, most_component_bias = 0.1;
 
 struct CompareOptions {
@@ -25,25 +27,28 @@ struct CompareOptions {
     double prior_times = 1;                     ///< c of that prior is multiplied by this power of two
     std::vector<std::string> variants = {};     ///< empty: all
     std::vector<std::string> arithmetics = {};  ///< empty: all
-    std::optional<double> digits = {};          ///< that the recommended variant keeps of theta's worst component; absent: 3
-    Composition composition = {};               ///< around each variant; only in float and double, and in the record's order of rows
-    std::uint64_t seed = 1;                     ///< of stochastic rounding, and of the orders of rows
-    int threads = 0;                            ///< 0: all cores; the results do not depend on it
-    bool timings = true;                        ///< false: ns_per_update is left out
+    std::optional<double> digits = {};  ///< that the recommended variant keeps of theta's worst component; absent: 3
+    Composition composition = {};  ///< around each variant; only in float and double, and in the record's order of rows
+    std::uint64_t seed = 1;        ///< of stochastic rounding, and of the orders of rows
+    int threads = 0;               ///< 0: all cores; the results do not depend on it
+    bool timings = true;           ///< false: ns_per_update is left out
 };
 
 /// One value for each of the three measures of accuracy: theta in norm, its worst component, P in the Frobenius norm.
 template <class X>
 struct PerMeasure {
     X theta, worst, covariance;
-    static constexpr std::array<X PerMeasure::*, 3> all() { return {&PerMeasure::theta, &PerMeasure::worst, &PerMeasure::covariance}; }
+    static constexpr std::array<X PerMeasure::*, 3> all() {
+        return {&PerMeasure::theta, &PerMeasure::worst, &PerMeasure::covariance};
+    }
 };
-/// -log10 of a relative error, at most the digits the arithmetic has, negative when the error exceeds the answer; absent where there is no
-/// finite answer.
+/// -log10 of a relative error, at most the digits the arithmetic has, negative when the error exceeds the answer;
+/// absent where there is no finite answer.
 using Digits = PerMeasure<std::optional<double>>;
 
-/// The spread of digits over the checkpoints, the orders of rows and the draws: nine tenths of them are at least `low`, a half at least
-/// `median`, a tenth at least `high`. Rounded to a tenth of a digit, as printed; -infinity: there was no finite answer.
+/// The spread of digits over the checkpoints, the orders of rows and the draws: nine tenths of them are at least `low`,
+/// a half at least `median`, a tenth at least `high`. Rounded to a tenth of a digit, as printed; -infinity: there was
+/// no finite answer.
 struct Spread {
     double low, median, high;
     friend bool operator==(Spread const&, Spread const&) = default;
@@ -60,35 +65,39 @@ struct Result {
     CatalogueEntry const* entry;
     Digits last = {};                               ///< at the last row, in the record's order
     std::optional<PerMeasure<Spread>> spread = {};  ///< absent: the stored problem has no exact solution
-    int runs = 0, broken = 0;                       ///< orders of rows (or draws) tried, and in how many the variant broke down
-    std::optional<Breakdown> breakdown = {};        ///< in the record's order
-    bool factor = false;                            ///< propagates a factor, which no rounding makes indefinite
-    std::vector<Digits> path = {};                  ///< at each of the comparison's checkpoints, in the record's order
-    double worst_low = -INFINITY;                   ///< spread->worst.low before it is rounded
-    std::vector<Vector<Reference>> ends = {};       ///< theta after the last row of each run
-    std::optional<double> asymmetry = {};           ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
-    std::optional<long> operations = {};            ///< a row: the update, and theta where it is solved for on request
+    int runs = 0, broken = 0;  ///< orders of rows (or draws) tried, and in how many the variant broke down
+    std::optional<Breakdown> breakdown = {};   ///< in the record's order
+    bool factor = false;                       ///< propagates a factor, which no rounding makes indefinite
+    std::vector<Digits> path = {};             ///< at each of the comparison's checkpoints, in the record's order
+    double worst_low = -INFINITY;              ///< spread->worst.low before it is rounded
+    std::vector<Vector<Reference>> ends = {};  ///< theta after the last row of each run
+    std::optional<double> asymmetry = {};      ///< max |F_ij - F_ji| / max |F_ij| of what is stored; 0 for factors
+    std::optional<long> operations = {};       ///< a row: the update, and theta where it is solved for on request
     std::optional<double> ns_per_update = {};
     // With a composition around the variant:
     std::string obstacle = {};                     ///< why it cannot be; the rest is then empty
     std::vector<CompositionCounts> happened = {};  ///< at each checkpoint
-    Index certified_to = 0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
+    Index certified_to =
+        0;  ///< the last checkpoint compared with a certified minimiser; those behind it with the recursion
 };
 
 /// The effect of storing the problem in an arithmetic shorter than binary64, before any variant computes with it.
 struct RoundingEffect {
     std::string_view arithmetic;
-    double forgetting;                   ///< lambda as stored
-    Index rank;                          ///< exact, of the regressors as stored
-    bool in_range;                       ///< whether lambda and every entry of P0 are positive and finite there
-    std::optional<double> theta_digits;  ///< in which the exact solutions for the given data and for the stored (rounded) data agree
-    double prior_bias;                   ///< of the stored problem; NaN when the prior alone makes it one
-    double component_bias;               ///< likewise
-    bool data_in_range = true;           ///< whether every number of the data is finite there
-    bool prior_subnormal = false;        ///< whether an entry of P0 is below the normal numbers there: it and P would lose digits
+    double forgetting;  ///< lambda as stored
+    Index rank;         ///< exact, of the regressors as stored
+    bool in_range;      ///< whether lambda and every entry of P0 are positive and finite there
+    std::optional<double>
+        theta_digits;       ///< in which the exact solutions for the given data and for the stored (rounded) data agree
+    double prior_bias;      ///< of the stored problem; NaN when the prior alone makes it one
+    double component_bias;  ///< likewise
+    bool data_in_range = true;  ///< whether every number of the data is finite there
+    bool prior_subnormal =
+        false;  ///< whether an entry of P0 is below the normal numbers there: it and P would lose digits
 };
 
-/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never broke down.
+/// What a variant loses, by median, in the measure in which it loses most: to the best in it of the variants that never
+/// broke down.
 struct Loss {
     std::string variant;
     double digits = 0;    ///< infinite: it broke down, or has no answer
@@ -115,29 +124,32 @@ struct Comparison {
     Index rows, skipped, size;
     std::vector<std::string> names;  ///< of the parameters
     ModelText model;
-    std::vector<std::string> theta;            ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
+    std::vector<std::string>
+        theta;  ///< the exact minimiser of the problem with the prior, for the data as binary64: 30 digits
     std::vector<std::string> least_squares;    ///< the exact minimiser without the prior
     std::vector<double> agreement;             ///< digits in which the two agree, a component each; at most 30
     double radius;                             ///< proven relative error of theta
     int bits;                                  ///< working precision at which it was certified
     double condition;                          ///< kappa_2 of the weighted data matrix
     std::optional<DefaultPrior> scaled_prior;  ///< absent: options.p0 was given
-    double prior_bias;                         ///< |theta - least squares| / |least squares| in units of the regressors' sizes
-    double component_bias;                     ///< the same of the worst component (largest_relative_change)
-    double offset;                             ///< |mean of y| in standard deviations; 0 where a regressor is constant
-    CompareOptions options;                    ///< with which it was made; the composition with all its numbers
+    double prior_bias;       ///< |theta - least squares| / |least squares| in units of the regressors' sizes
+    double component_bias;   ///< the same of the worst component (largest_relative_change)
+    double offset;           ///< |mean of y| in standard deviations; 0 where a regressor is constant
+    CompareOptions options;  ///< with which it was made; the composition with all its numbers
     std::vector<Index> checkpoints;
     std::vector<RoundingEffect> rounding;  ///< a line for each arithmetic shorter than binary64
     std::vector<Result> results;
     std::vector<Recommendation> recommendations;
-    std::shared_ptr<struct DigitsAnswer const> digits = {};  ///< with options.digits: what keeps them; it then is the answer that is shown
+    std::shared_ptr<struct DigitsAnswer const> digits =
+        {};  ///< with options.digits: what keeps them; it then is the answer that is shown
 };
 
-/// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent (exact rank).
-/// Its stages are "reference" and "comparing".
+/// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent
+/// (exact rank). Its stages are "reference" and "comparing".
 Comparison compare(Records const& records, CompareOptions const& options, report::StagedProgress const& progress = {});
 
-/// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is), as JSON and as CSV.
+/// The comparison as text (colour: with ANSI codes; columns: of the terminal that it is to fit, 0: as wide as it is),
+/// as JSON and as CSV.
 std::string as_table(Comparison const& comparison, bool colour, size_t columns = 0);
 std::string as_json(Comparison const& comparison);
 std::string as_csv(Comparison const& comparison);

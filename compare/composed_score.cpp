@@ -67,7 +67,8 @@ Recursion run_in_257_bits(Composition const& composition, RoundedProblem const& 
 }  // namespace
 
 CompositionReference::CompositionReference(Composition const& composition, RoundedProblem const& rounded, int digits)
-    : composition_(composition), rounded_(rounded), digits_(digits), checkpoints_(checkpoints_of(rounded.records.rows())) {}
+    : composition_(composition), rounded_(rounded), digits_(digits),
+      checkpoints_(checkpoints_of(rounded.records.rows())) {}
 
 Index CompositionReference::age_of_prior(Index k, CompositionCounts const& happened) const {
     return happened.refactored > 0 ? composition_.window + happened.since : k;
@@ -86,7 +87,9 @@ CertifiedSolution const& CompositionReference::minimiser(size_t checkpoint, Inde
                  .names = rounded_.records.names};
     rows.psi.rightCols(W) = rounded_.records.psi.middleCols(k - W, W);
     rows.y.tail(W) = rounded_.records.y.segment(k - W, W);
-    return minimisers_.emplace(std::pair(checkpoint, nothing_yet), certified(problem, rows, {rows.rows()}, digits_).front()).first->second;
+    return minimisers_
+        .emplace(std::pair(checkpoint, nothing_yet), certified(problem, rows, {rows.rows()}, digits_).front())
+        .first->second;
 }
 
 Recursion const& CompositionReference::recursion(std::string_view variant) {
@@ -102,7 +105,8 @@ Recursion const& CompositionReference::recursion(std::string_view variant) {
     Recursion const second = run_in_257_bits(composition_, rounded_, "qr", checkpoints_);
     for (size_t c = 0; c < checkpoints_.size(); ++c) {
         double const theta = digits_in_norm(second.theta[c], out.theta[c]), P = digits_in_norm(second.P[c], out.P[c]);
-        out.agreement.push_back(std::isnan(theta) || std::isnan(P) ? -std::numeric_limits<double>::infinity() : std::min(theta, P));
+        out.agreement.push_back(std::isnan(theta) || std::isnan(P) ? -std::numeric_limits<double>::infinity()
+                                                                   : std::min(theta, P));
     }
     return out;
 }
@@ -114,8 +118,10 @@ bool intervened(Composition const& c, CompositionCounts const& h) {
 
 Result score_composed(CatalogueEntry const& entry, RoundedProblem const& rounded, CompositionReference& reference) {
     Composition const& composition = reference.composition();
-    if (std::string const why = obstacle(composition, entry.variant); !why.empty()) return {.entry = &entry, .obstacle = why};
-    if (!rounded.in_range || rounded.orders.front().exact.empty()) return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
+    if (std::string const why = obstacle(composition, entry.variant); !why.empty())
+        return {.entry = &entry, .obstacle = why};
+    if (!rounded.in_range || rounded.orders.front().exact.empty())
+        return {.entry = &entry, .breakdown = Breakdown{0, Health::indefinite}};
     Arithmetic const& arithmetic = *entry.arithmetic;
     std::unique_ptr<ComposedFilter> filter;
     try {

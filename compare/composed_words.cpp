@@ -22,12 +22,14 @@ std::string members(Composition const& c) {
 std::string against_text(Comparison const& comparison) {
     Composition const& c = comparison.options.composition;
     if (!c.keeps_the_problem())
-        return "against the same recursion in 257 bits (ud, checked by qr; kalman, which adds all of Q at each row, by itself)";
+        return "against the same recursion in 257 bits (ud, checked by qr; kalman, which adds all of Q at each row, by "
+               "itself)";
     std::string out = "against the certified least-squares solution of ";
     out += c.window > 0 ? "the rows in the window, with the prior" : "the rows so far";
     if (!c.guard.empty())
         out +=
-            "; from the first row at which the guard changed anything on, against the same recursion in 257 bits (ud, checked by qr), "
+            "; from the first row at which the guard changed anything on, against the same recursion in 257 bits (ud, "
+            "checked by qr), "
             "whose guard decides by itself";
     return out;
 }
@@ -48,7 +50,8 @@ std::vector<std::string> composition_warnings(Comparison const& c) {
     double const weighs = double(c.rows) / double(std::max<Index>(of.window, 1));
     if (of.window >= c.size && of.window < c.rows && !(c.component_bias * weighs <= most_component_bias / 10))
         out.push_back(
-            fmt::format("the prior's bias is that of all rows; in a window of {} rows it is {:.2g} times as large", of.window, weighs));
+            fmt::format("the prior's bias is that of all rows; in a window of {} rows it is {:.2g} times as large",
+                        of.window, weighs));
     return out;
 }
 
@@ -64,11 +67,11 @@ std::string composition_includes(Composition const& c, std::string const& scalar
     return out;
 }
 
-std::string composition_code(Composition const& c, std::string const& type, std::string const& variant, std::string const& scalar,
-                             Index size) {
+std::string composition_code(Composition const& c, std::string const& type, std::string const& variant,
+                             std::string const& scalar, Index size) {
     if (is_its_own_rule(c, variant))
-        return fmt::format("{} filter(problem, rlslab::Matrix<{}>::Identity({}, {}) * {}({:#}));\n", type, scalar, size, size, scalar,
-                           c.parameters[0]);
+        return fmt::format("{} filter(problem, rlslab::Matrix<{}>::Identity({}, {}) * {}({:#}));\n", type, scalar, size,
+                           size, scalar, c.parameters[0]);
     std::string inner = type, arguments = "problem";
     if (c.policy().hands_over()) {
         size_t const comma = type.find(',');  // before the fixed size
@@ -84,8 +87,8 @@ std::string composition_code(Composition const& c, std::string const& type, std:
         arguments += ", " + members(c);
     }
     if (c.guard.empty()) return fmt::format("{} filter({});\n", inner, arguments);
-    return fmt::format("{} const unguarded({});\nrlslab::Guarded<{}, rlslab::{}> filter(unguarded, problem);\n", inner, arguments, inner,
-                       find_policy(c.guard)->constant);
+    return fmt::format("{} const unguarded({});\nrlslab::Guarded<{}, rlslab::{}> filter(unguarded, problem);\n", inner,
+                       arguments, inner, find_policy(c.guard)->constant);
 }
 
 }  // namespace rlslab::compare

@@ -18,7 +18,7 @@ std::vector<std::string> composition_warnings(Comparison const& comparison);
 /// The headers of <rlslab/adapt/...> that the composition needs, a line each.
 std::string composition_includes(Composition const& composition, std::string const& scalar);
 /// The definition of `filter` around the type, which stands as text, of problem, which is defined above it.
-std::string composition_code(Composition const& composition, std::string const& type, std::string const& variant, std::string const& scalar,
-                             Index size);
+std::string composition_code(Composition const& composition, std::string const& type, std::string const& variant,
+                             std::string const& scalar, Index size);
 
 }  // namespace rlslab::compare

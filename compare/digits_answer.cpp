@@ -30,15 +30,18 @@ std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
     for (std::string_view const name : wanted.empty() ? names : wanted)
         if (std::ranges::any_of(catalogue(), [&](CatalogueEntry const& e) {
                 return e.arithmetic->name == name &&
-                       (options.variants.empty() || std::ranges::find(options.variants, e.variant) != options.variants.end());
+                       (options.variants.empty() ||
+                        std::ranges::find(options.variants, e.variant) != options.variants.end());
             }))
             out.push_back(&*std::ranges::find(arithmetics(), name, &Arithmetic::name));
     if (wanted.empty()) std::ranges::stable_sort(out, {}, &Arithmetic::digits);
-    if (out.empty()) throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
+    if (out.empty())
+        throw InputError("--variants, --arithmetic: expected a variant that exists in one of the arithmetics");
     return out;
 }
 
-// --- (3) ------------------------------------------------------------------------------------------------------------------------
+// --- (3)
+// ---------------------------------------------------------------------------------------------------------------------
 
 int exponent(double largest) { return largest > 0 ? std::ilogb(largest) : 0; }
 
@@ -63,7 +66,8 @@ Records scaled(Records records, ArithmeticTrial const& t) {
     return records;
 }
 
-// --- (4) ------------------------------------------------------------------------------------------------------------------------
+// --- (4)
+// ---------------------------------------------------------------------------------------------------------------------
 
 Comparison compared(Records const& records, CompareOptions options, Arithmetic const& arithmetic, int doublings) {
     options.prior_times = std::ldexp(1.0, doublings);
@@ -80,8 +84,8 @@ int most_doublings(DefaultPrior const& prior, Arithmetic const& arithmetic) {
     return std::max(0, (std::min(arithmetic.max_exp, 1000) - 8 - largest) / 2);
 }
 
-Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<bool> const& is_zero, CompareOptions const& options,
-                                           Arithmetic const& arithmetic) {
+Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<bool> const& is_zero,
+                                           CompareOptions const& options, Arithmetic const& arithmetic) {
     Comparison out = compared(records, options, arithmetic, 0);
     int const most = most_doublings(*out.scaled_prior, arithmetic);
     for (int doublings = 0; doublings < most;) {
@@ -97,9 +101,11 @@ Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<b
     return out;
 }
 
-// --- (1), (2), (5) --------------------------------------------------------------------------------------------------------------
+// --- (1), (2), (5)
+// --------------------------------------------------------------------------------------------------------------
 
-/// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its regressor.
+/// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its
+/// regressor.
 std::vector<bool> zeros_of(Vector<Reference> const& exact, Records const& records) {
     Vector<double> const s = regressor_scales(records);
     Reference largest = 0;
@@ -123,7 +129,8 @@ double worst_digits(Vector<Reference> const& theta, Vector<Reference> const& exa
     return out;
 }
 
-static_assert(std::is_nothrow_move_constructible_v<ArithmeticTrial> && !std::is_copy_constructible_v<ArithmeticTrial>);  // see there
+static_assert(std::is_nothrow_move_constructible_v<ArithmeticTrial> &&
+              !std::is_copy_constructible_v<ArithmeticTrial>);  // see there
 
 ArithmeticTrial tried(Records const& records, CompareOptions const& options, Arithmetic const& arithmetic) {
     ArithmeticTrial out;
@@ -132,7 +139,8 @@ ArithmeticTrial tried(Records const& records, CompareOptions const& options, Ari
     choose_scaling(records, arithmetic, out);
     Records const taken = scaled(records, out);
     Vector<Reference> const exact =
-        certified({.size = taken.parameters(), .forgetting = options.forgetting, .prior = std::nullopt}, taken, {taken.rows()})
+        certified({.size = taken.parameters(), .forgetting = options.forgetting, .prior = std::nullopt}, taken,
+                  {taken.rows()})
             .front()
             .theta();
     out.is_zero = zeros_of(exact, taken);
@@ -143,14 +151,16 @@ ArithmeticTrial tried(Records const& records, CompareOptions const& options, Ari
         if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
     for (Result const* r : ranked(sound, out.wanted)) {
         double at_end = arithmetic.decimal_digits();
-        for (Vector<Reference> const& theta : r->ends) at_end = std::min(at_end, worst_digits(theta, exact, out.is_zero));
+        for (Vector<Reference> const& theta : r->ends)
+            at_end = std::min(at_end, worst_digits(theta, exact, out.is_zero));
         out.sound.push_back({r, r->worst_low, at_end});
     }
     return out;
 }
 
 /// nullopt for an arithmetic other than float and double, and for a variant that cannot be guarded.
-std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records) {
+std::optional<GuardTrial> guard_trial(CatalogueEntry const& entry, Problem<double> const& problem,
+                                      Records const& records) {
     if (std::ranges::find(composed_arithmetics(), entry.arithmetic->name) == composed_arithmetics().end()) return {};
     auto const alone = entry.make(problem, Seed{1});
     auto const guarded = composed({.guard = "reset"}, entry.variant, entry.arithmetic->name, problem);
@@ -174,7 +184,8 @@ KeptDigits const* ArithmeticTrial::most() const {
     return sound.empty() ? nullptr : &*std::ranges::max_element(sound, {}, &KeptDigits::both);
 }
 
-DigitsAnswer digits_answer(Records const& records, CompareOptions const& options, ModelText const& model, Progress const& progress) {
+DigitsAnswer digits_answer(Records const& records, CompareOptions const& options, ModelText const& model,
+                           Progress const& progress) {
     DigitsAnswer out{.wanted = wanted_digits(options), .trials = {}, .guard = {}};
     std::vector<Arithmetic const*> const arithmetics = arithmetics_of(options);
     for (Arithmetic const* const a : arithmetics) {
@@ -184,8 +195,9 @@ DigitsAnswer digits_answer(Records const& records, CompareOptions const& options
         if (out.chosen()) break;
     }
     if (ArithmeticTrial const* const t = out.chosen()) {
-        Problem<double> const problem{
-            .size = records.parameters(), .forgetting = options.forgetting, .prior = t->comparison.scaled_prior->prior()};
+        Problem<double> const problem{.size = records.parameters(),
+                                      .forgetting = options.forgetting,
+                                      .prior = t->comparison.scaled_prior->prior()};
         out.guard = guard_trial(*out.choice()->result->entry, problem, scaled(records, *t));
     }
     return out;

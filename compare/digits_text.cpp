@@ -55,18 +55,23 @@ std::string scaling_text(ArithmeticTrial const& t) {
     std::vector<std::string> factors;
     for (int const e : t.exponents) factors.push_back(fmt::format("2^{}", e));
     return fmt::format(
-        "regressors times {}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's factor times 2^{}",
+        "regressors times {}, output times 2^{}; theta_i of the columns as given is theta_i times the regressor's "
+        "factor times 2^{}",
         fmt::join(factors, ", "), t.output_exponent, -t.output_exponent);
 }
 
 std::string guard_text(DigitsAnswer const& a) {
-    if (!a.guard) return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant, a.chosen()->arithmetic);
+    if (!a.guard)
+        return fmt::format("not tried: there is none for {} in {}", a.choice()->result->entry->variant,
+                           a.chosen()->arithmetic);
     CompositionCounts const& n = a.guard->counts;
-    std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows", n.outliers, n.changes,
-                                        n.windups, n.breakdowns, n.unusable);
-    if (a.guard->same_bits) return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
+    std::string const met = fmt::format("{} outliers, {} changes, {} windups, {} breakdowns, {} unusable rows",
+                                        n.outliers, n.changes, n.windups, n.breakdowns, n.unusable);
+    if (a.guard->same_bits)
+        return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
     return fmt::format(
-        "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it around the "
+        "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it "
+        "around the "
         "filter if that is what you want",
         met);
 }
@@ -89,12 +94,14 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
     auto const line = [width](std::string const& head, std::string const& text) {
         return "  " + head + std::string(12 - head.size(), ' ') + wrapped(text, 14, 14, width) + "\n";
     };
-    std::string out = paragraph(fmt::format(
-        "wanted: {:g} digits of every parameter, those in which a filter agrees with the least-squares solution for these data; "
-        "how well the data determine that is another question",
-        a.wanted));
+    std::string out =
+        paragraph(fmt::format("wanted: {:g} digits of every parameter, those in which a filter agrees with the "
+                              "least-squares solution for these data; "
+                              "how well the data determine that is another question",
+                              a.wanted));
     if (auto const none = zeros(a.trials.back()); !none.empty())
-        out += paragraph(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")));
+        out +=
+            paragraph(fmt::format("{}: zero in the least-squares solution, and without digits", fmt::join(none, ", ")));
     for (ArithmeticTrial const& t : a.trials)
         if (!t.first_enough()) out += paragraph(failing(t));
     ArithmeticTrial const* const t = a.chosen();
@@ -103,12 +110,18 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
                "; what may: a longer arithmetic (--arithmetic), less dependent regressors\n";
     KeptDigits const& k = *a.choice();
     out += fmt::format("{}\n", bold(fmt::format("use {} in {}", k.result->entry->variant, t->arithmetic), colour));
-    out += line("keeps", fmt::format("{} digits of the worst parameter after the last row{}, against least squares for the data as given",
-                                     digits_text(k.at_end), k.result->runs > 1 ? fmt::format(" in each of {} runs", k.result->runs) : ""));
-    out += line("along",
-                fmt::format("{} digits at nine tenths of the checkpoints, against the solution there with this prior; never broke down",
-                            digits_text(k.along)));
-    if (k.result->runs > 1) out += line("runs", "each with the rows in another order, or with other draws of the rounding");
+    out +=
+        line("keeps",
+             fmt::format(
+                 "{} digits of the worst parameter after the last row{}, against least squares for the data as given",
+                 digits_text(k.at_end), k.result->runs > 1 ? fmt::format(" in each of {} runs", k.result->runs) : ""));
+    out += line(
+        "along",
+        fmt::format(
+            "{} digits at nine tenths of the checkpoints, against the solution there with this prior; never broke down",
+            digits_text(k.along)));
+    if (k.result->runs > 1)
+        out += line("runs", "each with the rows in another order, or with other draws of the rounding");
     out += line("costs", fmt::format("{} operations a row", *k.result->operations));
     out += line("prior", fmt::format("theta 0, P0 = diag({})", fmt::join(diagonal(*t), ", ")));
     out += line("scaling", scaling_text(*t));
@@ -116,15 +129,19 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
     std::vector<std::string> others;
     for (KeptDigits const& other : t->sound)
         if (&other != &k && other.both() >= t->wanted)
-            others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()), *other.result->operations));
-    out += line("also", others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
+            others.push_back(fmt::format("{} {} ({})", other.result->entry->variant, digits_text(other.both()),
+                                         *other.result->operations));
+    out += line("also",
+                others.empty() ? "no other variant" : fmt::format("{} (digits, operations)", fmt::join(others, ", ")));
     std::string const text = code(a);
     return out + (text.empty() ? fmt::format("\nno C++ here: {} is no type of the hardware\n", t->arithmetic)
                                : fmt::format("\n{}", columns > 0 ? folded(text, width) : text));
 }
 
 std::string answer_json(DigitsAnswer const& a) {
-    auto const tenth = [](double x) { return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr); };
+    auto const tenth = [](double x) {
+        return std::isfinite(x) ? Json::parse(fmt::format("{:.1f}", tenth_below(x))) : Json(nullptr);
+    };
     Comparison const& last = a.trials.back().comparison;
     Json means = Json::object();
     for (auto const& [column, mean] : last.model.means) means[column] = mean;
@@ -141,8 +158,12 @@ std::string answer_json(DigitsAnswer const& a) {
              {"zero_parameters", zeros(a.trials.back())},
              {"tried", Json::array()}};
     for (ArithmeticTrial const& t : a.trials) {
-        Json one{{"arithmetic", t.arithmetic},           {"in_range", t.in_range},   {"p0", diagonal(t)}, {"exponents", t.exponents},
-                 {"output_exponent", t.output_exponent}, {"variants", Json::array()}};
+        Json one{{"arithmetic", t.arithmetic},
+                 {"in_range", t.in_range},
+                 {"p0", diagonal(t)},
+                 {"exponents", t.exponents},
+                 {"output_exponent", t.output_exponent},
+                 {"variants", Json::array()}};
         for (KeptDigits const& k : t.sound)
             one["variants"].push_back({{"variant", k.result->entry->variant},
                                        {"digits_along", tenth(k.along)},
@@ -153,7 +174,8 @@ std::string answer_json(DigitsAnswer const& a) {
     }
     out["advice"] = nullptr;
     if (KeptDigits const* const k = a.choice()) {
-        out["advice"] = {{"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
+        out["advice"] = {
+            {"variant", k->result->entry->variant}, {"arithmetic", a.chosen()->arithmetic}, {"guarded", a.guarded()}};
         if (a.guard)
             out["advice"]["guard_met"] = {{"outliers", a.guard->counts.outliers},
                                           {"changes", a.guard->counts.changes},

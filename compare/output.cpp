@@ -18,7 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A digit count is rounded to three decimals: more than its meaning, and few enough that every machine prints the same.
+/// A digit count is rounded to three decimals: more than its meaning, and few enough that every machine prints the
+/// same.
 double rounded_to(double x, double unit) { return std::round(x / unit) * unit; }
 Json digits_json(std::optional<double> const& digits) {
     if (!digits || !std::isfinite(*digits)) return nullptr;
@@ -45,24 +46,29 @@ struct Layout {
     /// Of one measure: "  4.2  5.3  5.7 ".
     size_t group() const { return 7 + (low ? 5u : 0u) + (high ? 5u : 0u); }
     size_t width() const { return 24 + 3 * group() + 20 + (asymmetry ? 6u : 0u) + 13; }
-    std::string left_out() const { return fmt::format("{}{}{}", low ? "" : "low, ", high ? "" : "high, ", asymmetry ? "" : "asym"); }
+    std::string left_out() const {
+        return fmt::format("{}{}{}", low ? "" : "low, ", high ? "" : "high, ", asymmetry ? "" : "asym");
+    }
     std::string cells(std::string_view l, std::string_view m, std::string_view h) const {
-        return (low ? fmt::format(" {:>5} {:>4}", l, m) : fmt::format(" {:>5}", m)) + (high ? fmt::format(" {:>4} ", h) : " ");
+        return (low ? fmt::format(" {:>5} {:>4}", l, m) : fmt::format(" {:>5}", m)) +
+               (high ? fmt::format(" {:>4} ", h) : " ");
     }
 };
 
 Json losses_json(Recommendation const& r) {
     Json out = Json::array();
     for (Loss const& loss : r.losses)
-        out.push_back(
-            {{"variant", loss.variant}, {"digits", tenths_json(loss.digits)}, {"of", loss.of.empty() ? Json(nullptr) : Json(loss.of)}});
+        out.push_back({{"variant", loss.variant},
+                       {"digits", tenths_json(loss.digits)},
+                       {"of", loss.of.empty() ? Json(nullptr) : Json(loss.of)}});
     return out;
 }
 
 std::string spread_text(std::optional<PerMeasure<Spread>> const& spread, Layout const& layout) {
     std::string out;
     for (auto const m : PerMeasure<Spread>::all())
-        out += spread ? layout.cells(tenths(((*spread).*m).low), tenths(((*spread).*m).median), tenths(((*spread).*m).high))
+        out += spread ? layout.cells(tenths(((*spread).*m).low), tenths(((*spread).*m).median),
+                                     tenths(((*spread).*m).high))
                       : layout.cells("-", "-", "-");
     return out;
 }
@@ -82,14 +88,15 @@ std::string theta_text(Comparison const& c, size_t width) {
     for (std::string const& one : c.names) name = std::max(name, one.size());
     size_t const number = std::clamp((width - std::min(width, name + 9)) / 2, least, whole);
     bool const wide = number == whole;
-    std::string out =
-        fmt::format("{:<{}} {:>{}} {:>{}}  {}\n", "exact theta", name, wide ? "least squares, without prior" : "least squares", number,
-                    !wide   ? "with the prior"
-                    : plain ? "with the prior: what filters are after"
-                            : "with the prior, of all rows",
-                    number, "agree");
+    std::string out = fmt::format("{:<{}} {:>{}} {:>{}}  {}\n", "exact theta", name,
+                                  wide ? "least squares, without prior" : "least squares", number,
+                                  !wide   ? "with the prior"
+                                  : plain ? "with the prior: what filters are after"
+                                          : "with the prior, of all rows",
+                                  number, "agree");
     for (size_t i = 0; i < c.names.size(); ++i)
-        out += fmt::format("{:<{}} {:>{}} {:>{}}  {:>5}\n", c.names[i], name, cut(plain_exponent(c.least_squares[i]), number), number,
+        out += fmt::format("{:<{}} {:>{}} {:>{}}  {:>5}\n", c.names[i], name,
+                           cut(plain_exponent(c.least_squares[i]), number), number,
                            cut(plain_exponent(c.theta[i]), number), number, tenths(c.agreement[i]));
     return out + (wide ? "" : "digits cut off, not rounded: --json has 30\n");
 }
@@ -123,8 +130,10 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
     };
     std::string out =
         head("record", fmt::format("{}{} rows, {} skipped; {} parameter{}, condition {}, forgetting {}",
-                                   c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size, c.size == 1 ? "" : "s",
-                                   std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition), c.options.forgetting));
+                                   c.model.file.empty() ? "" : c.model.file + ": ", c.rows, c.skipped, c.size,
+                                   c.size == 1 ? "" : "s",
+                                   std::isinf(c.condition) ? "beyond 1e308" : fmt::format("{:.2g}", c.condition),
+                                   c.options.forgetting));
     out += head("prior", prior_text(c));
     if (!plain) out += head("composition", composition_text(c.options.composition)) + head("digits", against_text(c));
     for (std::string const& warning : warnings(c)) out += paint("31", head("warning", warning));
@@ -144,46 +153,59 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             std::string const title = fmt::format("{} ({} bits, {:.1f} digits)", a.name, a.digits, a.decimal_digits());
             size_t const group = layout.group(), at = 23 + group;  // where the first measure's name ends
             out += '\n' + paint("1", title) + (whole ? "" : "\n") +
-                   paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta", whole ? at - std::min<size_t>(at - 6, title.size()) : at,
+                   paint("2", fmt::format("{:>{}}{:>{}}{:>{}}", "theta",
+                                          whole ? at - std::min<size_t>(at - 6, title.size()) : at,
                                           whole ? "worst component" : "worst", group, "P", group)) +
                    '\n';
             for (RoundingEffect const& s : c.rounding)
                 if (s.arithmetic == a.name) out += paint("2", "  " + wrapped(rounding_text(s, c), 2, 4, width)) + '\n';
             std::string labels;
             for (int m = 0; m < 3; ++m) labels += layout.cells("low", "mid", "high");
-            out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown", layout.asymmetry ? "  asym" : "", "ops",
-                                          "ns")) +
+            out += paint("2", fmt::format("{:<24}{} {:<19}{}{:>6}{:>7}", "", labels, "breakdown",
+                                          layout.asymmetry ? "  asym" : "", "ops", "ns")) +
                    '\n';
         }
         bool const best = is_recommended(c, r);
-        std::string const line =
-            fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant, spread_text(r.spread, layout),
-                        breakdown_text(r), layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
-                        operations_text(r.operations), nanoseconds_text(r.ns_per_update));
+        std::string const line = fmt::format("{} {:<22}{} {:<19}{}{:>6}{:>7}", best ? '*' : ' ', r.entry->variant,
+                                             spread_text(r.spread, layout), breakdown_text(r),
+                                             layout.asymmetry ? fmt::format("{:>6}", asymmetry_text(r.asymmetry)) : "",
+                                             operations_text(r.operations), nanoseconds_text(r.ns_per_update));
         std::string what = plain ? "" : counts_text(c, r);
         if (!what.empty())
-            what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width) : "  " + what;
+            what = columns > 0 && line.size() + 2 + what.size() > columns ? "\n    " + wrapped(what, 4, 4, width)
+                                                                          : "  " + what;
         out += paint(best ? "32" : r.broken ? "31" : "0", line + what) + '\n';
     }
     auto const note = [&](std::string const& text) { out += wrapped(text, 0, 0, width) + '\n'; };
     out += '\n';
     if (!whole)
-        note(fmt::format("Left out, for {} columns: {}. A terminal of {} columns shows them, so do | cat, --out DIR, --csv and --json.",
-                         columns, layout.left_out(), Layout(0).width()));
-    note(fmt::format("low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along the record{}; {}",
-                     plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
-                     plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
-                           : "for the data as stored, at most the arithmetic's own. A row's end says what the composition did, or why it "
-                             "cannot be. ops: of the variant alone. ns is not measured."));
+        note(
+            fmt::format("Left out, for {} columns: {}. A terminal of {} columns shows them, so do | cat, --out DIR, "
+                        "--csv and --json.",
+                        columns, layout.left_out(), Layout(0).width()));
+    note(
+        fmt::format("low, mid, high: digits kept that nine tenths, a half and a tenth of the checkpoints reach, along "
+                    "the record{}; {}",
+                    plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
+                    plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
+                          : "for the data as stored, at most the arithmetic's own. A row's end says what the "
+                            "composition did, or why it "
+                            "cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
-    note("ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: not recommended.");
+    note(
+        "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
+        "not recommended.");
     if (c.digits)
-        note("The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a scaling of its own.");
-    note(fmt::format(
-        "The recommendation never broke down and keeps {} digits of the worst component at nine tenths of the checkpoints. Of such, its "
-        "largest loss is the least: in mid, to the best of each column that never broke down. Of equals: a factor before P or its "
-        "inverse, covariance before information, then the fewest operations.",
-        wanted_digits(c.options)));
+        note(
+            "The table is for the prior in the head and the columns as they are. The answer (*) has a prior and a "
+            "scaling of its own.");
+    note(
+        fmt::format("The recommendation never broke down and keeps {} digits of the worst component at nine tenths of "
+                    "the checkpoints. Of such, its "
+                    "largest loss is the least: in mid, to the best of each column that never broke down. Of equals: a "
+                    "factor before P or its "
+                    "inverse, covariance before information, then the fewest operations.",
+                    wanted_digits(c.options)));
     return out;
 }
 
@@ -193,7 +215,8 @@ Json composition_json(Comparison const& c) {
     Composition const& of = c.options.composition;
     if (of.empty()) return nullptr;
     Json numbers = Json::object();
-    for (size_t i = 0; i < of.parameters.size(); ++i) numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
+    for (size_t i = 0; i < of.parameters.size(); ++i)
+        numbers[std::string(control_named(of.control).parameters[i].name)] = of.parameters[i];
     return {{"control", of.control.empty() ? Json(nullptr) : Json(of.control)},
             {"parameters", numbers},
             {"window", of.window > 0 ? Json(of.window) : Json(nullptr)},
@@ -223,9 +246,14 @@ Json happened_json(Result const& r) {
 std::string as_json(Comparison const& c) {
     Json out;
     out["version"] = RLSLAB_VERSION;
-    out["options"] = {
-        {"forgetting", c.options.forgetting}, {"p0", c.options.p0 ? Json(*c.options.p0) : Json(nullptr)}, {"seed", c.options.seed}};
-    out["data"] = {{"rows", c.rows}, {"skipped", c.skipped}, {"size", c.size}, {"parameters", c.names}, {"regressors", c.model.regressors}};
+    out["options"] = {{"forgetting", c.options.forgetting},
+                      {"p0", c.options.p0 ? Json(*c.options.p0) : Json(nullptr)},
+                      {"seed", c.options.seed}};
+    out["data"] = {{"rows", c.rows},
+                   {"skipped", c.skipped},
+                   {"size", c.size},
+                   {"parameters", c.names},
+                   {"regressors", c.model.regressors}};
     if (c.scaled_prior) {
         Matrix<double> const P0 = *c.scaled_prior->prior().covariance;
         out["prior"] = {{"c", c.scaled_prior->c},
@@ -275,7 +303,8 @@ std::string as_json(Comparison const& c) {
              {"path", path},
              {"runs", r.runs},
              {"broken", r.broken},
-             {"breakdown", r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
+             {"breakdown",
+              r.breakdown ? Json{{"step", r.breakdown->step}, {"kind", name_of(r.breakdown->kind)}} : Json(nullptr)},
              {"asymmetry", r.asymmetry ? short_json(*r.asymmetry) : Json(nullptr)},
              {"operations", r.operations ? Json(*r.operations) : Json(nullptr)},
              {"ns_per_update", r.ns_per_update ? short_json(*r.ns_per_update) : Json(nullptr)}});
@@ -312,13 +341,15 @@ std::string as_csv(Comparison const& c) {
     out += '\n';
     auto const cell = [](Json const& value) { return value.is_null() ? std::string() : value.dump(); };
     for (Result const& r : c.results) {
-        out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
-                           cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
-                           r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? name_of(r.breakdown->kind) : "",
-                           r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
-                           r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
+        out += fmt::format(
+            "{},{},{},{},{},{},{},{},{},{},{},{}", r.entry->variant, r.entry->arithmetic->name,
+            cell(digits_json(r.last.theta)), cell(digits_json(r.last.worst)), cell(digits_json(r.last.covariance)),
+            r.breakdown ? fmt::format("{}", r.breakdown->step) : "", r.breakdown ? name_of(r.breakdown->kind) : "",
+            r.asymmetry ? cell(short_json(*r.asymmetry)) : "", r.operations ? fmt::format("{}", *r.operations) : "",
+            r.ns_per_update ? cell(short_json(*r.ns_per_update)) : "", r.runs, r.broken);
         for (auto const m : PerMeasure<Spread>::all())
-            out += r.spread ? fmt::format(",{},{},{}", cell(tenths_json(((*r.spread).*m).low)), cell(tenths_json(((*r.spread).*m).median)),
+            out += r.spread ? fmt::format(",{},{},{}", cell(tenths_json(((*r.spread).*m).low)),
+                                          cell(tenths_json(((*r.spread).*m).median)),
                                           cell(tenths_json(((*r.spread).*m).high)))
                             : ",,,";
         if (!plain) {

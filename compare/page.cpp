@@ -51,19 +51,23 @@ Event breakdown_event(Comparison const& c, Breakdown const& breakdown, Curve con
     size_t const after = size_t(std::ranges::lower_bound(c.checkpoints, breakdown.step) - c.checkpoints.begin());
     double const y = curve.y[std::min(after, curve.y.size() - 1)];
     return {double(breakdown.step), std::isnan(y) ? least_digits : y,
-            fmt::format(
-                "{}: {} at row {}{}", curve.name, name_of(breakdown.kind), breakdown.step,
-                breakdown.step < c.checkpoints.front() ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front()) : ""),
+            fmt::format("{}: {} at row {}{}", curve.name, name_of(breakdown.kind), breakdown.step,
+                        breakdown.step < c.checkpoints.front()
+                            ? fmt::format(", before the first checkpoint (row {})", c.checkpoints.front())
+                            : ""),
             curve.name};
 }
 
 /// A panel for each measure in each arithmetic: one legend for all.
 Figure along_the_record(Comparison const& c) {
-    Figure figure{.name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .panels = {}, .own_y = true};
+    Figure figure{
+        .name = "along", .title = "Digits kept, row by row", .x = "row", .y = "digits", .panels = {}, .own_y = true};
     for (Shown const& of : shown)
         for_each_arithmetic(c, [&](Recommendation const& r, std::vector<Result const*> const& results) {
-            Panel panel{
-                .name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)), .curves = {}, .guides = {}, .y_least = least_digits};
+            Panel panel{.name = fmt::format("{}, {}", of.axis, panel_name(c, r, results)),
+                        .curves = {},
+                        .guides = {},
+                        .y_least = least_digits};
             for (size_t i = 0; i < results.size(); ++i) {
                 Result const& x = *results[i];
                 Curve curve{.name = std::string(x.entry->variant),
@@ -85,7 +89,9 @@ Figure along_the_record(Comparison const& c) {
 }
 
 /// "4.9 (4.5 to 5.3)".
-std::string spread_words(Spread const& s) { return fmt::format("{} ({} to {})", tenths(s.median), tenths(s.low), tenths(s.high)); }
+std::string spread_words(Spread const& s) {
+    return fmt::format("{} ({} to {})", tenths(s.median), tenths(s.low), tenths(s.high));
+}
 
 /// One figure an arithmetic: the most accurate variants first.
 std::string spreads(Comparison const& c) {
@@ -107,7 +113,8 @@ std::string spreads(Comparison const& c) {
                 curve.y.push_back(s.median);
                 curve.lower.push_back(s.low);
                 curve.upper.push_back(s.high);
-                curve.says.push_back(fmt::format("{}: {} {}", results[i]->entry->variant, spread_words(s), shown[m].axis));
+                curve.says.push_back(
+                    fmt::format("{}: {} {}", results[i]->entry->variant, spread_words(s), shown[m].axis));
             }
             figure.panels.front().curves.push_back(std::move(curve));
         }
@@ -142,7 +149,8 @@ std::string says(std::string const& text) {
     std::string out;
     for_each_line(text, [&](std::string const& line) {
         bool const goes_on = line.starts_with(' ') && !out.empty();
-        out += goes_on ? escaped(line.substr(line.find_first_not_of(' ') - 1)) : (out.empty() ? "<div>" : "</div><div>") + escaped(line);
+        out += goes_on ? escaped(line.substr(line.find_first_not_of(' ') - 1))
+                       : (out.empty() ? "<div>" : "</div><div>") + escaped(line);
     });
     return "<div class=\"says\">" + out + "</div></div>\n";
 }
@@ -161,26 +169,28 @@ Figure costs(Comparison const& c) {
         Panel panel{.name = panel_name(c, r, results), .curves = {}, .guides = {}, .y_least = least_digits};
         for (size_t i = 0; i < results.size(); ++i) {
             Result const& x = *results[i];
-            if (std::string const name(x.entry->variant); !x.operations && std::ranges::find(uncounted, name) == uncounted.end())
+            if (std::string const name(x.entry->variant);
+                !x.operations && std::ranges::find(uncounted, name) == uncounted.end())
                 uncounted.push_back(name);
             if (!x.operations || !x.spread) continue;
             Spread const& s = x.spread->theta;
-            panel.curves.push_back(
-                {.name = std::string(x.entry->variant),
-                 .look = look_of(x.entry->family, i),
-                 .x = {double(*x.operations)},
-                 .y = {s.median},
-                 .lower = {s.low},
-                 .upper = {s.high},
-                 .line = false,
-                 .bars = true,
-                 .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant, *x.operations, spread_words(s))},
-                 .strong = is_recommended(c, x)});
+            panel.curves.push_back({.name = std::string(x.entry->variant),
+                                    .look = look_of(x.entry->family, i),
+                                    .x = {double(*x.operations)},
+                                    .y = {s.median},
+                                    .lower = {s.low},
+                                    .upper = {s.high},
+                                    .line = false,
+                                    .bars = true,
+                                    .says = {fmt::format("{}: {} operations, {} digits of theta", x.entry->variant,
+                                                         *x.operations, spread_words(s))},
+                                    .strong = is_recommended(c, x)});
         }
         figure.panels.push_back(std::move(panel));
     });
     if (!uncounted.empty())
-        figure.note = fmt::format("Not drawn: {}, whose operations are a library's and are not counted.", fmt::join(uncounted, ", "));
+        figure.note = fmt::format("Not drawn: {}, whose operations are a library's and are not counted.",
+                                  fmt::join(uncounted, ", "));
     return figure;
 }
 
@@ -205,7 +215,8 @@ std::string tables(Comparison const& c) {
             if (!c.options.composition.empty()) row.push_back(counts_text(c, *x));
             rows.push_back(std::move(row));
         }
-        std::vector<std::string> head{"variant", "theta", "worst component", "P", "breakdown", "asymmetry", "operations"};
+        std::vector<std::string> head{"variant",   "theta",     "worst component", "P",
+                                      "breakdown", "asymmetry", "operations"};
         if (c.options.timings) head.emplace_back("ns");
         if (!c.options.composition.empty()) head.emplace_back("what the composition did");
         out += table_html(head, rows, best);
@@ -217,7 +228,8 @@ std::string solutions(Comparison const& c) {
     std::vector<std::vector<std::string>> rows;
     for (size_t i = 0; i < c.names.size(); ++i)
         rows.push_back({c.names[i], c.model.regressors[i], c.least_squares[i], c.theta[i], tenths(c.agreement[i])});
-    return table_html({"parameter", "multiplies", "least squares, without prior", "with the prior", "digits they share"}, rows);
+    return table_html(
+        {"parameter", "multiplies", "least squares, without prior", "with the prior", "digits they share"}, rows);
 }
 
 }  // namespace
@@ -225,45 +237,54 @@ std::string solutions(Comparison const& c) {
 std::string as_page(Comparison const& c) {
     std::string const what = c.model.file.empty() ? "a record" : c.model.file.substr(c.model.file.rfind('/') + 1);
     std::string body = fmt::format(
-        "<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, condition {:.2g}. rlslab "
+        "<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, "
+        "condition {:.2g}. rlslab "
         "{}</p>\n",
         escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
     bool const plain = c.options.composition.empty();
     if (!plain)
-        body += fmt::format("<p>Around each variant: {}. Digits are counted {}.</p>\n", escaped(composition_text(c.options.composition)),
-                            escaped(against_text(c)));
+        body += fmt::format("<p>Around each variant: {}. Digits are counted {}.</p>\n",
+                            escaped(composition_text(c.options.composition)), escaped(against_text(c)));
     std::string list;
-    for (std::string const& warning : warnings(c)) list += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
+    for (std::string const& warning : warnings(c))
+        list += fmt::format("<li class=\"fails\"><b>warning</b> {}</li>", escaped(warning));
     if (!list.empty()) body += "<ul class=\"claims\">" + list + "</ul>\n";
     if (c.digits) body += pre(answer_text(*c.digits, false));
     else body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty() && !c.digits) body += pre(paste);
     body += fmt::format(
         "<section><h2>Along the record</h2>\n<p>{} "
-        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something was not finite{}. "
+        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something "
+        "was not finite{}. "
         "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
         "A star and the strong line mark the recommended variant.</p>\n",
-        plain ? "Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores them."
+        plain ? "Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores "
+                "them."
               : "Each point compares a composition with what it would answer without rounding.",
-        std::ranges::any_of(c.results, [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
-            ? fmt::format("; one left of its line broke down before the first checkpoint, row {}", c.checkpoints.front())
+        std::ranges::any_of(c.results,
+                            [&](Result const& x) { return x.breakdown && x.breakdown->step < c.checkpoints.front(); })
+            ? fmt::format("; one left of its line broke down before the first checkpoint, row {}",
+                          c.checkpoints.front())
             : "",
         least_digits);
     body += figure_html(along_the_record(c));
     body += fmt::format(
-        "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the spread over the "
+        "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the "
+        "spread over the "
         "checkpoints{}: "
         "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
         plain && c.options.forgetting == 1 ? " and over four orders of the rows" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
     body +=
-        "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one tenth of the counts "
+        "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one "
+        "tenth of the counts "
         "reach. "
         "Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
         tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
-    body +=
-        fmt::format("<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius, c.bits);
+    body += fmt::format(
+        "<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius,
+        c.bits);
     return page("rlslab compare: " + what, body);
 }
 

@@ -16,24 +16,30 @@ std::string spread_text(Spread const& s) { return fmt::format("{:.1f} ({:.1f} to
 
 /// The part of theta that the prior decides: all of it, a component, or nothing.
 std::string decided_by_prior(double prior_bias, double component_bias) {
-    if (!(prior_bias <= most_prior_bias)) return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g})", prior_bias);
+    if (!(prior_bias <= most_prior_bias))
+        return fmt::format("the prior, not the data, decides theta (it moves it by {:.2g})", prior_bias);
     if (!(component_bias <= most_component_bias))
-        return fmt::format("the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself)", component_bias);
+        return fmt::format("the prior, not the data, decides a component of theta (it moves it by {:.2g} of itself)",
+                           component_bias);
     return "";
 }
 
-std::string condition_text(Comparison const& c) { return fmt::format("; the condition number of the rows is {:.2g}", c.condition); }
+std::string condition_text(Comparison const& c) {
+    return fmt::format("; the condition number of the rows is {:.2g}", c.condition);
+}
 
 /// The reason why nothing can be answered in this arithmetic that is known before any variant computes; or "".
 std::string unanswerable(Arithmetic const& arithmetic, Comparison const& c) {
     for (RoundingEffect const& s : c.rounding) {
         if (s.arithmetic != arithmetic.name) continue;
         if ((!s.in_range && s.forgetting > 0) || s.prior_subnormal)
-            return c.options.p0 ? "P0 leaves its range: another --p0" : "P0 leaves its range: rescale the columns, or --p0";
+            return c.options.p0 ? "P0 leaves its range: another --p0"
+                                : "P0 leaves its range: rescale the columns, or --p0";
         if (!s.in_range) return "lambda is zero there";
         if (!s.data_in_range) return "numbers of the data leave its range: rescale them";
         if (s.rank < c.size) return fmt::format("as stored there the regressors have rank {} of {}", s.rank, c.size);
-        if (std::string const why = decided_by_prior(s.prior_bias, s.component_bias); !why.empty()) return "as stored there " + why;
+        if (std::string const why = decided_by_prior(s.prior_bias, s.component_bias); !why.empty())
+            return "as stored there " + why;
         if (s.theta_digits && *s.theta_digits < least_digits_of_data)
             return "rounding the data to it leaves no digit of the exact theta: rescale them";
     }
@@ -46,13 +52,17 @@ bool takes_single_rows(Result const& r) { return r.entry->block == 1 && r.operat
 bool is_sound(Result const& r) { return r.broken == 0 && r.spread; }
 
 bool preferred(Result const& a, Result const& b) {
-    auto const key = [](Result const& r) { return std::tuple(!r.factor, r.entry->propagates != "covariance", *r.operations); };
+    auto const key = [](Result const& r) {
+        return std::tuple(!r.factor, r.entry->propagates != "covariance", *r.operations);
+    };
     return key(a) < key(b);
 }
 
 double wanted_digits(CompareOptions const& options) { return options.digits.value_or(enough_digits); }
 
-bool is_usable(Result const& r, double wanted) { return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P; }
+bool is_usable(Result const& r, double wanted) {
+    return r.spread->worst.low >= wanted && r.spread->covariance.median >= least_digits_of_P;
+}
 
 Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
     static constexpr char const* names[] = {"theta", "its worst component", "P"};
@@ -70,8 +80,9 @@ Loss loss_of(Result const& r, std::vector<Result const*> const& sound) {
 std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted) {
     std::vector<Result const*> const all = sound;
     std::ranges::stable_sort(sound, [](Result const* a, Result const* b) { return preferred(*a, *b); });
-    std::ranges::stable_sort(sound, {},
-                             [&](Result const* r) { return std::pair(!is_usable(*r, wanted), std::round(10 * loss_of(*r, all).digits)); });
+    std::ranges::stable_sort(sound, {}, [&](Result const* r) {
+        return std::pair(!is_usable(*r, wanted), std::round(10 * loss_of(*r, all).digits));
+    });
     return sound;
 }
 
@@ -98,8 +109,9 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         return out;
     }
     if (Index const window = c.options.composition.window; window > 0 && window < c.size) {
-        out.why = fmt::format("the prior, not the data, decides theta: {} rows do not determine {} parameters: a longer --window", window,
-                              c.size);
+        out.why = fmt::format(
+            "the prior, not the data, decides theta: {} rows do not determine {} parameters: a longer --window", window,
+            c.size);
         return out;
     }
     std::vector<Result const*> sound;
@@ -110,7 +122,8 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         if (is_sound(r)) sound.push_back(&r);
     }
     if (tried == 0) {
-        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows" : "no variant can be composed so";
+        out.why = c.options.composition.empty() ? "no variant was tried that takes single rows"
+                                                : "no variant can be composed so";
         return out;
     }
     std::vector<Result const*> const ranking = ranked(sound, wanted);
@@ -128,14 +141,16 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
     } else if (sound.empty()) {
         out.why = fmt::format("all {} variants that take single rows broke down{}", tried, condition_text(c));
     } else {
-        Result const* const most = *std::ranges::max_element(ranking, {}, [](Result const* r) { return r->spread->worst.low; });
+        Result const* const most =
+            *std::ranges::max_element(ranking, {}, [](Result const* r) { return r->spread->worst.low; });
         double const low = most->spread->worst.low;
-        out.why = low >= wanted
-                      ? fmt::format("none of {} variants keeps half a digit of P", tried)
-                      : fmt::format(
-                            "{}, the best, keeps {} digits of theta's worst component at nine tenths of the checkpoints, {} are "
-                            "wanted{}",
-                            most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no", wanted, condition_text(c));
+        out.why = low >= wanted ? fmt::format("none of {} variants keeps half a digit of P", tried)
+                                : fmt::format(
+                                      "{}, the best, keeps {} digits of theta's worst component at nine tenths of the "
+                                      "checkpoints, {} are "
+                                      "wanted{}",
+                                      most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no",
+                                      wanted, condition_text(c));
     }
     return out;
 }

@@ -11,12 +11,14 @@ bool takes_single_rows(Result const& result);
 bool is_sound(Result const& result);
 
 /// Whether a comes before b among forms that are equally accurate:
-///   (1) a form that propagates a factor before one that propagates P or its inverse: no rounding makes the first indefinite
+///   (1) a form that propagates a factor before one that propagates P or its inverse: no rounding makes the first
+///     indefinite
 ///   (2) covariance before information: gain and P are at hand, theta needs no solve
 ///   (3) fewer operations a row
 bool preferred(Result const& a, Result const& b);
 
-/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use, if no number is given.
+/// Digits of theta's worst component that nine tenths of the counts must reach for an answer to be of use, if no number
+/// is given.
 inline constexpr double enough_digits = 3;
 double wanted_digits(CompareOptions const& options);
 /// Keeps so many, and half a digit of P (the median).
@@ -31,8 +33,8 @@ Loss loss_of(Result const& result, std::vector<Result const*> const& sound);
 ///   (3) of equals the preferred one
 std::vector<Result const*> ranked(std::vector<Result const*> sound, double wanted = enough_digits);
 
-/// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations are in another
-/// library, are not recommended: they are not meant for single rows.
+/// The recommendation for one arithmetic of a comparison. Variants that take blocks of rows, and those whose operations
+/// are in another library, are not recommended: they are not meant for single rows.
 Recommendation recommend(Arithmetic const& arithmetic, Comparison const& comparison);
 
 }  // namespace rlslab::compare

@@ -31,8 +31,9 @@ std::vector<std::vector<Index>> row_orders(Index rows, double forgetting, std::u
 
 Records in_order(Records const& records, std::vector<Index> const& rows) {
     if (rows.empty()) return records;
-    Records out{
-        .psi = Eigen::MatrixXd(records.parameters(), Index(rows.size())), .y = Vector<double>(Index(rows.size())), .names = records.names};
+    Records out{.psi = Eigen::MatrixXd(records.parameters(), Index(rows.size())),
+                .y = Vector<double>(Index(rows.size())),
+                .names = records.names};
     for (size_t k = 0; k < rows.size(); ++k) {
         out.psi.col(Index(k)) = records.psi.col(rows[k]);
         out.y[Index(k)] = records.y[rows[k]];
@@ -41,14 +42,17 @@ Records in_order(Records const& records, std::vector<Index> const& rows) {
 }
 
 RoundedProblem rounded_problem(Records const& records, Problem<double> const& problem, double (*round)(double),
-                               std::vector<std::vector<Index>> const& orders, int digits, std::function<void()> const& solved) {
+                               std::vector<std::vector<Index>> const& orders, int digits,
+                               std::function<void()> const& solved) {
     RoundedProblem out{as_stored(problem, round), as_stored(records, round), false, {}};
     Prior<double> const& prior = *out.problem.prior;
-    Vector<double> const P0 = prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
+    Vector<double> const P0 =
+        prior.covariance ? Vector<double>(prior.covariance->diagonal()) : Vector<double>{{prior.variance}};
     out.in_range = is_forgetting_factor(out.problem.forgetting) && (P0.array() > 0).all() && P0.allFinite();
     for (std::vector<Index> const& rows : orders) {
         RowOrder order{rows, {}};
-        if (out.in_range) order.exact = certified(out.problem, in_order(out.records, rows), checkpoints_of(records.rows()), digits);
+        if (out.in_range)
+            order.exact = certified(out.problem, in_order(out.records, rows), checkpoints_of(records.rows()), digits);
         if (!order.exact.empty() && order.exact.back().status() != Status::certified) order.exact.clear();
         out.orders.push_back(std::move(order));
         if (solved) solved();

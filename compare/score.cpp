@@ -1,4 +1,5 @@
-// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at the checkpoints.
+// A filter processes the rows. Its stored P is tested after each row; theta and P are compared with the reference at
+// the checkpoints.
 #include "compare/score.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -14,11 +15,14 @@ constexpr int least_draws = 4;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Rows first ... last-1 of the problem in this order, one by one or as a block.
-Health take_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last, Index block) {
+Health take_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last,
+                 Index block) {
     if (block > 1)
-        return order.empty()
-                   ? filter.update_block(records, first, last).health
-                   : filter.update_block(in_order(records, {order.begin() + first, order.begin() + last}), 0, last - first).health;
+        return order.empty() ? filter.update_block(records, first, last).health
+                             : filter
+                                   .update_block(in_order(records, {order.begin() + first, order.begin() + last}), 0,
+                                                 last - first)
+                                   .health;
     Index const k = order.empty() ? first : order[size_t(first)];
     return filter.update(records.sample(k), records.y[k]).health;
 }
@@ -63,8 +67,8 @@ Spread spread_of(std::vector<std::optional<double>> const& digits) {
     return {at(lowest_tenth(all.size())), at(size_t(std::floor(0.5 * last))), at(size_t(std::ceil(0.9 * last)))};
 }
 
-Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
-        std::function<Digits(size_t)> const& digits_at) {
+Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
+        std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at) {
     Run out{};
     if (Health const kind = breakdown(filter, arithmetic); kind != Health::sound) out.breakdown = Breakdown{0, kind};
     Index const rows = rounded.records.rows();
@@ -76,7 +80,8 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
             Health const health = take_rows(filter, rounded.records, order, first, last, block);
             first = last;
             if (out.breakdown) continue;
-            if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound) out.breakdown = Breakdown{last, kind};
+            if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound)
+                out.breakdown = Breakdown{last, kind};
         }
         if (digits_at) out.digits.push_back(digits_at(c));
     }

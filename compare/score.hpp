@@ -1,4 +1,5 @@
-// The digits that one variant keeps in one arithmetic along the record, and how much they vary with the order of rows and the draws.
+// The digits that one variant keeps in one arithmetic along the record, and how much they vary with the order of rows
+// and the draws.
 #pragma once
 
 #include "compare/compare.hpp"
@@ -13,8 +14,8 @@ double digits_of(Reference const& error, Reference const& size);
 /// The number of digits, at most `most`; absent for NaN.
 std::optional<double> at_most(double digits, double most);
 
-/// The 10 %, 50 % and 90 % points of these numbers (nearest rank), rounded to a tenth as printed, the outer ones outwards. Absent numbers
-/// count as the least. Expects at least one number.
+/// The 10 %, 50 % and 90 % points of these numbers (nearest rank), rounded to a tenth as printed, the outer ones
+/// outwards. Absent numbers count as the least. Expects at least one number.
 Spread spread_of(std::vector<std::optional<double>> const& digits);
 
 /// One pass of a filter over the rows in one order.
@@ -25,15 +26,16 @@ struct Run {
     bool factor;
     Vector<Reference> theta;  ///< after the last row
 };
-/// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested after each block.
-/// `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It may be empty.
-Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded, std::vector<Index> const& order,
-        std::function<Digits(size_t)> const& digits_at);
+/// The filter takes the rows of the problem in this order (empty: the record's), `block` at a time. Breakdown is tested
+/// after each block. `digits_at(c)` compares the filter with the reference at checkpoint c, after the rows up to it. It
+/// may be empty.
+Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedProblem const& rounded,
+        std::vector<Index> const& order, std::function<Digits(size_t)> const& digits_at);
 /// The result of these runs, the first of which is in the record's order: digits count from row 2 d on.
 Result result_of(CatalogueEntry const& entry, RoundedProblem const& rounded, std::vector<Run> const& runs);
 
-/// The result of one entry on the rounded problem. It runs once for each order of rows; with stochastic rounding at least four times, each
-/// run with its own draws.
+/// The result of one entry on the rounded problem. It runs once for each order of rows; with stochastic rounding at
+/// least four times, each run with its own draws.
 Result score(CatalogueEntry const& entry, RoundedProblem const& rounded, std::uint64_t seed);
 
 }  // namespace rlslab::compare

@@ -32,7 +32,9 @@ std::string tenths(double digits) { return std::isfinite(digits) ? fmt::format("
 std::string breakdown_text(Result const& r) {
     if (!r.obstacle.empty()) return "-";
     if (r.breakdown) return fmt::format("{} at {}", name_of(r.breakdown->kind), r.breakdown->step);
-    return r.broken == 0 ? "none" : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
+    return r.broken == 0
+               ? "none"
+               : fmt::format("in {} of {} {}", r.broken, r.runs, r.entry->arithmetic->stochastic ? "draws" : "orders");
 }
 
 std::string asymmetry_text(std::optional<double> const& asymmetry) {
@@ -40,20 +42,25 @@ std::string asymmetry_text(std::optional<double> const& asymmetry) {
     return *asymmetry == 0 ? "0" : fmt::format("{:.0e}", *asymmetry);
 }
 
-std::string operations_text(std::optional<long> const& operations) { return operations ? fmt::format("{}", *operations) : "-"; }
+std::string operations_text(std::optional<long> const& operations) {
+    return operations ? fmt::format("{}", *operations) : "-";
+}
 
 std::string nanoseconds_text(std::optional<double> const& ns) { return ns ? fmt::format("{:.0f}", *ns) : "-"; }
 
 std::string rounding_text(RoundingEffect const& s, Comparison const& c) {
     return fmt::format("as stored: lambda {:.6g}, rank {} of {}; {}", s.forgetting, s.rank, c.size,
-                       s.theta_digits ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
-                                      : "no exact theta: the problem leaves the range");
+                       s.theta_digits
+                           ? fmt::format("rounding the data leaves {:.1f} digits of the exact theta", *s.theta_digits)
+                           : "no exact theta: the problem leaves the range");
 }
 
 std::string recommended_in(Comparison const& c, std::string_view arithmetic) {
     if (c.digits) {
         KeptDigits const* const choice = c.digits->choice();
-        return choice && choice->result->entry->arithmetic->name == arithmetic ? std::string(choice->result->entry->variant) : "";
+        return choice && choice->result->entry->arithmetic->name == arithmetic
+                   ? std::string(choice->result->entry->variant)
+                   : "";
     }
     auto const found = std::ranges::find(c.recommendations, arithmetic, &Recommendation::arithmetic);
     return found == c.recommendations.end() ? "" : found->variant;
@@ -67,13 +74,16 @@ std::string prior_text(Comparison const& c) {
     std::string out = "theta0 = 0, P0 = ";
     if (c.scaled_prior) {
         auto const [least, largest] = std::minmax_element(c.scaled_prior->s.begin(), c.scaled_prior->s.end());
-        out += fmt::format("diag((c / s_i)^2), c = {}, s_i = {} to {}: root mean squares of the regressors, rounded to powers of two; ",
-                           c.scaled_prior->c, *least, *largest);
+        out += fmt::format(
+            "diag((c / s_i)^2), c = {}, s_i = {} to {}: root mean squares of the regressors, rounded to powers of "
+            "two; ",
+            c.scaled_prior->c, *least, *largest);
     } else {
         out += fmt::format("{} I: ", *c.options.p0);
     }
     out += fmt::format("moves theta{} by {:.1e} of itself, its worst component by {:.1e}",
-                       c.options.composition.empty() ? "" : ", of all rows without the composition,", c.prior_bias, c.component_bias);
+                       c.options.composition.empty() ? "" : ", of all rows without the composition,", c.prior_bias,
+                       c.component_bias);
     if (c.scaled_prior && c.scaled_prior->reached)
         out += fmt::format(" (c is the least power of two from 32 on that leaves at most 1e-3 and 1e-2{})",
                            c.options.forgetting == 1 ? "" : ", at this lambda and at 1");
@@ -83,15 +93,17 @@ std::string prior_text(Comparison const& c) {
 std::vector<std::string> warnings(Comparison const& c) {
     std::vector<std::string> out = composition_warnings(c);
     out.insert(out.end(), c.model.warnings.begin(), c.model.warnings.end());
-    std::string const remedy =
-        c.options.p0 ? "leave out --p0 for one that is scaled to the data" : "no prior in range will do; rescale the columns";
+    std::string const remedy = c.options.p0 ? "leave out --p0 for one that is scaled to the data"
+                                            : "no prior in range will do; rescale the columns";
     if (!(c.prior_bias <= most_prior_bias))
         out.push_back(fmt::format("the prior moves theta by {:.2g} of itself: {}", c.prior_bias, remedy));
     else if (!(c.component_bias <= most_component_bias))
-        out.push_back(fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
+        out.push_back(
+            fmt::format("the prior moves a component of theta by {:.2g} of itself: {}", c.component_bias, remedy));
     if (c.offset > most_offset)
         out.push_back(
-            fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that the offset is fitted "
+            fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that "
+                        "the offset is fitted "
                         "as dynamics: --detrend or --intercept",
                         c.model.output.empty() ? "y" : c.model.output, c.offset));
     return out;

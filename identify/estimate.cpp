@@ -26,11 +26,13 @@ CatalogueEntry const& entry_of(std::string const& variant) {
 
 namespace {
 
-/// The error that does not matter: a tenth of the error due to noise, or, for a record without noise, the rounding error of the arithmetic:
-/// `least` of the largest term, each in units s of its regressor.
-Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, Vector<double> const& s, double least) {
+/// The error that does not matter: a tenth of the error due to noise, or, for a record without noise, the rounding
+/// error of the arithmetic: `least` of the largest term, each in units s of its regressor.
+Vector<double> tolerance(Vector<double> const& sd, Vector<Reference> const& theta, Vector<double> const& s,
+                         double least) {
     double largest = 0;
-    for (Index i = 0; i < theta.size(); ++i) largest = std::max(largest, std::abs(static_cast<double>(theta[i])) * s[i]);
+    for (Index i = 0; i < theta.size(); ++i)
+        largest = std::max(largest, std::abs(static_cast<double>(theta[i])) * s[i]);
     return (sd.array().isNaN().select(0, 0.1 * sd.array()) + least * largest / s.array()).matrix();
 }
 
@@ -50,8 +52,8 @@ struct ScaledProblem {
     double c;  ///< of the prior, P0_ii = (c / s_i)^2
     std::vector<double> scales;
 };
-/// The problem with the prior of the options, or with the default prior. The default prior is weakened until it moves no parameter by more
-/// than its tolerance, 1e-12 of theta where there is no noise.
+/// The problem with the prior of the options, or with the default prior. The default prior is weakened until it moves
+/// no parameter by more than its tolerance, 1e-12 of theta where there is no noise.
 ScaledProblem with_prior(IdentifyOptions const& options, Records const& records, Scattered const& free) {
     Problem<double> problem{.size = records.parameters(), .forgetting = options.forgetting};
     if (options.p0) {
@@ -65,7 +67,8 @@ ScaledProblem with_prior(IdentifyOptions const& options, Records const& records,
     constexpr double largest_c = 0x1p60;
     for (;;) {
         problem.prior = prior.prior();
-        double const by = largest_difference(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
+        double const by =
+            largest_difference(certified(problem, records, {records.rows()}).front().theta(), theta, allowed);
         if (!(by > 1) || prior.c >= largest_c) break;
         // The bias falls at least as 1/c^2 along each axis of the scaled data.
         prior.c = std::min(largest_c, prior.c * correctly::exp2(std::ceil(correctly::log2(by) / 2)));
@@ -78,7 +81,8 @@ std::vector<Index> checkpoints_of(Records const& records) {
     Index const points = std::clamp<Index>(4000 / records.parameters(), 10, 100);
     std::vector<Index> out;
     for (Index i = 1; i <= points; ++i)
-        if (Index const row = std::max<Index>(1, i * records.rows() / points); out.empty() || row > out.back()) out.push_back(row);
+        if (Index const row = std::max<Index>(1, i * records.rows() / points); out.empty() || row > out.back())
+            out.push_back(row);
     return out;
 }
 
@@ -88,15 +92,16 @@ struct Run {
 };
 
 /// Runs the variant over the rows; its stored P is tested after every step.
-Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records, std::vector<Index> const& checkpoints) {
+Run run(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records,
+        std::vector<Index> const& checkpoints) {
     auto const filter = entry.make(problem, Seed{1});
     Run out;
     Index k = 0;
     for (Index const checkpoint : checkpoints) {
         while (k < checkpoint) {
             Index const last = std::min(checkpoint, k + entry.block);
-            Step<double> const step =
-                entry.block == 1 ? filter->update(records.sample(k), records.y[k]) : filter->update_block(records, k, last);
+            Step<double> const step = entry.block == 1 ? filter->update(records.sample(k), records.y[k])
+                                                       : filter->update_block(records, k, last);
             k = last;
             if (out.failure) continue;
             if (Health const kind = breakdown(*filter, *entry.arithmetic, step.health); kind != Health::sound)
@@ -121,11 +126,13 @@ std::string better_variant(Problem<double> const& problem, Records const& record
 
 using Rank = Remark::Rank;
 
-/// G = (Phi'Phi)^-1. The part of regressor i that the others do not explain, x_i + sum_j w_j x_j with w_j = G_ij / G_ii, has the mean
-/// square 1 / (N G_ii). Numbers rounded to q_j cause sum_j w_j^2 q_j^2 / 12 by themselves. If the mean square is below four times that, the
-/// regressors depend on one another but for rounding. Tests the regressor with the smallest such part, relative to its scale.
-std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::vector<Term> const& terms, Records const& records,
-                                           Scatter const& free, Vector<double> const& resolution) {
+/// G = (Phi'Phi)^-1. The part of regressor i that the others do not explain, x_i + sum_j w_j x_j with w_j = G_ij /
+/// G_ii, has the mean square 1 / (N G_ii). Numbers rounded to q_j cause sum_j w_j^2 q_j^2 / 12 by themselves. If the
+/// mean square is below four times that, the regressors depend on one another but for rounding. Tests the regressor
+/// with the smallest such part, relative to its scale.
+std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::vector<Term> const& terms,
+                                           Records const& records, Scatter const& free,
+                                           Vector<double> const& resolution) {
     Index const d = records.parameters();
     Vector<double> const s = regressor_scales(records);
     Index i = 0;
@@ -145,53 +152,63 @@ std::optional<Remark> remark_on_dependence(IdentifyOptions const& options, std::
         if (std::abs(w[j]) * s[j] > 1e-3 * largest) dependent.push_back(terms[size_t(j)].regressor);
     std::string const names = dependent.size() > 8 ? fmt::format("{} of the {} regressors", dependent.size(), d)
                                                    : fmt::format("{}", fmt::join(dependent, ", ")),
-                      instead = !options.regressors.empty() || options.inputs.size() > 1 ? "leave out one of " + names
-                                                                                         : "a lower order, or a richer input";
-    return Remark{Rank::dependence,
-                  fmt::format("{} depend on one another but for the rounding of their numbers: this record does not determine their "
-                              "parameters, in whatever arithmetic: {}",
-                              names, instead),
-                  instead};
+                      instead = !options.regressors.empty() || options.inputs.size() > 1
+                                    ? "leave out one of " + names
+                                    : "a lower order, or a richer input";
+    return Remark{
+        Rank::dependence,
+        fmt::format(
+            "{} depend on one another but for the rounding of their numbers: this record does not determine their "
+            "parameters, in whatever arithmetic: {}",
+            names, instead),
+        instead};
 }
 
-/// Remarks about breakdown, rounding and prior. rounded, biased: rounding, or the prior, moves theta by more than its tolerance. dependent:
-/// the record does not determine theta. better: the variant to use instead, or "".
-std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estimate const& estimate, Index parameters, bool rounded,
-                                          bool biased, bool dependent, std::string const& better) {
+/// Remarks about breakdown, rounding and prior. rounded, biased: rounding, or the prior, moves theta by more than its
+/// tolerance. dependent: the record does not determine theta. better: the variant to use instead, or "".
+std::vector<Remark> remarks_on_arithmetic(IdentifyOptions const& options, Estimate const& estimate, Index parameters,
+                                          bool rounded, bool biased, bool dependent, std::string const& better) {
     std::vector<Remark> out;
     std::string const& variant = options.variant;
     std::string const remedy = "a lower order, fewer samples a second, or a richer input",
-                      hardly = fmt::format(
-                          "{} ({})", remedy,
-                          std::isfinite(estimate.condition) ? fmt::format("kappa = {:.2g}", estimate.condition) : "kappa > 1e308"),
+                      hardly = fmt::format("{} ({})", remedy,
+                                           std::isfinite(estimate.condition)
+                                               ? fmt::format("kappa = {:.2g}", estimate.condition)
+                                               : "kappa > 1e308"),
                       next = better.empty() ? remedy : "--variant " + better,
-                      instead = better.empty() ? fmt::format("no variant in double does better on these regressors: {}", hardly)
-                                               : fmt::format("--variant {} keeps enough of them on this record", better);
+                      instead = better.empty()
+                                    ? fmt::format("no variant in double does better on these regressors: {}", hardly)
+                                    : fmt::format("--variant {} keeps enough of them on this record", better);
     bool const undetermined = rounded && biased && better.empty();
     if (estimate.failure)
-        out.push_back({Rank::breakdown,
-                       fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
-                                   estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
-                                                                                : "its numbers are no longer finite",
-                                   dependent        ? ""
-                                   : better.empty() ? ": " + instead
-                                                    : fmt::format(": --variant {} does not break down on this record", better)),
-                       next});
+        out.push_back(
+            {Rank::breakdown,
+             fmt::format("{} broke down after row {}: {}. Do not use its numbers{}", variant, estimate.failure->row,
+                         estimate.failure->kind == Health::indefinite ? "the P it stores is not positive definite"
+                                                                      : "its numbers are no longer finite",
+                         dependent        ? ""
+                         : better.empty() ? ": " + instead
+                                          : fmt::format(": --variant {} does not break down on this record", better)),
+             next});
     else if (undetermined)
-        out.push_back({Rank::arithmetic,
-                       fmt::format("the record hardly determines these {} parameters: the prior and the rounding both move them by more "
-                                   "than a tenth of what noise does: {}",
-                                   parameters, hardly),
-                       next});
-    else if (rounded)
-        out.push_back({Rank::arithmetic,
-                       fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead), next});
-    if (biased && !undetermined) {
-        std::string const weaker = options.p0 ? "a larger --p0, or none given" : remedy;
         out.push_back(
             {Rank::arithmetic,
-             fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}", options.p0 ? weaker : hardly),
-             weaker});
+             fmt::format(
+                 "the record hardly determines these {} parameters: the prior and the rounding both move them by more "
+                 "than a tenth of what noise does: {}",
+                 parameters, hardly),
+             next});
+    else if (rounded)
+        out.push_back(
+            {Rank::arithmetic,
+             fmt::format("{} lost digits to rounding, more than a tenth of what noise does: {}", variant, instead),
+             next});
+    if (biased && !undetermined) {
+        std::string const weaker = options.p0 ? "a larger --p0, or none given" : remedy;
+        out.push_back({Rank::arithmetic,
+                       fmt::format("the prior moves the estimate by more than a tenth of what noise does: {}",
+                                   options.p0 ? weaker : hardly),
+                       weaker});
     }
     return out;
 }
@@ -200,8 +217,8 @@ void expect_independent(std::string const& file, Structure const& structure, Rec
     Problem<double> const problem{.size = records.parameters(), .prior = std::nullopt};
     CertifiedSolution const exact = certified(problem, records, {records.rows()}).front();
     if (exact.status() != Status::certified)
-        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file, structure.structure,
-                                     exact.rank(), records.parameters()));
+        throw InputError(fmt::format("{}: {}: the regressors are linearly dependent (exact rank {} of {})", file,
+                                     structure.structure, exact.rank(), records.parameters()));
 }
 
 /// The minimiser without prior.
@@ -210,18 +227,20 @@ Scattered without_prior(IdentifyOptions const& options, Records const& records) 
     Problem<double> const problem{.size = d, .forgetting = options.forgetting, .prior = std::nullopt};
     Scattered out = scattered(problem, records, {records.rows()}).front();
     if (!(out.scatter.freedom >= 1))
-        throw InputError(
-            fmt::format("--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
-                        options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
+        throw InputError(fmt::format(
+            "--forgetting: lambda = {} remembers about {:.0f} rows, too few for {} parameters: expected {:.3g} or more",
+            options.forgetting, 1 / (1 - options.forgetting), d, 1 - 1 / (2.0 * double(d))));
     return out;
 }
 
-std::vector<TrajectoryPoint> trajectory_of(std::vector<Index> const& checkpoints, Run const& variant, std::vector<Scattered> const& exact,
-                                           double sigma2) {
+std::vector<TrajectoryPoint> trajectory_of(std::vector<Index> const& checkpoints, Run const& variant,
+                                           std::vector<Scattered> const& exact, double sigma2) {
     std::vector<TrajectoryPoint> out;
     for (size_t i = 0; i < exact.size(); ++i)
-        out.push_back({checkpoints[i], variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
-                       std::sqrt(sigma2) * exact[i].scatter.sd});
+        out.push_back(
+            {checkpoints[i],
+             variant.theta[i].unaryExpr([](Reference const& x) { return static_cast<double>(x); }).cast<double>(),
+             std::sqrt(sigma2) * exact[i].scatter.sd});
     return out;
 }
 
@@ -237,8 +256,8 @@ std::vector<Parameter> parameters_of(std::vector<Term> const& terms, TrajectoryP
 
 }  // namespace
 
-Estimation estimate(std::string const& file, IdentifyOptions const& options, Structure const& structure, Records const& records,
-                    Vector<double> const& resolution) {
+Estimation estimate(std::string const& file, IdentifyOptions const& options, Structure const& structure,
+                    Records const& records, Vector<double> const& resolution) {
     expect_independent(file, structure, records);
     Scattered const free = without_prior(options, records);
     auto const [problem, c, scales] = with_prior(options, records, free);
@@ -254,7 +273,8 @@ Estimation estimate(std::string const& file, IdentifyOptions const& options, Str
     out.freedom = scatter.freedom;
     out.sigma2 = scatter.J / out.freedom;
     out.noise_free = free.scatter.J <= rounding_alone(records.rows(), records.y.cwiseAbs().maxCoeff());
-    out.quantile = scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
+    out.quantile =
+        scatter.student > 0 ? correctly::student_quantile(scatter.student, 0.5 + options.confidence / 2) : NAN;
     out.trajectory = trajectory_of(checkpoints, variant, exact, out.sigma2);
     out.parameters = parameters_of(structure.terms, out.trajectory.back(), out.quantile);
     Vector<double> const& sd = out.trajectory.back().sd;
@@ -263,17 +283,20 @@ Estimation estimate(std::string const& file, IdentifyOptions const& options, Str
     out.digits_worst = std::min(last.theta_digits_worst(theta), 15.95);
 
     std::vector<Remark> remarks;
-    std::optional<Remark> const dependence = remark_on_dependence(options, structure.terms, records, free.scatter, resolution);
+    std::optional<Remark> const dependence =
+        remark_on_dependence(options, structure.terms, records, free.scatter, resolution);
     if (dependence) remarks.push_back(*dependence);
     Vector<double> const allowed = tolerance(sd, best, regressor_scales(records), 1e-9);
     bool const rounded = !dependence && !(largest_difference(theta, best, allowed) <= 1),
                biased = !dependence && !(largest_difference(best, unbiased, allowed) <= 1);
     std::string const better =
         rounded || (out.failure && !dependence) ? better_variant(problem, records, best, allowed, options.variant) : "";
-    for (Remark& remark : remarks_on_arithmetic(options, out, records.parameters(), rounded, biased, dependence.has_value(), better))
+    for (Remark& remark :
+         remarks_on_arithmetic(options, out, records.parameters(), rounded, biased, dependence.has_value(), better))
         remarks.push_back(std::move(remark));
     if (!(sd.array() >= 0).all())
-        remarks.push_back({Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
+        remarks.push_back(
+            {Rank::arithmetic, "the standard deviations could not be worked out to 12 digits and are left out", ""});
     return {out, {sd, scatter.correlation}, remarks};
 }
 

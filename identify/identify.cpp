@@ -30,16 +30,21 @@ Vector<double> resolutions_of(std::vector<Term> const& terms, Record const& reco
 
 Criteria criteria_of(IdentifyOptions const& options, Estimate const& estimate, Records const& fitted) {
     if (options.forgetting != 1) return {NAN, NAN, NAN};
-    double const J = std::max(estimate.sigma2 * estimate.freedom, rounding_alone(fitted.rows(), fitted.y.cwiseAbs().maxCoeff()));
+    double const J =
+        std::max(estimate.sigma2 * estimate.freedom, rounding_alone(fitted.rows(), fitted.y.cwiseAbs().maxCoeff()));
     return criteria(J, fitted.rows(), fitted.parameters());
 }
 
-std::optional<Tracked> tracked_by(IdentifyOptions const& options, Estimate const& estimate, Rows const& rows, double mean) {
+std::optional<Tracked> tracked_by(IdentifyOptions const& options, Estimate const& estimate, Rows const& rows,
+                                  double mean) {
     if (options.composition.empty()) return {};
-    Vector<double> const scales = Eigen::Map<Vector<double> const>(estimate.scales.data(), Index(estimate.scales.size()));
+    Vector<double> const scales =
+        Eigen::Map<Vector<double> const>(estimate.scales.data(), Index(estimate.scales.size()));
     Matrix<double> const P0 = (estimate.c / scales.array()).square().matrix().asDiagonal();
-    Problem<double> const problem{.size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}};
-    return track(options.composition, options.variant, problem, rows.records, rows.samples, mean, estimate.sigma2, options.confidence);
+    Problem<double> const problem{
+        .size = P0.rows(), .forgetting = options.forgetting, .prior = Prior<double>{.covariance = P0}};
+    return track(options.composition, options.variant, problem, rows.records, rows.samples, mean, estimate.sigma2,
+                 options.confidence);
 }
 
 std::vector<Remark> joined(std::vector<Remark> a, std::vector<Remark> const& b) {
@@ -64,7 +69,8 @@ Identified identify(DataFile const& file, IdentifyOptions const& given, Progress
     Structure const structure = choose_structure(record, options, inputs.supported);
     Rows const rows = rows_of(structure.terms, record.inputs, record.y);
     Records const fitted = rows.before(record.fitted).records;
-    Estimation const estimation = estimate(record.file, options, structure, fitted, resolutions_of(structure.terms, record));
+    Estimation const estimation =
+        estimate(record.file, options, structure, fitted, resolutions_of(structure.terms, record));
     Validation const validation = validate(record, options, structure, rows, fitted.rows(), estimation);
     Identified out{structure, estimation.estimate, criteria_of(options, estimation.estimate, fitted), validation};
     out.file = record.file;

@@ -45,7 +45,8 @@ struct Term {
 
 struct Parameter {
     std::string name, regressor;
-    double value, sd, lower, upper;  ///< lower and upper: of the confidence interval; NaN where the variant gave no number
+    double value, sd, lower,
+        upper;  ///< lower and upper: of the confidence interval; NaN where the variant gave no number
 };
 
 /// theta(k) and its standard deviations at one row.
@@ -69,7 +70,19 @@ struct Cancellation {
 /// A warning about the record or the model, or a hint how to make the model better.
 struct Remark {
     /// In order of importance: a remark makes all that follow it doubtful.
-    enum class Rank { dependence, breakdown, outlier, excitation, arithmetic, delay, nothing, order, whiteness, held_out, structure };
+    enum class Rank {
+        dependence,
+        breakdown,
+        outlier,
+        excitation,
+        arithmetic,
+        delay,
+        nothing,
+        order,
+        whiteness,
+        held_out,
+        structure
+    };
     Rank rank;
     std::string sentence;
     std::string next;   ///< what to do first, as options if possible; empty: nothing
@@ -82,7 +95,8 @@ struct PastInput {
     Index lag;           ///< of the largest correlation
     double correlation;  ///< at this lag
     double bound;        ///< 99 % bound of all lags of all inputs together
-    Index first_lag;     ///< first significant lag when all lags up to `lag` are in the equation; `lag` if none is significant
+    Index first_lag;     ///< first significant lag when all lags up to `lag` are in the equation; `lag` if none is
+                         ///< significant
 };
 
 /// A residual that is too large for a normal distribution.
@@ -106,35 +120,40 @@ struct Structure {
 struct Estimate {
     double c = 0;                     ///< of the prior, P0_ii = (c / s_i)^2
     std::vector<double> scales = {};  ///< s_i
-    double prior_effect = 0;          ///< largest move of a parameter by the prior, in its standard deviations; NaN: not known
+    double prior_effect = 0;  ///< largest move of a parameter by the prior, in its standard deviations; NaN: not known
     std::vector<Parameter> parameters = {};
     std::optional<Failure> failure = {};
     double sigma2 = 0, freedom = 0, quantile = 0;  ///< quantile: Student's, of the interval
     bool noise_free = false;                       ///< the residuals of the least squares are rounding errors
-    double digits = 0, digits_worst = 0;           ///< that the variant shares with the certified minimiser of its problem; NaN: none
-    double condition = 0;                          ///< of the fitted rows
+    double digits = 0,
+           digits_worst = 0;  ///< that the variant shares with the certified minimiser of its problem; NaN: none
+    double condition = 0;     ///< of the fitted rows
     std::vector<TrajectoryPoint> trajectory = {};
 };
 
-/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or not known.
+/// The model's properties, and its errors on both parts of the record. NaN and empty: theta is not finite, or not
+/// known.
 struct Validation {
     DifferenceEquation model = {};
     std::vector<std::complex<double>> poles = {};
     std::vector<std::vector<std::complex<double>>> zeros = {};
     std::vector<Cancellation> cancellations = {};
-    std::vector<double> gain = {}, gain_sd = {};                                   ///< steady state, of each input; NaN: a pole at 1
+    std::vector<double> gain = {}, gain_sd = {};  ///< steady state, of each input; NaN: a pole at 1
     double fit_one_step = NAN, held_out_one_step = NAN, held_out_simulated = NAN;  ///< percent
-    double fit_error = 0, held_out_error = 0;                                      ///< root mean square one step ahead, in the unit of y
-    LjungBox ljung_box = {NAN, NAN, 0, 0};                                         ///< of the residuals over the fitted rows
-    Signal auto_correlation = {};                                                  ///< r_0 = 1, r_1 ... of the residuals
-    std::vector<Signal> cross_correlation = {};                                    ///< of residuals and each input, lags 0 ...
+    double fit_error = 0, held_out_error = 0;    ///< root mean square one step ahead, in the unit of y
+    LjungBox ljung_box = {NAN, NAN, 0, 0};       ///< of the residuals over the fitted rows
+    Signal auto_correlation = {};                ///< r_0 = 1, r_1 ... of the residuals
+    std::vector<Signal> cross_correlation = {};  ///< of residuals and each input, lags 0 ...
     double bound = 0;  ///< 99 % bound: a white residual's correlations exceed it with probability 0.01 each
     std::vector<PastInput> past_inputs = {};
     std::vector<Outlier> outliers = {};                   ///< the largest of the fitted part, and of the held-out part
     Signal measured = {}, one_step = {}, simulated = {};  ///< with means, from the first row of the equation on
 };
 
-struct Identified : Structure, Estimate, Criteria, Validation {  ///< Criteria: of the model as fitted, lambda = 1; else NaN
+struct Identified : Structure,
+                    Estimate,
+                    Criteria,
+                    Validation {  ///< Criteria: of the model as fitted, lambda = 1; else NaN
     std::string file = {};
     IdentifyOptions options = {};
     Index samples = 0, fitted = 0, held_out = 0;  ///< fitted: rows of the equation; held_out: samples
@@ -148,8 +167,9 @@ struct Identified : Structure, Estimate, Criteria, Validation {  ///< Criteria: 
     std::string next() const;                                  ///< of the first remark that has one; "" if none has
 };
 
-/// The model of a record. Rows of the equation that miss a value are skipped. Throws InputError for options that contradict one another,
-/// for a record that cannot be modelled, and for linearly dependent regressors: the message names the order that the input supports.
+/// The model of a record. Rows of the equation that miss a value are skipped. Throws InputError for options that
+/// contradict one another, for a record that cannot be modelled, and for linearly dependent regressors: the message
+/// names the order that the input supports.
 Identified identify(DataFile const& file, IdentifyOptions const& options, report::Progress const& progress = {});
 
 std::string as_table(Identified const& model, size_t columns = 0);

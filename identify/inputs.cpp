@@ -18,34 +18,40 @@ using Rank = Remark::Rank;
 std::string times(Index changes) { return changes == 1 ? "once" : fmt::format("{} times", changes); }
 
 /// Remarks about an input of so many coefficients. u: with its mean, of which the first `fitted` samples count.
-std::vector<Remark> remarks_on_input(std::string const& name, Signal const& u, Index fitted, Excitation const& e, Index coefficients) {
+std::vector<Remark> remarks_on_input(std::string const& name, Signal const& u, Index fitted, Excitation const& e,
+                                     Index coefficients) {
     std::vector<Remark> out;
     if (e.order < coefficients)
-        out.push_back({Rank::excitation,
-                       e.order >= 2 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that "
-                                                  "changes more often, or at more frequencies, supports a higher one",
-                                                  name, e.order, e.order - 1)
-                                    : fmt::format("input {} is exciting of order {} only", name, e.order),
-                       "a richer input"});
+        out.push_back(
+            {Rank::excitation,
+             e.order >= 2
+                 ? fmt::format("input {} is exciting of order {} only: it supports a model of order {}. An input that "
+                               "changes more often, or at more frequencies, supports a higher one",
+                               name, e.order, e.order - 1)
+                 : fmt::format("input {} is exciting of order {} only", name, e.order),
+             "a richer input"});
     else if (auto const spike = largest_spike(u, fitted); e.persistent < coefficients && spike.deviations > 10)
-        out.push_back({Rank::outlier,
-                       fmt::format("one value of input {}, in row {}, is {:.2g} standard deviations of the others off their mean, and the "
-                                   "estimate rests on the rows that have it. If it is wrong, empty its cell, and it is skipped",
-                                   name, spike.row, spike.deviations),
-                       fmt::format("look at row {}", spike.row)});
+        out.push_back(
+            {Rank::outlier,
+             fmt::format("one value of input {}, in row {}, is {:.2g} standard deviations of the others off their "
+                         "mean, and the "
+                         "estimate rests on the rows that have it. If it is wrong, empty its cell, and it is skipped",
+                         name, spike.row, spike.deviations),
+             fmt::format("look at row {}", spike.row)});
     else if (e.persistent < coefficients)
         out.push_back({Rank::excitation,
-                       fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise there decides them. "
+                       fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise "
+                                   "there decides them. "
                                    "An input that changes more often says more",
                                    name, times(e.changes), e.persistent),
                        "a richer input"});
     constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one
     if (e.constant_at_start > long_enough && e.changes > 1 && e.order > 0)
-        out.push_back(
-            {Rank::whiteness,
-             fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of the dynamics; cut them off",
-                         name, e.constant_at_start, fitted),
-             fmt::format("cut off the first {} samples", e.constant_at_start)});
+        out.push_back({Rank::whiteness,
+                       fmt::format("input {} stands still over the first {} of {} fitted samples: they say nothing of "
+                                   "the dynamics; cut them off",
+                                   name, e.constant_at_start, fitted),
+                       fmt::format("cut off the first {} samples", e.constant_at_start)});
     return out;
 }
 
@@ -56,9 +62,11 @@ void expect_supported(Record const& record, IdentifyOptions const& options, Inpu
     throw InputError(fmt::format(
         "{}: {} ({})", record.file,
         check.supported < 1 ? "the input does not excite the system: it supports no model of order 1 or more"
-        : options.order ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order, check.supported)
-                        : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}", needed + 1,
-                                      check.supported + 1),
+        : options.order
+            ? fmt::format("order {} cannot be identified from this input; it supports order {}", options.order,
+                          check.supported)
+            : fmt::format("{} coefficients of an input cannot be identified from this record; it supports {}",
+                          needed + 1, check.supported + 1),
         fmt::join(reasons, "; ")));
 }
 
@@ -77,8 +85,8 @@ InputCheck check_inputs(Record const& record, IdentifyOptions const& options, Pr
         auto const part_done = [&](double part) {
             if (progress) progress((double(j) + part) / double(inputs));
         };
-        Excitation const e =
-            excitation(longest_run(u, record.fitted), coefficients[j], {.constant = options.intercept, .progress = part_done});
+        Excitation const e = excitation(longest_run(u, record.fitted), coefficients[j],
+                                        {.constant = options.intercept, .progress = part_done});
         if (e.order < coefficients[j]) out.supported = std::min(out.supported, e.order - 1);
         for (Remark& remark : remarks_on_input(printable(options.inputs[j]), u, record.fitted, e, coefficients[j]))
             out.remarks.push_back(std::move(remark));

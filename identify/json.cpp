@@ -100,9 +100,10 @@ std::string as_json(Identified const& m) {
         {"structure", m.structure},
         {"why", m.why},
         {"equation", equation_text(m.terms, o.output)},
-        {"suggested", m.choice.fits.empty()
-                          ? Json(nullptr)
-                          : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
+        {"suggested",
+         m.choice.fits.empty()
+             ? Json(nullptr)
+             : Json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}},
         {"orders", orders},
         {"parameters", parameters},
         {"breakdown", m.failure ? Json{{"row", m.failure->row}, {"kind", name_of(m.failure->kind)}} : Json(nullptr)},

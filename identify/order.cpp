@@ -10,7 +10,8 @@
 
 namespace rlslab::identify {
 
-OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay, bool intercept) {
+OrderColumns order_columns(std::vector<Signal> const& inputs, Signal const& y, int most, std::vector<int> const& delay,
+                           bool intercept) {
     expects(!inputs.empty() && delay.size() == inputs.size(), "an input, and a delay for each");
     Index const first = most + *std::ranges::max_element(delay), last = Index(y.size());
     OrderColumns out{{}, {}, int(inputs.size()), intercept, {}};
@@ -78,7 +79,8 @@ struct OrderFits {
     double static_p = 1;  ///< as in OrderChoice
 };
 
-/// F-test of d parameters over N rows with J against fewer parameters with a larger J: the tail probability of the improvement.
+/// F-test of d parameters over N rows with J against fewer parameters with a larger J: the tail probability of the
+/// improvement.
 double improvement(double larger_J, Index fewer, double J, Index d, Index N) {
     double const more = double(d - fewer), left = double(N - d), F = (larger_J - J) / more / (J / left);
     return J > 0 && F > 0 ? correctly::fisher_tail(more, left, F) : 1;
@@ -113,7 +115,8 @@ OrderFits fit_orders(OrderColumns const& all, int most, Index held_out) {
     for (int order = 0; order <= most; ++order) {
         Index const d = all.columns(order);
         bool sound = true;
-        while (recursion.size() < d && sound) sound = recursion.append(all.X.col(recursion.size()).head(fitted)).relative > 0x1p-90;
+        while (recursion.size() < d && sound)
+            sound = recursion.append(all.X.col(recursion.size()).head(fitted)).relative > 0x1p-90;
         if (!sound) break;
         Vector<double> const theta = recursion.theta();
         double const J = std::max(recursion.J(), nothing);
@@ -152,8 +155,9 @@ OrderChoice choose_order(OrderColumns const& columns, int most, Index held_out) 
         if (fit.order > 0 && fit.p < improvement_level) out.f_test = fit.order;
     int const best = least(fits, &OrderFit::bic, [](OrderFit const& fit) { return fit.order > 0; });
     // Below the order of the least BIC the residuals may pass only because missing terms make them large.
-    int const white =
-        least(fits, &OrderFit::bic, [&](OrderFit const& fit) { return best > 0 && fit.order >= best && fit.ljung_box >= white_level; });
+    int const white = least(fits, &OrderFit::bic, [&](OrderFit const& fit) {
+        return best > 0 && fit.order >= best && fit.ljung_box >= white_level;
+    });
     std::string const of = out.bic == 0 ? "the least BIC above order 0" : "the least BIC";
     out.order = white > 0 ? white : best;
     out.why = white == best ? of + ", and its residuals pass for white"

@@ -7,8 +7,8 @@
 
 namespace rlslab::identify {
 
-/// The largest |e| of the residuals, if as many normal ones contain one as large with probability 0.1 % at most; or the first residual of
-/// half its size in the `lags` rows before it. NaN: no residual.
+/// The largest |e| of the residuals, if as many normal ones contain one as large with probability 0.1 % at most; or the
+/// first residual of half its size in the `lags` rows before it. NaN: no residual.
 struct LargestResidual {
     Index at;
     double deviations, share;  ///< |e| in root mean squares of the residuals; share of their sum of squares

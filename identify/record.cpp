@@ -45,7 +45,8 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
     names.push_back(options.output);
     for (std::string const& name : names)
         if (std::ranges::count(names, name) > 1)
-            throw InputError(fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
+            throw InputError(
+                fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
     Columns columns = read_data(file, names);
     Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
     for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
@@ -63,18 +64,20 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
 
 void expect_enough_samples(Record const& record, IdentifyOptions const& options) {
     if (!changes(record.y, record.samples))
-        throw InputError(
-            fmt::format("{}: column \"{}\" does not change: there is nothing to model", record.file, printable(options.output)));
+        throw InputError(fmt::format("{}: column \"{}\" does not change: there is nothing to model", record.file,
+                                     printable(options.output)));
     if (!changes(record.y, record.fitted))
-        throw InputError(fmt::format("{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate",
-                                     record.file, printable(options.output), record.fitted));
+        throw InputError(fmt::format(
+            "{}: column \"{}\" does not change over the {} samples that are fitted: expected a smaller --validate",
+            record.file, printable(options.output), record.fitted));
     int const order = widest_order(options);
     std::vector<Term> const widest = terms_of(options, order);
     Index const needed = presample(widest) + Index(widest.size()) + 1;
     if (record.fitted < needed)
-        throw InputError(fmt::format("{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}",
-                                     record.file, structure_text(options, order), widest.size(), needed, record.fitted,
-                                     record.fitted < record.samples ? ", or a smaller --validate" : ""));
+        throw InputError(fmt::format(
+            "{}: {} has {} parameters and needs at least {} samples to fit, found {}: expected a lower order{}",
+            record.file, structure_text(options, order), widest.size(), needed, record.fitted,
+            record.fitted < record.samples ? ", or a smaller --validate" : ""));
 }
 
 Record centred(Record record, IdentifyOptions const& options) {
@@ -84,14 +87,15 @@ Record centred(Record record, IdentifyOptions const& options) {
         Signal& x = input ? record.inputs[j] : record.y;
         std::string const name = printable(input ? options.inputs[j] : options.output);
         if (longest_run(x, record.fitted).empty())
-            throw InputError(fmt::format("{}: column \"{}\": expected a number in the part that is fitted, found missing values alone",
-                                         record.file, name));
+            throw InputError(fmt::format(
+                "{}: column \"{}\": expected a number in the part that is fitted, found missing values alone",
+                record.file, name));
         record.means.push_back(options.detrend ? subtract_mean(x, record.fitted) : 0.0);
         // Squares of the rest must not underflow.
         if (double const size = largest(x, record.fitted); size > 0 && size < 0x1p-400)
-            throw InputError(
-                fmt::format("{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten",
-                            record.file, name, size));
+            throw InputError(fmt::format(
+                "{}: column \"{}\" is {:.2g} in size at most: expected moderate numbers; multiply it by a power of ten",
+                record.file, name, size));
     }
     return record;
 }

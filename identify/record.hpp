@@ -18,8 +18,8 @@ struct Record {
     Index samples = 0, fitted = 0;               ///< the first `fitted` samples are fitted, the others held out
 };
 
-/// Throws InputError for a record that cannot be read, a column that does not change, too few samples for the widest structure of the
-/// options, and numbers that are too small.
+/// Throws InputError for a record that cannot be read, a column that does not change, too few samples for the widest
+/// structure of the options, and numbers that are too small.
 Record read_record(DataFile const& file, IdentifyOptions const& options);
 
 /// Samples first ... end - 1; a missing one is 0, the mean.

@@ -27,10 +27,12 @@ namespace {
 using Rank = Remark::Rank;
 using Point = std::complex<double>;
 
-// --- words ------------------------------------------------------------------------------------------------------------
+// --- words
+// ------------------------------------------------------------------------------------------------------------
 
 std::string text(Point z) {
-    return z.imag() == 0 ? fmt::format("{:.4g}", z.real()) : fmt::format("{:.4g} +- {:.4g}i", z.real(), std::abs(z.imag()));
+    return z.imag() == 0 ? fmt::format("{:.4g}", z.real())
+                         : fmt::format("{:.4g} +- {:.4g}i", z.real(), std::abs(z.imag()));
 }
 
 /// "--delay 0,15": the delays in use, with another one for this input.
@@ -51,7 +53,8 @@ std::string more_terms(Identified const& m) {
                                  : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
 }
 
-// --- one remark at most of each table -----------------------------------------------------------------------------------
+// --- one remark at most of each table
+// -----------------------------------------------------------------------------------
 
 using Model = Identified const&;
 /// A remark, and the condition under which it is made.
@@ -64,13 +67,19 @@ struct Rule {
 };
 
 Rule const rules_on_order[] = {
-    {Rank::order, [](Model m) { return m.largest_order > 0 && m.order == m.largest_order && m.order == m.options.max_order; },
-     [](Model m) { return fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order, more_terms(m)); },
+    {Rank::order,
+     [](Model m) { return m.largest_order > 0 && m.order == m.largest_order && m.order == m.options.max_order; },
+     [](Model m) {
+         return fmt::format("order {} is the largest that was tried: a higher one may be better: {}", m.order,
+                            more_terms(m));
+     },
      more_terms},
     {Rank::order, [](Model m) { return m.largest_order > 0 && m.order == m.largest_order; },
      [](Model m) {
-         return fmt::format("order {} is the largest that this input supports: a richer input would show whether a higher one is better",
-                            m.order);
+         return fmt::format(
+             "order {} is the largest that this input supports: a richer input would show whether a higher one is "
+             "better",
+             m.order);
      },
      [](Model) -> std::string { return "a richer input"; }},
 };
@@ -79,7 +88,8 @@ bool bic_chooses_order_0(Model m) { return !m.choice.fits.empty() && m.choice.bi
 Rule const rules_on_dynamics[] = {
     {Rank::nothing, [](Model m) { return bic_chooses_order_0(m) && m.choice.static_p < improvement_level; },
      [](Model) -> std::string {
-         return "BIC says 0: the past of y and of the inputs predicts nothing that the present input does not: no dynamics";
+         return "BIC says 0: the past of y and of the inputs predicts nothing that the present input does not: no "
+                "dynamics";
      },
      [](Model) -> std::string { return "--na 0 --nb 0"; }},
     {Rank::nothing, bic_chooses_order_0,
@@ -93,36 +103,43 @@ bool fits_past_outputs(Model m) {
 Rule const rules_on_whiteness[] = {
     {Rank::whiteness, [](Model m) { return m.options.forgetting != 1 && !m.ljung_box.white(); },
      [](Model) -> std::string {
-         return "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, and need not be white";
+         return "judge by the held-out fit: with forgetting the residuals are those of the last theta over all rows, "
+                "and need not be white";
      },
      [](Model) -> std::string { return ""; }, true},
     {Rank::whiteness, [](Model m) { return !m.ljung_box.white(); },
      [](Model m) {
          return fmt::format(
              "the residuals are not white (p = {:.2g}): {}{}; if the system drifts: --forgetting 0.99", m.ljung_box.p,
-             fits_past_outputs(m) ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
-                                  : "the standard deviations of the estimate do not hold",
+             fits_past_outputs(m)
+                 ? "with past outputs in the model the estimate is biased, and its standard deviations do not hold"
+                 : "the standard deviations of the estimate do not hold",
              m.past_inputs.empty() && !m.options.inputs.empty()
-                 ? fmt::format("; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher order or na "
-                               "takes it up), an input is missing (a further column of the file?), or one acts later (--delay)",
-                               m.ljung_box.lags)
+                 ? fmt::format(
+                       "; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher "
+                       "order or na "
+                       "takes it up), an input is missing (a further column of the file?), or one acts later (--delay)",
+                       m.ljung_box.lags)
                  : "");
      },
      more_terms},
 };
 
-/// The one-step errors of the held-out part may be this many times those of the fitted one, both by root mean square and as a part of y's
-/// spread. (If y wanders, its spread differs between the parts.)
+/// The one-step errors of the held-out part may be this many times those of the fitted one, both by root mean square
+/// and as a part of y's spread. (If y wanders, its spread differs between the parts.)
 constexpr double falls_by = 1.5;
 std::string look_where_held_out_begins(Model) {
     return "look at the record where the held-out part begins; --forgetting 0.99 if the system drifts";
 }
-std::string fit_or(double fit, char const* otherwise) { return std::isfinite(fit) ? fmt::format("{:.3g} %", fit) : otherwise; }
+std::string fit_or(double fit, char const* otherwise) {
+    return std::isfinite(fit) ? fmt::format("{:.3g} %", fit) : otherwise;
+}
 Rule const rules_on_held_out[] = {
     {Rank::held_out, [](Model m) { return m.held_out_one_step < 0; },
      [](Model m) {
          return fmt::format(
-             "held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs from "
+             "held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs "
+             "from "
              "the first, or the order is too high: look at the record, try a lower --order, another --validate, "
              "--forgetting 0.99",
              fit_or(m.held_out_one_step, "y does not change there"));
@@ -137,7 +154,10 @@ Rule const rules_on_held_out[] = {
      },
      [](Model) -> std::string { return "use it for prediction only"; }},
     {Rank::held_out,
-     [](Model m) { return 100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step) && m.held_out_error > falls_by * m.fit_error; },
+     [](Model m) {
+         return 100 - m.held_out_one_step > falls_by * (100 - m.fit_one_step) &&
+                m.held_out_error > falls_by * m.fit_error;
+     },
      [](Model m) {
          return fmt::format(
              "one step ahead the error rises from {:.3g} % of y's spread to {:.3g} % held out: the system or its level "
@@ -150,7 +170,8 @@ Rule const rules_on_held_out[] = {
 Rule const rules_on_poles[] = {
     {Rank::structure, [](Model m) { return std::ranges::any_of(m.poles, [](Point p) { return std::abs(p) >= 1; }); },
      [](Model) -> std::string {
-         return "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the order is too high";
+         return "a pole lies on or outside the unit circle: simulation grows. If the system is stable, y drifts or the "
+                "order is too high";
      },
      [](Model) -> std::string { return "a lower order, if the system is stable"; }},
 };
@@ -161,19 +182,23 @@ void add(std::vector<Remark>& out, std::span<Rule const> rules, Model m) {
     if (rule != rules.end()) out.push_back({rule->rank, rule->sentence(m), rule->next(m), rule->hint});
 }
 
-// --- one remark for each object -----------------------------------------------------------------------------------------
+// --- one remark for each object
+// -----------------------------------------------------------------------------------------
 
 Remark remark_on(Outlier const& o, Model m) {
-    std::string const row = o.line == o.row ? fmt::format("row {}", o.row) : fmt::format("row {} (line {})", o.row, o.line),
+    std::string const row = o.line == o.row ? fmt::format("row {}", o.row)
+                                            : fmt::format("row {} (line {})", o.row, o.line),
                       advice = o.held_out ? "The held-out fit says little. "
                                           : "Do not believe the estimate, nor that residuals pass for white. ";
     bool const dominates = o.share > 0.1;  // the other rows hardly count
     return {dominates ? Rank::outlier : Rank::structure,
-            fmt::format("{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the sum of squares{}. {}"
-                        "If it is wrong, or a row just before it, empty that cell, and it is skipped; --guard reset leaves such rows out "
+            fmt::format("{} is {:.2g} standard deviations off what the model predicts{}: it alone has {:.3g} % of the "
+                        "sum of squares{}. {}"
+                        "If it is wrong, or a row just before it, empty that cell, and it is skipped; --guard reset "
+                        "leaves such rows out "
                         "as they come",
-                        row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share, o.held_out ? " there" : "",
-                        dominates ? advice : ""),
+                        row, o.deviations, o.held_out ? ", in the part held out" : "", 100 * o.share,
+                        o.held_out ? " there" : "", dominates ? advice : ""),
             fmt::format("look at {}{}", row, m.tracked ? "" : "; --guard reset leaves it out")};
 }
 
@@ -185,13 +210,15 @@ Remark remark_on(PastInput const& p, Model m) {
         if (t.input == p.input) first = std::min<Index>(first, t.lag), last = std::max<Index>(last, t.lag);
     bool const late = o.regressors.empty() && (p.first_lag < first || p.first_lag > last);
     std::string const remedy = late ? delay_option(o, p.input, p.first_lag) : more_terms(m),
-                      controller = p.first_lag == 0 && first > 0 ? ", or it is made from the output of the same row (a controller: then no "
-                                                                   "delay is missing, and least squares is biased)"
-                                                                 : "",
+                      controller = p.first_lag == 0 && first > 0
+                                       ? ", or it is made from the output of the same row (a controller: then no "
+                                         "delay is missing, and least squares is biased)"
+                                       : "",
                       cause = late ? fmt::format("{} acts from lag {} on{}", name, p.first_lag, controller)
                                    : "More of its past is needed, or the system is not linear";
     return {late ? Rank::delay : Rank::order,
-            fmt::format("the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones stay within {:.2g}: "
+            fmt::format("the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones "
+                        "stay within {:.2g}: "
                         "the estimate is biased, and its standard deviations do not hold. {}: {}",
                         name, p.correlation, p.lag, p.bound, cause, remedy),
             remedy};
@@ -199,21 +226,22 @@ Remark remark_on(PastInput const& p, Model m) {
 
 Remark remark_on_delay(int input, int idle, Model m) {
     std::string const option = delay_option(m.options, input, m.options.delay[size_t(input)] + idle);
-    return {
-        Rank::delay,
-        fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
-                    idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle), printable(m.options.inputs[size_t(input)]), option),
-        option, true};
+    return {Rank::delay,
+            fmt::format("the first {} of {} cannot be told from 0: the delay may be longer: {}",
+                        idle == 1 ? "coefficient" : fmt::format("{} coefficients", idle),
+                        printable(m.options.inputs[size_t(input)]), option),
+            option, true};
 }
 
-/// What to do depends on the order without the pairs. A chosen order has a better criterion than a lower one with white residuals: no
-/// remark.
+/// What to do depends on the order without the pairs. A chosen order has a better criterion than a lower one with white
+/// residuals: no remark.
 std::optional<Remark> remark_on_cancellations(Model m) {
     if (m.cancellations.empty()) return {};
     std::vector<std::string> pairs;
     int lower = m.order;
     for (Cancellation const& c : m.cancellations) {
-        pairs.push_back(fmt::format("pole {} and zero {} (distance {:.2g}, sd {:.2g})", text(c.pole), text(c.zero), c.distance, c.sd));
+        pairs.push_back(fmt::format("pole {} and zero {} (distance {:.2g}, sd {:.2g})", text(c.pole), text(c.zero),
+                                    c.distance, c.sd));
         lower -= c.pole.imag() == 0 ? 1 : 2;
     }
     std::string const finding = fmt::format("the record cannot tell apart {}", fmt::join(pairs, ", "));
@@ -221,19 +249,24 @@ std::optional<Remark> remark_on_cancellations(Model m) {
     if (fit == m.choice.fits.end())
         return Remark{Rank::structure,
                       finding +
-                          ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and see whether "
+                          ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and "
+                          "see whether "
                           "the residuals stay white",
                       "fewer terms"};
     if (!(fit->ljung_box >= white_level))
-        return Remark{Rank::structure,
-                      fmt::format("keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are "
-                                  "not white",
-                                  m.order, finding, lower),
-                      "", true};
+        return Remark{
+            Rank::structure,
+            fmt::format(
+                "keep order {}: {}, and what may cancel models the noise, for order {} alone leaves residuals that are "
+                "not white",
+                m.order, finding, lower),
+            "", true};
     if (structure_given(m.options) && lower > 0)
-        return Remark{Rank::structure,
-                      fmt::format("{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}", finding, lower),
-                      fmt::format("--order {}", lower)};
+        return Remark{
+            Rank::structure,
+            fmt::format("{0}: they may cancel, and the residuals of order {1} pass for white, too: --order {1}",
+                        finding, lower),
+            fmt::format("--order {}", lower)};
     return {};
 }
 
@@ -251,7 +284,8 @@ std::vector<Remark> remarks_on(Identified const& m) {
     add(out, rules_on_held_out, m);
     add(out, rules_on_poles, m);
     for (size_t j = 0; j < m.options.inputs.size() && m.options.regressors.empty(); ++j)
-        if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0) out.push_back(remark_on_delay(int(j), idle, m));
+        if (int const idle = idle_lead(m.terms, m.parameters, int(j)); idle > 0)
+            out.push_back(remark_on_delay(int(j), idle, m));
     if (auto const remark = remark_on_cancellations(m)) out.push_back(*remark);
     return out;
 }

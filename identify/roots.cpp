@@ -11,7 +11,8 @@ namespace {
 using Point = std::complex<double>;
 using ComplexVector = Eigen::VectorXcd;
 
-/// A root of z^n p_0 + ... + p_n, and d root / d theta where theta_i is the coefficient p_(at[i]); at[i] < 0: theta_i is none of them.
+/// A root of z^n p_0 + ... + p_n, and d root / d theta where theta_i is the coefficient p_(at[i]); at[i] < 0: theta_i
+/// is none of them.
 struct Root {
     Point value;
     ComplexVector gradient;
@@ -55,7 +56,8 @@ Spread spread(ComplexVector const& g, Uncertainty const& e) {
         for (Index j = 0; j < d; ++j) {
             if (g[i] == 0.0 || g[j] == 0.0) continue;
             double const c = e.sd[i] * e.correlation(i, j) * e.sd[j];
-            out.rr += g[i].real() * c * g[j].real(), out.ri += g[i].real() * c * g[j].imag(), out.ii += g[i].imag() * c * g[j].imag();
+            out.rr += g[i].real() * c * g[j].real(), out.ri += g[i].real() * c * g[j].imag(),
+                out.ii += g[i].imag() * c * g[j].imag();
         }
     return out;
 }
@@ -64,8 +66,12 @@ Spread spread(ComplexVector const& g, Uncertainty const& e) {
 std::pair<double, double> distance(Point delta, Spread const& S, bool real) {
     if (real) return {delta.real() * delta.real() / S.rr, 1};
     double const det = S.rr * S.ii - S.ri * S.ri;
-    if (!(det > 1e-12 * (S.rr + S.ii) * (S.rr + S.ii))) return {std::norm(delta) / (S.rr + S.ii), 1};  // they move along a line
-    return {(delta.real() * delta.real() * S.ii - 2 * delta.real() * delta.imag() * S.ri + delta.imag() * delta.imag() * S.rr) / det, 2};
+    if (!(det > 1e-12 * (S.rr + S.ii) * (S.rr + S.ii)))
+        return {std::norm(delta) / (S.rr + S.ii), 1};  // they move along a line
+    return {(delta.real() * delta.real() * S.ii - 2 * delta.real() * delta.imag() * S.ri +
+             delta.imag() * delta.imag() * S.rr) /
+                det,
+            2};
 }
 
 struct Pair {
@@ -75,7 +81,8 @@ struct Pair {
 };
 
 /// For each pole at most one zero, nearest (by q) first.
-std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const& zeros, Uncertainty const& e, double confidence) {
+std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const& zeros, Uncertainty const& e,
+                         double confidence) {
     struct Candidate {
         size_t pole, zero;
         double q, sd;
@@ -105,8 +112,8 @@ std::vector<Pair> paired(std::vector<Root> const& poles, std::vector<Root> const
 /// A coefficient larger than this many standard deviations may divide the others to first order.
 constexpr double surely = 3;
 
-std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& uncertainty,
-                                        double confidence) {
+std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::vector<Term> const& terms,
+                                        Uncertainty const& uncertainty, double confidence) {
     std::vector<double> a{1};
     a.insert(a.end(), model.a.begin(), model.a.end());
     std::vector<int> at;
@@ -123,7 +130,8 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
             if (at[i] == 0 && !(std::abs(b[0]) > surely * uncertainty.sd[Index(i)])) leads = false;
         }
         if (!leads) b.clear();
-        pairs.push_back(paired(ps, b.empty() ? std::vector<Root>{} : roots_of(b, at, zeros(model, j)), uncertainty, confidence));
+        pairs.push_back(
+            paired(ps, b.empty() ? std::vector<Root>{} : roots_of(b, at, zeros(model, j)), uncertainty, confidence));
     }
     std::vector<Cancellation> out;
     for (Pair const& first : pairs.empty() ? std::vector<Pair>{} : pairs[0]) {
@@ -136,8 +144,8 @@ std::vector<Cancellation> cancellations(DifferenceEquation const& model, std::ve
     return out;
 }
 
-std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& e, size_t input,
-                                  double t) {
+std::pair<double, double> gain_of(DifferenceEquation const& model, std::vector<Term> const& terms, Uncertainty const& e,
+                                  size_t input, double t) {
     double A = 1, B = 0;
     for (double const x : model.a) A += x;
     for (double const x : model.b[input]) B += x;

@@ -20,7 +20,8 @@ std::vector<int> for_each_input(char const* option, std::vector<int> const& give
     if (given.empty()) return std::vector<int>(inputs, otherwise);
     if (given.size() == 1) return std::vector<int>(inputs, given[0]);
     if (given.size() != inputs)
-        throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option, inputs, given.size()));
+        throw InputError(fmt::format("{}: expected one number, or one for each of the {} inputs, found {}", option,
+                                     inputs, given.size()));
     return given;
 }
 
@@ -43,7 +44,8 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
     Records const rows = rows_of(terms, record.inputs, record.y).before(record.fitted).records;
     if (rows.rows() <= rows.parameters())
         throw InputError(
-            fmt::format("{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, or a lower order",
+            fmt::format("{}: {} has {} parameters, and {} of its rows in the fitted part miss no value: expected more, "
+                        "or a lower order",
                         record.file, structure_text(options, widest), terms.size(), rows.rows()));
     Structure out;
     bool const given = structure_given(options);
@@ -54,8 +56,8 @@ Structure choose_structure(Record const& record, IdentifyOptions const& options,
         Index const held_out = columns.samples.end() - std::ranges::lower_bound(columns.samples, record.fitted);
         out.choice = choose_order(columns, most, held_out);
         if (out.choice.fits.size() < 2)
-            throw InputError(
-                fmt::format("{}: the output, the inputs and their past are linearly dependent already at order 1", record.file));
+            throw InputError(fmt::format(
+                "{}: the output, the inputs and their past are linearly dependent already at order 1", record.file));
     }
     out.terms = given ? terms : terms_of(options, out.choice.order);
     out.order = given ? order_of(terms, options.delay) : out.choice.order;
@@ -75,21 +77,24 @@ IdentifyOptions completed(IdentifyOptions o) {
         for (Lagged const& r : listed(o))
             if (r.column == o.output) {
                 if (r.lag > longest)
-                    throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output", text_of(r), longest));
+                    throw InputError(fmt::format("--regressors: {}: expected a lag of at most {} for the output",
+                                                 text_of(r), longest));
             } else {
                 size_t const j = size_t(std::ranges::find(o.inputs, r.column) - o.inputs.begin());
                 nearest[j] = std::min(nearest[j], r.lag), furthest[j] = std::max(furthest[j], r.lag);
                 if (furthest[j] - nearest[j] > longest)
                     throw InputError(
-                        fmt::format("--regressors: {}: expected the lags of an input within {} of one another", text_of(r), longest));
+                        fmt::format("--regressors: {}: expected the lags of an input within {} of one another",
+                                    text_of(r), longest));
             }
     } else if (o.inputs.empty())
-        throw InputError(
-            fmt::format("--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
-                        "--regressors '{}[k-1..k-3]')",
-                        o.output));
+        throw InputError(fmt::format(
+            "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
+            "--regressors '{}[k-1..k-3]')",
+            o.output));
     if (o.order && (o.na || !o.nb.empty())) throw InputError("--order: does not go with --na and --nb");
-    if (o.max_order && (o.order || o.na || !o.nb.empty())) throw InputError("--max-order: does not go with --order, --na and --nb");
+    if (o.max_order && (o.order || o.na || !o.nb.empty()))
+        throw InputError("--max-order: does not go with --order, --na and --nb");
     if (o.na && o.nb.empty()) throw InputError("--na: expected --nb, too");
     if (!o.na && !o.nb.empty()) throw InputError("--nb: expected --na, too");
     if (o.na) o.nb = for_each_input("--nb", o.nb, o.inputs.size(), 0);
@@ -118,16 +123,19 @@ std::vector<Term> terms_of(IdentifyOptions const& o, int order) {
         int const na = order > 0 ? order : o.order > 0 ? o.order : *o.na;
         for (int i = 1; i <= na; ++i) output(i);
         for (size_t j = 0; j < o.inputs.size(); ++j)
-            for (int i = 0; i <= (order > 0 ? order : o.order > 0 ? o.order : o.nb[j]); ++i) input(j, o.delay[j] + i, i);
+            for (int i = 0; i <= (order > 0 ? order : o.order > 0 ? o.order : o.nb[j]); ++i)
+                input(j, o.delay[j] + i, i);
     }
     if (o.intercept) out.push_back({"c", "1", -2, 0});
     return out;
 }
 
 std::string structure_text(IdentifyOptions const& o, int order) {
-    std::string const delay = std::ranges::any_of(o.delay, [](int d) { return d > 0; }) ? ", delay " + joined(o.delay) : "";
+    std::string const delay =
+        std::ranges::any_of(o.delay, [](int d) { return d > 0; }) ? ", delay " + joined(o.delay) : "";
     if (order > 0 || o.order > 0) return fmt::format("order {}{}", order > 0 ? order : o.order, delay);
-    return o.na ? fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay) : fmt::format("{} regressors", listed(o).size());
+    return o.na ? fmt::format("na = {}, nb = {}{}", *o.na, joined(o.nb), delay)
+                : fmt::format("{} regressors", listed(o).size());
 }
 
 Index presample(std::vector<Term> const& terms) {
@@ -149,7 +157,11 @@ Index past_outputs(std::vector<Term> const& terms) {
 Rows rows_of(std::vector<Term> const& terms, std::vector<Signal> const& inputs, Signal const& y) {
     Index const first = presample(terms), last = Index(y.size()), d = Index(terms.size());
     expects(last >= first, "more samples than the longest lag");
-    Rows out{{.psi = Matrix<double>(d, last - first), .y = Vector<double>(last - first), .names = {}, .skipped = 0, .presample = first},
+    Rows out{{.psi = Matrix<double>(d, last - first),
+              .y = Vector<double>(last - first),
+              .names = {},
+              .skipped = 0,
+              .presample = first},
              {}};
     Records& r = out.records;
     for (Term const& t : terms) r.names.push_back(t.name);
@@ -183,8 +195,11 @@ std::string equation_text(std::vector<Term> const& terms, std::string const& out
     std::string left = fmt::format("{}[k]", printable(output)), right;
     for (size_t i = 0; i < terms.size();) {
         size_t end = i + 1;  // of a run of neighbouring lags of one signal
-        while (end < terms.size() && terms[end].input == terms[i].input && terms[end].lag == terms[end - 1].lag + 1) ++end;
-        auto const term = [&](size_t at) { return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].regressor; };
+        while (end < terms.size() && terms[end].input == terms[i].input && terms[end].lag == terms[end - 1].lag + 1)
+            ++end;
+        auto const term = [&](size_t at) {
+            return terms[at].input == -2 ? terms[at].name : terms[at].name + " " + terms[at].regressor;
+        };
         std::string part = term(i);
         if (end - i > 3) part += " + ... + " + term(end - 1);
         else

@@ -7,7 +7,8 @@ namespace rlslab::identify {
 
 struct Record;
 
-/// The options with all inputs, a delay for each, and max_order. Throws InputError for options that contradict one another.
+/// The options with all inputs, a delay for each, and max_order. Throws InputError for options that contradict one
+/// another.
 IdentifyOptions completed(IdentifyOptions options);
 
 /// Whether the options name one structure. Otherwise an order is chosen.
@@ -15,8 +16,8 @@ bool structure_given(IdentifyOptions const& options);
 /// The largest order to choose from; 0 if the structure is given.
 int widest_order(IdentifyOptions const& options);
 
-/// The structure that the options give, or that of the order which choose_order chooses up to `supported`. Throws InputError if too few
-/// rows miss no value, or if the columns of order 1 are linearly dependent.
+/// The structure that the options give, or that of the order which choose_order chooses up to `supported`. Throws
+/// InputError if too few rows miss no value, or if the columns of order 1 are linearly dependent.
 Structure choose_structure(Record const& record, IdentifyOptions const& options, Index supported);
 
 /// The terms of an order, or of the given structure if `order` is 0: outputs first, then each input, then the constant.
@@ -29,7 +30,8 @@ Index presample(std::vector<Term> const& terms);
 int order_of(std::vector<Term> const& terms, std::vector<int> const& delay);
 Index past_outputs(std::vector<Term> const& terms);
 
-/// y[k] = psi' theta: one row for each sample from the longest lag on, without the rows in which a value is missing (NaN).
+/// y[k] = psi' theta: one row for each sample from the longest lag on, without the rows in which a value is missing
+/// (NaN).
 struct Rows {
     Records records;
     std::vector<Index> samples;  ///< k of each row

@@ -20,20 +20,23 @@ std::string as_table(Identified const& m, size_t columns) {
     for (std::string const& warning : m.warnings()) out += in_lines("warning: " + warning);
     for (std::string const& words : order_lines(m)) out += '\n' + on_a_terminal(words), out.pop_back();
     size_t name = 9, of = 4;
-    for (Parameter const& p : m.parameters) name = std::max(name, printable(p.name).size()), of = std::max(of, p.regressor.size());
+    for (Parameter const& p : m.parameters)
+        name = std::max(name, printable(p.name).size()), of = std::max(of, p.regressor.size());
     if (!structure_given(m.options) && !m.choice.fits.empty()) {
         out += "\n\n  order  parameters        AIC        BIC        FPE  white: p  held out\n";
         for (OrderFit const& fit : m.choice.fits)
-            out += fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n", fit.order == m.order ? '*' : ' ', fit.order,
-                               fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3),
-                               number_text(fit.ljung_box, 2), percent_text(fit.held_out));
+            out +=
+                fmt::format("{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n", fit.order == m.order ? '*' : ' ',
+                            fit.order, fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5),
+                            number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), percent_text(fit.held_out));
         out.pop_back();
     }
-    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>12} {:>9}  {:g} % interval\n", "parameter", name, "of", of, "estimate", "sd",
-                       100 * m.options.confidence);
+    out += fmt::format("\n\n  {:<{}}  {:<{}} {:>12} {:>9}  {:g} % interval\n", "parameter", name, "of", of, "estimate",
+                       "sd", 100 * m.options.confidence);
     for (Parameter const& p : m.parameters)
-        out += fmt::format("  {:<{}}  {:<{}} {:>12} {:>9}  {} ... {}\n", printable(p.name), name, p.regressor, of, number_text(p.value, 6),
-                           number_text(p.sd, 2), number_text(p.lower, 5), number_text(p.upper, 5));
+        out += fmt::format("  {:<{}}  {:<{}} {:>12} {:>9}  {} ... {}\n", printable(p.name), name, p.regressor, of,
+                           number_text(p.value, 6), number_text(p.sd, 2), number_text(p.lower, 5),
+                           number_text(p.upper, 5));
     out += '\n';
     for (std::string const& words : result_lines(m)) out += in_lines(words);
     return out;

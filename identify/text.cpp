@@ -15,7 +15,8 @@ namespace {
 std::string list_of(std::vector<std::complex<double>> const& values) {
     std::vector<std::string> parts;
     for (auto const& z : values)
-        if (z.imag() > 0) parts.push_back(fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f})", z.real(), z.imag(), std::abs(z)));
+        if (z.imag() > 0)
+            parts.push_back(fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f})", z.real(), z.imag(), std::abs(z)));
         else if (z.imag() == 0) parts.push_back(fmt::format("{:.4f}", z.real()));
     return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -26,17 +27,19 @@ std::string residual_line(Identified const& m) {
     if (std::isnan(w.p))
         return fmt::format("residuals: sigma^2 = {} of the certified minimiser; those of the variant are not numbers",
                            number_text(m.sigma2, 4));
-    std::string const verdict = w.Q == 0                    ? "nothing is left beyond rounding"
-                                : m.options.forgetting != 1 ? "no verdict on those of the last theta over all rows"
-                                                            : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
-                                                                          tail(w.p), w.white() ? ">=" : "<", white_level);
-    return fmt::format("residuals: sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)", number_text(m.sigma2, 4), verdict,
-                       number_text(w.Q, 4), w.lags, w.freedom);
+    std::string const verdict = w.Q == 0 ? "nothing is left beyond rounding"
+                                : m.options.forgetting != 1
+                                    ? "no verdict on those of the last theta over all rows"
+                                    : fmt::format("{}: {} {} {}", w.white() ? "they pass for white" : "not white",
+                                                  tail(w.p), w.white() ? ">=" : "<", white_level);
+    return fmt::format("residuals: sigma^2 = {}; {} (Ljung-Box: Q = {}, {} lags, {} degrees of freedom)",
+                       number_text(m.sigma2, 4), verdict, number_text(w.Q, 4), w.lags, w.freedom);
 }
 
 /// "largest correlation with past u 0.21 at lag 3".
 std::string largest_of(Signal const& r, Index first, std::string const& with) {
-    auto const at = std::max_element(r.begin() + first, r.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    auto const at =
+        std::max_element(r.begin() + first, r.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     return fmt::format("{} {:.2g} at lag {}", with, *at, at - r.begin());
 }
 
@@ -45,9 +48,10 @@ std::string arithmetic_line(Identified const& m) {
     if (m.failure)
         return fmt::format("arithmetic: {} broke down after row {} ({}); {}", m.options.variant, m.failure->row,
                            m.failure->kind == Health::indefinite ? "P not positive definite" : "not finite", kappa);
-    return fmt::format("arithmetic: {} agrees with the certified minimiser in {} of 15.9 digits ({} in its worst component); {}",
-                       m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
-                       number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
+    return fmt::format(
+        "arithmetic: {} agrees with the certified minimiser in {} of 15.9 digits ({} in its worst component); {}",
+        m.options.variant, number_text(std::round(10 * m.digits) / 10, 3),
+        number_text(std::round(10 * m.digits_worst) / 10, 3), kappa);
 }
 
 }  // namespace
@@ -57,13 +61,14 @@ std::string number_text(double x, int digits) { return std::isfinite(x) ? fmt::f
 
 std::vector<std::string> data_lines(Identified const& m) {
     IdentifyOptions const& o = m.options;
-    std::string prior = o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0)
-                             : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", correctly::log2(m.c));
+    std::string prior =
+        o.p0 ? fmt::format("P0 = {:.4g} I", *o.p0)
+             : fmt::format("P0_ii = (c / s_i)^2, c = 2^{:.0f}, s_i the size of regressor i", correctly::log2(m.c));
     if (m.prior_effect <= 0.1) prior += fmt::format(": it moves no parameter by more than {:.1g} sd", m.prior_effect);
     std::string means;
     for (size_t j = 0; o.detrend && j < m.means.size(); ++j)
-        means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ", printable(j < o.inputs.size() ? o.inputs[j] : o.output),
-                             m.means[j]);
+        means += fmt::format("{}{} {:.5g}", j == 0 ? "; means taken off: " : ", ",
+                             printable(j < o.inputs.size() ? o.inputs[j] : o.output), m.means[j]);
     return {fmt::format("{} samples: {} rows fitted, {} held out{}{}", m.samples, m.fitted, m.held_out,
                         m.skipped > 0 ? fmt::format("; {} skipped, which miss a value", m.skipped) : "", means),
             fmt::format("{} in double, lambda = {}, prior {}", o.variant, o.forgetting, prior)};
@@ -72,19 +77,22 @@ std::vector<std::string> data_lines(Identified const& m) {
 std::vector<std::string> input_lines(Identified const& m) {
     std::vector<std::string> out;
     for (size_t i = 0; i < m.excitation.size(); ++i)
-        out.push_back(m.excitation[i].order == Index(m.excitation[i].orders.size())
-                          ? fmt::format("input {}: excites enough for every order tried (exciting of order {} at least)",
-                                        printable(m.options.inputs[i]), m.excitation[i].order)
-                          : fmt::format("input {}: exciting of order {}", printable(m.options.inputs[i]), m.excitation[i].order));
+        out.push_back(
+            m.excitation[i].order == Index(m.excitation[i].orders.size())
+                ? fmt::format("input {}: excites enough for every order tried (exciting of order {} at least)",
+                              printable(m.options.inputs[i]), m.excitation[i].order)
+                : fmt::format("input {}: exciting of order {}", printable(m.options.inputs[i]), m.excitation[i].order));
     return out;
 }
 
 std::vector<std::string> order_lines(Identified const& m) {
-    std::string const suggested = m.choice.fits.empty() || structure_given(m.options)
-                                      ? ""
-                                      : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", m.choice.aic, m.choice.bic, m.choice.fpe,
-                                                    m.choice.f_test > 0 ? fmt::format("{}", m.choice.f_test) : "none");
-    std::string const how = structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
+    std::string const suggested =
+        m.choice.fits.empty() || structure_given(m.options)
+            ? ""
+            : fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}", m.choice.aic, m.choice.bic, m.choice.fpe,
+                          m.choice.f_test > 0 ? fmt::format("{}", m.choice.f_test) : "none");
+    std::string const how =
+        structure_given(m.options) || m.options.forgetting == 1 ? "" : ", all orders fitted without forgetting";
     return {fmt::format("{} ({}{}){}", m.structure, m.why, how, suggested), equation_text(m.terms, m.options.output)};
 }
 
@@ -100,32 +108,39 @@ std::vector<std::string> result_lines(Identified const& m) {
     if (model) {
         double const size = m.poles.empty() ? 0 : std::abs(m.poles[0]);
         out.push_back("poles: " + list_of(m.poles) +
-                      (0 < size && size < 1 ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size)) : ""));
+                      (0 < size && size < 1
+                           ? fmt::format("; slowest: time constant {:.3g} samples", -1 / correctly::log(size))
+                           : ""));
         for (size_t j = 0; j < m.zeros.size(); ++j)
             out.push_back(fmt::format("zeros of {}: {}", printable(m.options.inputs[j]), list_of(m.zeros[j])));
         for (size_t j = 0; j < m.gain.size(); ++j)
-            out.push_back(std::isfinite(m.gain[j]) ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]),
-                                                                 m.gain[j], number_text(m.gain_sd[j], 2))
-                                                   : fmt::format("steady-state gain of {}: {}", printable(m.options.inputs[j]),
-                                                                 size >= 1 ? "none, a pole lies on or outside the unit circle"
-                                                                           : "not determined, a pole may lie at 1"));
-        out.push_back(fmt::format("fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)",
-                                  percent_text(m.fit_one_step), percent_text(m.held_out_one_step), percent_text(m.held_out_simulated)));
+            out.push_back(std::isfinite(m.gain[j])
+                              ? fmt::format("steady-state gain of {}: {:.5g} (sd {})", printable(m.options.inputs[j]),
+                                            m.gain[j], number_text(m.gain_sd[j], 2))
+                              : fmt::format("steady-state gain of {}: {}", printable(m.options.inputs[j]),
+                                            size >= 1 ? "none, a pole lies on or outside the unit circle"
+                                                      : "not determined, a pole may lie at 1"));
+        out.push_back(fmt::format(
+            "fit: {} one step ahead; held out: {} one step ahead, {} simulated (0 %: no better than the mean)",
+            percent_text(m.fit_one_step), percent_text(m.held_out_one_step), percent_text(m.held_out_simulated)));
     }
     out.push_back(residual_line(m));
     if (model && m.ljung_box.Q > 0) {
         std::string line = largest_of(m.auto_correlation, 1, "their largest correlation: with themselves");
         for (size_t j = 0; j < m.cross_correlation.size(); ++j)
-            line += largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
+            line +=
+                largest_of(m.cross_correlation[j], 0, fmt::format("; with past {}", printable(m.options.inputs[j])));
         out.push_back(line + fmt::format(" (99 % bound {:.2g})", m.bound));
     }
-    if (m.options.forgetting != 1) out.push_back("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here");
+    if (m.options.forgetting != 1)
+        out.push_back("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here");
     else if (std::isfinite(m.aic))
-        out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic, m.bic, m.fpe,
-                                  m.terms.size(), m.fitted));
+        out.push_back(fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of {} parameters over {} rows", m.aic,
+                                  m.bic, m.fpe, m.terms.size(), m.fitted));
     out.push_back(arithmetic_line(m));
     if (m.tracked)
-        for (std::string const& line : tracked_lines(*m.tracked, parameter_names(m), m.options.confidence)) out.push_back(line);
+        for (std::string const& line : tracked_lines(*m.tracked, parameter_names(m), m.options.confidence))
+            out.push_back(line);
     for (std::string const& hint : m.hints()) out.push_back("hint: " + hint);
     if (!m.next().empty()) out.push_back("next: " + m.next());
     return out;

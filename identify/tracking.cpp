@@ -22,8 +22,8 @@ std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""
 
 }  // namespace
 
-Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem, Records const& records,
-              std::vector<Index> const& samples, double mean, double noise, double confidence) {
+Tracked track(Composition composition, std::string const& variant, Problem<double> const& problem,
+              Records const& records, std::vector<Index> const& samples, double mean, double noise, double confidence) {
     if (std::string const why = obstacle(composition, variant); !why.empty())
         throw InputError(fmt::format("--variant {}: {}", variant, why));
     composition = completed(composition, problem, noise);
@@ -65,19 +65,21 @@ Tracked track(Composition composition, std::string const& variant, Problem<doubl
 std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string> const& names, double confidence) {
     TrackedRow const& last = t.rows.back();
     std::string const happened = counts_text(last.happened);
-    std::vector<std::string> out{fmt::format(
-        "tracked over all rows by {}: one-step fit {} %{}, {} % of the outputs within their {:g} % interval; noise variance at the end "
-        "{}{}",
-        t.text, number_text(t.fit, 4), last.happened.outliers > 0 ? " without the outliers" : "", number_text(100 * t.covered, 3),
-        100 * confidence, number_text(last.noise_variance, 4), happened.empty() ? "" : "; " + happened)};
+    std::vector<std::string> out{
+        fmt::format("tracked over all rows by {}: one-step fit {} %{}, {} % of the outputs within their {:g} % "
+                    "interval; noise variance at the end "
+                    "{}{}",
+                    t.text, number_text(t.fit, 4), last.happened.outliers > 0 ? " without the outliers" : "",
+                    number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
+                    happened.empty() ? "" : "; " + happened)};
     if (t.broken > 0)
-        out.push_back(fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on", t.text,
-                                  name_of(t.kind), t.broken));
+        out.push_back(fmt::format("warning: {} broke down: {} at row {}; nothing of it is to be used from there on",
+                                  t.text, name_of(t.kind), t.broken));
     for (std::string const& warning : t.warnings) out.push_back("warning: " + warning);
     std::vector<std::string> parts;
     for (Index j = 0; j < last.theta.size(); ++j)
-        parts.push_back(
-            fmt::format("{} = {} +- {}", names[size_t(j)], number_text(last.theta[j], 5), number_text(t.quantile * last.theta_sd[j], 2)));
+        parts.push_back(fmt::format("{} = {} +- {}", names[size_t(j)], number_text(last.theta[j], 5),
+                                    number_text(t.quantile * last.theta_sd[j], 2)));
     out.push_back(fmt::format("at the end {}", fmt::join(parts, ", ")));
     return out;
 }
@@ -93,7 +95,8 @@ std::string tracked_csv(Tracked const& t, std::vector<std::string> const& names)
         out += fmt::format("{},{},{},{},{}", r.row, cell(r.y), cell(r.predicted), cell(r.sd), cell(r.noise_variance));
         for (Index j = 0; j < r.theta.size(); ++j) out += fmt::format(",{},{}", cell(r.theta[j]), cell(r.theta_sd[j]));
         CompositionCounts const& h = r.happened;
-        out += fmt::format(",{},{},{},{},{},{}\n", h.refactored, h.unusable, h.outliers, h.changes, h.windups, h.breakdowns);
+        out += fmt::format(",{},{},{},{},{},{}\n", h.refactored, h.unusable, h.outliers, h.changes, h.windups,
+                           h.breakdowns);
     }
     return out;
 }

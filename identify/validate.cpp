@@ -41,9 +41,10 @@ Index largest_at(Signal const& r) {
     return at;
 }
 
-/// The first significant lag of an input, if all its lags up to `lag` are in the equation: by more than z standard deviations. `lag` if
-/// none is, or if that fit would take too long.
-Index first_significant_lag(Record const& record, std::vector<Term> const& terms, Index fitted, int input, Index lag, double z) {
+/// The first significant lag of an input, if all its lags up to `lag` are in the equation: by more than z standard
+/// deviations. `lag` if none is, or if that fit would take too long.
+Index first_significant_lag(Record const& record, std::vector<Term> const& terms, Index fitted, int input, Index lag,
+                            double z) {
     std::vector<Term> wide;
     Index nearest = lag, furthest = lag;
     for (Term const& t : terms)
@@ -61,16 +62,18 @@ Index first_significant_lag(Record const& record, std::vector<Term> const& terms
     return lag;
 }
 
-/// The correlations with past values of an input that exceed the 99 % bound of all lags of all inputs together. A coloured residual and a
-/// coloured input are correlated by chance, too: N times the variance of r is the sum of their correlations' products (Söderström & Stoica
-/// 1989, 11.2), which is 1 for white residuals.
-std::vector<PastInput> past_inputs(Record const& record, std::vector<Term> const& terms, Index fitted, Signal const& auto_correlation,
-                                   std::vector<Signal> const& cross_correlation) {
+/// The correlations with past values of an input that exceed the 99 % bound of all lags of all inputs together. A
+/// coloured residual and a coloured input are correlated by chance, too: N times the variance of r is the sum of their
+/// correlations' products (Söderström & Stoica 1989, 11.2), which is 1 for white residuals.
+std::vector<PastInput> past_inputs(Record const& record, std::vector<Term> const& terms, Index fitted,
+                                   Signal const& auto_correlation, std::vector<Signal> const& cross_correlation) {
     std::vector<PastInput> out;
-    Index const first = presample(terms), inputs = Index(record.inputs.size()), lags = Index(auto_correlation.size()) - 1;
+    Index const first = presample(terms), inputs = Index(record.inputs.size()),
+                lags = Index(auto_correlation.size()) - 1;
     for (Index j = 0; j < inputs; ++j) {
         Signal const& r = cross_correlation[size_t(j)];
-        Signal const u = zero_filled(record.inputs[size_t(j)], first, record.fitted), of_u = scaled_correlation(u, u, lags);
+        Signal const u = zero_filled(record.inputs[size_t(j)], first, record.fitted),
+                     of_u = scaled_correlation(u, u, lags);
         double spread = 1;
         for (Index lag = 1; lag <= lags; ++lag) spread += 2 * auto_correlation[size_t(lag)] * of_u[size_t(lag)];
         double const z = normal_quantile(1 - 0.005 / double(inputs * Index(r.size()))),
@@ -98,7 +101,8 @@ Predictions predict(Rows const& rows, Vector<double> const& theta, Index samples
     return out;
 }
 
-/// The fit of a simulation of the held-out part from its own first outputs; NaN if it is too short, or without an input.
+/// The fit of a simulation of the held-out part from its own first outputs; NaN if it is too short, or without an
+/// input.
 double simulated_fit(Record const& record, DifferenceEquation const& model, Index first) {
     if (record.samples - record.fitted <= first || record.inputs.empty()) return NAN;
     auto const tail = [&](Signal const& x) { return Signal(x.begin() + record.fitted - first, x.end()); };
@@ -108,14 +112,15 @@ double simulated_fit(Record const& record, DifferenceEquation const& model, Inde
     return fit_of(y, simulate_from(model, inputs, y, first), first, Index(y.size()));
 }
 
-void set_properties(Validation& out, IdentifyOptions const& options, std::vector<Term> const& terms, Uncertainty const& uncertainty,
-                    double quantile) {
+void set_properties(Validation& out, IdentifyOptions const& options, std::vector<Term> const& terms,
+                    Uncertainty const& uncertainty, double quantile) {
     out.poles = poles(out.model);
     out.cancellations = cancellations(out.model, terms, uncertainty, options.confidence);
     bool const stable = std::ranges::all_of(out.poles, [](std::complex<double> p) { return std::abs(p) < 1; });
     for (size_t j = 0; j < options.inputs.size(); ++j) {
         out.zeros.push_back(zeros(out.model, j));
-        auto const [gain, sd] = stable ? gain_of(out.model, terms, uncertainty, j, quantile) : std::pair<double, double>(NAN, NAN);
+        auto const [gain, sd] =
+            stable ? gain_of(out.model, terms, uncertainty, j, quantile) : std::pair<double, double>(NAN, NAN);
         out.gain.push_back(gain), out.gain_sd.push_back(sd);
     }
 }
@@ -135,17 +140,20 @@ std::vector<Outlier> outliers_of(Record const& record, Signal const& residuals, 
     std::vector<Outlier> out;
     for (auto const& [from, to] : {std::pair(first, record.fitted), {record.fitted, record.samples}})
         if (auto const e = outlier_in(Signal(residuals.begin() + from, residuals.begin() + to), order))
-            out.push_back({from + e->at + 1, record.lines[size_t(from + e->at)], from == record.fitted, e->deviations, e->share});
+            out.push_back(
+                {from + e->at + 1, record.lines[size_t(from + e->at)], from == record.fitted, e->deviations, e->share});
     return out;
 }
 
 /// Tests of the residuals over the fitted rows. y: the largest fitted output.
-void set_residual_tests(Validation& out, Record const& record, Structure const& structure, Signal const& residuals, Index fitted, double y,
-                        bool noise_free) {
-    // A missing residual adds nothing to a correlation: that of white residuals has the variance 1/N at most, N without missing ones.
+void set_residual_tests(Validation& out, Record const& record, Structure const& structure, Signal const& residuals,
+                        Index fitted, double y, bool noise_free) {
+    // A missing residual adds nothing to a correlation: that of white residuals has the variance 1/N at most, N without
+    // missing ones.
     Index const first = presample(structure.terms);
     Signal const eps = zero_filled(residuals, first, record.fitted);
-    Index const N = Index(eps.size()), lags = ljung_box_lags(N, structure.order), outputs = past_outputs(structure.terms);
+    Index const N = Index(eps.size()), lags = ljung_box_lags(N, structure.order),
+                outputs = past_outputs(structure.terms);
     double J = 0;
     for (double const x : eps) J += x * x;
     // In a record without noise the prior and the variant may leave up to 1e-9 of y without a warning.
@@ -166,8 +174,8 @@ void set_residual_tests(Validation& out, Record const& record, Structure const& 
 
 }  // namespace
 
-Validation validate(Record const& record, IdentifyOptions const& options, Structure const& structure, Rows const& rows, Index fitted,
-                    Estimation const& estimation) {
+Validation validate(Record const& record, IdentifyOptions const& options, Structure const& structure, Rows const& rows,
+                    Index fitted, Estimation const& estimation) {
     Validation out;
     out.bound = 2.5758293035489004 / std::sqrt(double(fitted));  // the normal distribution's 99.5 %
     Estimate const& estimate = estimation.estimate;

@@ -13,10 +13,13 @@ using namespace report;
 namespace {
 
 struct CommandLine {
-    CLI::App app{"Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?", "rlslab"};
-    std::vector<Command> const commands{compare_command(app),  study_command(app),      merge_command(app),     identify_command(app),
-                                        simulate_command(app), excitation_command(app), state_command(app),     list_command(app),
-                                        help_command(app),     man_command(app),        completion_command(app)};
+    CLI::App app{
+        "Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
+        "rlslab"};
+    std::vector<Command> const commands{compare_command(app),  study_command(app),     merge_command(app),
+                                        identify_command(app), simulate_command(app),  excitation_command(app),
+                                        state_command(app),    list_command(app),      help_command(app),
+                                        man_command(app),      completion_command(app)};
 
     OutputOptions output_options;
 
@@ -24,20 +27,23 @@ struct CommandLine {
         app.set_version_flag("--version", "rlslab " RLSLAB_VERSION, "the version of rlslab");
         app.footer("rlslab help COMMAND tells more about one of them, man rlslab all of it.");
         app.require_subcommand(0, 1);  // a file may be called "list"
-        app.formatter_fn([](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
+        app.formatter_fn(
+            [](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
         take_manners(app);
         for (Command const& command : commands) {
             command.app->formatter(app.get_formatter());
             take_manners(*command.app);
             for (CLI::Option* option : command.app->get_options())
-                if (takes_nothing(*option)) option->disable_flag_override();  // --json=false would be no JSON: too clever
+                if (takes_nothing(*option))
+                    option->disable_flag_override();  // --json=false would be no JSON: too clever
         }
     }
     /// Anywhere on the line: before the command and behind it.
     void take_manners(CLI::App& taker) {
         std::string const everywhere = "With every command";
         taker.set_help_flag("-h,--help", "this help")->group(everywhere);
-        taker.add_flag("--quiet", output_options.quiet, "no progress on standard error: answers and errors alone")->group(everywhere);
+        taker.add_flag("--quiet", output_options.quiet, "no progress on standard error: answers and errors alone")
+            ->group(everywhere);
         taker
             .add_option_function<std::string>(
                 "--color",
@@ -61,18 +67,23 @@ struct CommandLine {
         for (CLI::App const* command : shown_commands(app)) out.push_back(command->get_name());
         return out;
     }
-    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command was not meant.
+    /// CLI11 takes any word as an option's value, so that -1.5 can be one; one that is an option of the same command
+    /// was not meant.
     void expect_values(std::vector<std::string> const& words) const {
         CLI::App const* taker = &app;
         for (size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
             if (taker == &app) {
-                auto const named = std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
+                auto const named =
+                    std::ranges::find(commands, words[i], [](Command const& c) { return c.app->get_name(); });
                 if (named != commands.end()) taker = named->app;
             }
-            CLI::Option const* const option = words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
+            CLI::Option const* const option =
+                words[i].starts_with("--") ? taker->get_option_no_throw(words[i]) : nullptr;
             if (option == nullptr || takes_nothing(*option) || ++i == words.size()) continue;
-            if (words[i].starts_with("--") && taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
-                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1], option->get_type_name(), words[i]));
+            if (words[i].starts_with("--") &&
+                taker->get_option_no_throw(words[i].substr(0, words[i].find('='))) != nullptr)
+                throw InputError(fmt::format("{}: expected {}, found the option {}", words[i - 1],
+                                             option->get_type_name(), words[i]));
         }
     }
     /// What CLI11 found wrong, in our words.
@@ -95,20 +106,23 @@ struct CommandLine {
     }
     /// An unknown word is reported before anything else: a missing option is often a misspelt one.
     void refuse_extra_word() const {
-        std::vector<std::string> const own = app.remaining(false), all = app.remaining(true);  // of the program; of its command besides
+        std::vector<std::string> const own = app.remaining(false),
+                                       all = app.remaining(true);  // of the program; of its command besides
         if (all.empty()) return;
         auto const asked = std::ranges::find_if(commands, [](Command const& c) { return c.app->parsed(); });
         CLI::App const& misled = own.empty() && asked != commands.end() ? *asked->app : app;
         std::string const word = own.empty() ? all.front() : own.front();
         if (word.starts_with("-")) refuse_option(misled, word.substr(0, word.find('=')));
         if (std::error_code no_file; &misled == &app && std::filesystem::is_regular_file(word, no_file))
-            throw InputError(
-                fmt::format("\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
-                            "if it is a filter's state",
-                            printable(word, 1000)));
-        if (&misled == &app && word == "advise") throw InputError("advise: it is rlslab compare --digits N now, with the same options");
+            throw InputError(fmt::format(
+                "\"{0}\" is a file: rlslab compare {0} --input U --output Y --order N, or identify; rlslab state {0} "
+                "if it is a filter's state",
+                printable(word, 1000)));
+        if (&misled == &app && word == "advise")
+            throw InputError("advise: it is rlslab compare --digits N now, with the same options");
         if (&misled == &app) expect_one_of(views(names()), word, "", "command");
-        throw InputError(fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
+        throw InputError(
+            fmt::format("\"{}\" is one word too many (rlslab {} --help)", printable(word), misled.get_name()));
     }
     /// Names without their dashes are compared: these would make short ones alike.
     [[noreturn]] static void refuse_option(CLI::App const& misled, std::string const& word) {
@@ -117,11 +131,14 @@ struct CommandLine {
             known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
         std::string_view const meant =
             nearest(std::string_view(word).substr(std::min(word.size(), word.find_first_not_of('-'))), views(known));
-        std::string const help = misled.get_parent() ? fmt::format("rlslab {} --help", misled.get_name()) : "rlslab --help";
-        throw InputError(
-            fmt::format("no option \"{}\" ({})", printable(word), meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
+        std::string const help =
+            misled.get_parent() ? fmt::format("rlslab {} --help", misled.get_name()) : "rlslab --help";
+        throw InputError(fmt::format("no option \"{}\" ({})", printable(word),
+                                     meant.empty() ? help : fmt::format("did you mean \"--{}\"?", meant)));
     }
-    static std::vector<std::string_view> views(std::vector<std::string> const& names) { return {names.begin(), names.end()}; }
+    static std::vector<std::string_view> views(std::vector<std::string> const& names) {
+        return {names.begin(), names.end()};
+    }
 };
 
 }  // namespace
@@ -129,7 +146,8 @@ struct CommandLine {
 std::function<int()> parse(std::vector<std::string> words) {
     auto const line = std::make_shared<CommandLine>();
     CLI::App& app = line->app;
-    if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; })) line->expect_values(words);
+    if (std::ranges::none_of(words, [](std::string const& word) { return word == "--help" || word == "-h"; }))
+        line->expect_values(words);
     std::ranges::reverse(words);  // CLI11 takes them from the back
     try {
         app.parse(std::move(words));
@@ -139,7 +157,8 @@ std::function<int()> parse(std::vector<std::string> words) {
         return [text = text.str()] { return print(text), 0; };
     } catch (CLI::ParseError const& error) {
         for (CLI::App const* asked : app.get_subcommands())
-            if (asked->get_help_ptr()->count() > 0) return [line, asked] { return print(help_text(*asked)), 0; };  // whatever else is wrong
+            if (asked->get_help_ptr()->count() > 0)
+                return [line, asked] { return print(help_text(*asked)), 0; };  // whatever else is wrong
         line->refuse_extra_word();
         throw InputError(printable(line->complaint(error), 200));
     }

@@ -18,8 +18,11 @@ CLI::Validator whole(long least, long most) {
     return {[=](std::string& text) {
                 long value = 0;
                 auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-                bool const good = error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
-                return good ? "" : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most, printable(text));
+                bool const good =
+                    error == std::errc() && end == text.data() + text.size() && least <= value && value <= most;
+                return good ? ""
+                            : fmt::format("expected a whole number from {} to {}, found \"{}\"", least, most,
+                                          printable(text));
             },
             ""};
 }
@@ -28,7 +31,8 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
     return {[=](std::string& text) {
                 double value = 0;
                 auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-                bool const good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
+                bool const good =
+                    error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && holds(value);
                 return good ? "" : fmt::format("expected {}, found \"{}\"", expected, printable(text));
             },
             ""};
@@ -46,7 +50,8 @@ void take_count(CLI::App& command, char const* name, int& into, long least, long
 void take_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
     command.add_option("--seed", seed, help)->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
 }
-CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type) {
+CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
+                        char const* type) {
     return command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
 }
 
@@ -77,7 +82,8 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
 
 void take_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
-    auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help, char const* expected) {
+    auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,
+                          char const* expected) {
         auto const meant = [known](std::string const& text) {
             auto const found = std::ranges::find(known, text, &Words::value_type::first);
             return found == known.end() ? '\0' : found->second;
@@ -119,7 +125,9 @@ OutputOptions output_options;
 /// A line that is written over itself, and wiped off in the end.
 class ProgressLine {
     using Clock = std::chrono::steady_clock;
-    static double seconds_since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
+    static double seconds_since(Clock::time_point then) {
+        return std::chrono::duration<double>(Clock::now() - then).count();
+    }
     Clock::time_point const start_ = Clock::now();
     Clock::time_point stage_start_ = start_;
     std::string stage_;
@@ -169,8 +177,11 @@ size_t terminal_columns() {
 }
 
 bool colour() {
-    if (output_options.colour != OutputOptions::Colour::automatic) return output_options.colour == OutputOptions::Colour::always;
-    auto const environment = [](char const* name) { return std::string_view(std::getenv(name) ? std::getenv(name) : ""); };
+    if (output_options.colour != OutputOptions::Colour::automatic)
+        return output_options.colour == OutputOptions::Colour::always;
+    auto const environment = [](char const* name) {
+        return std::string_view(std::getenv(name) ? std::getenv(name) : "");
+    };
     return isatty(STDOUT_FILENO) && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }
 

@@ -24,22 +24,25 @@ CLI::Validator named(char const* expected);
 /// "x(:,2),v" the columns x(:,2) and v.
 std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
-/// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not swallow FILE behind it.
+/// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
+/// swallow FILE behind it.
 void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
 void take_seed(CLI::App& command, std::uint64_t& seed, char const* help);
-CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help, char const* type = "A,B");
+CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
+                        char const* type = "A,B");
 
 /// --separator and --decimal, of every command that reads a file.
 void take_format(CLI::App& command, CsvFormat& format);
 
-/// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the program instead.
+/// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
+/// program instead.
 void print(std::string const& text);
 
 /// Writes a line to standard error, unless --quiet was said.
 void tell(std::string const& line);
 
-/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The line is erased when
-/// the last copy of the function is destroyed.
+/// progress_text() on standard error from the second second on, where it is a terminal and --quiet was not said. The
+/// line is erased when the last copy of the function is destroyed.
 report::StagedProgress stages_after_a_second();
 report::Progress progress_after_a_second(std::string doing);
 
@@ -57,8 +60,8 @@ struct OutputOptions {
 /// Sets them for this process.
 void set_output_options(OutputOptions const& options);
 
-/// After this call SIGINT, SIGTERM and SIGHUP leave no half-written file and no line of progress, and print this advice on standard error
-/// ("" for none). The process then ends by the signal, as its parent expects.
+/// After this call SIGINT, SIGTERM and SIGHUP leave no half-written file and no line of progress, and print this advice
+/// on standard error ("" for none). The process then ends by the signal, as its parent expects.
 void when_stopped(std::string const& advice);
 
 /// A subcommand: its options, and the function that runs it and returns the exit code.
@@ -78,8 +81,8 @@ Command help_command(CLI::App& app);
 Command man_command(CLI::App& app);         ///< not shown: for the build
 Command completion_command(CLI::App& app);  ///< not shown: for the build
 
-/// Parses and checks the words of a command line (without the program's name). The function returned runs the command and returns the exit
-/// code. Throws InputError for words that are no valid command.
+/// Parses and checks the words of a command line (without the program's name). The function returned runs the command
+/// and returns the exit code. Throws InputError for words that are no valid command.
 std::function<int()> parse(std::vector<std::string> words);
 
 }  // namespace rlslab::program

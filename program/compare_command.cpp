@@ -31,7 +31,8 @@ CompareOptions checked_options(CompareArguments const& a) {
     CompareOptions options = a.options;
     options.composition = composition_of(a.composition, options.forgetting);
     if (a.json && a.csv) throw InputError("--json: does not go with --csv");
-    if (options.digits && !options.composition.empty()) throw InputError("--digits: does not go with --control, --window or --guard");
+    if (options.digits && !options.composition.empty())
+        throw InputError("--digits: does not go with --control, --window or --guard");
     if (options.digits && options.p0) throw InputError("--digits: does not go with --p0: it chooses the prior");
     if (options.digits && a.csv) throw InputError("--digits: does not go with --csv");
     if (a.all && !options.composition.empty())
@@ -60,7 +61,8 @@ int run_compare(CompareArguments const& a) {
     }
     print(a.json  ? as_json(comparison)
           : a.csv ? as_csv(comparison)
-                  : as_table(comparison, colour(), terminal_columns()) + (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
+                  : as_table(comparison, colour(), terminal_columns()) +
+                        (a.out.empty() ? "" : fmt::format("\n{}/compare.html\n", a.out)));
     if (comparison.digits) return comparison.digits->chosen() ? 0 : 1;
     return std::ranges::all_of(comparison.recommendations, [](Recommendation const& r) { return r.variant.empty(); });
 }
@@ -73,31 +75,45 @@ Command compare_command(CLI::App& app) {
     comparing->footer(
         "An ARX model of order 4:  rlslab compare data.csv --input u --output y --order 4\n"
         "A plain regression:       rlslab compare data.csv --regressors one,x1,x2 --output y --json\n"
-        "Three digits in float:    rlslab compare data.csv --input u --output y --order 4 --arithmetic float --digits 3\n"
+        "Three digits in float:    rlslab compare data.csv --input u --output y --order 4 --arithmetic float --digits "
+        "3\n"
         "The last 100 rows:        rlslab compare data.csv --input u --output y --order 4 --window 100\n"
-        "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 --guard reset\n\n"
-        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that changed nothing, are "
-        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from where it changed "
-        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its "
+        "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 "
+        "--guard reset\n\n"
+        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that "
+        "changed nothing, are "
+        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from "
+        "where it changed "
+        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter "
+        "random_walk, its "
         "finite history --window.\n\n" +
         control_notes() +
-        "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths of the "
-        "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of the rows. For that "
-        "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a guard if that "
-        "changed nothing on this record. The digits say how well a filter computes, not how well the data determine theta.\n\n"
-        "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the checkpoints; 1 none of those "
+        "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths "
+        "of the "
+        "checkpoints, and after the last row of the least-squares solution for the data as given, in every order of "
+        "the rows. For that "
+        "it weakens the prior, and scales columns whose numbers are near the ends of the arithmetic. The C++ has a "
+        "guard if that "
+        "changed nothing on this record. The digits say how well a filter computes, not how well the data determine "
+        "theta.\n\n"
+        "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
+        "checkpoints; 1 none of those "
         "shown does; 2 no answer: wrong input, or it could not be written.");
     take_record(*comparing, a->record);
     take_forgetting(*comparing, a->options.forgetting);
-    comparing->add_option("--p0", a->options.p0, "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
+    comparing
+        ->add_option("--p0", a->options.p0,
+                     "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");
     take_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
-    take_arithmetics(*comparing, a->options.arithmetics,
-                     "only these (rlslab list; also half, single, fp32, fp64); in this order for --digits; default float,double");
+    take_arithmetics(
+        *comparing, a->options.arithmetics,
+        "only these (rlslab list; also half, single, fp32, fp64); in this order for --digits; default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
     comparing
-        ->add_option("--digits", a->options.digits, "what keeps so many digits of every parameter, from 0.5 to 30, with the C++ for it")
+        ->add_option("--digits", a->options.digits,
+                     "what keeps so many digits of every parameter, from 0.5 to 30, with the C++ for it")
         ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
         ->type_name("D");
     take_composition(*comparing, a->composition);
@@ -109,7 +125,8 @@ Command compare_command(CLI::App& app) {
         ->type_name("DIR");
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback(
-        "--no-timings", [a] { a->options.timings = false; }, "leave out nanoseconds, the only column that differs from run to run");
+        "--no-timings", [a] { a->options.timings = false; },
+        "leave out nanoseconds, the only column that differs from run to run");
     return {comparing, [a] { return run_compare(*a); }};
 }
 

@@ -57,7 +57,9 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
     return {};
 }
 
-std::string join(std::vector<std::string> const& words, char const* between) { return fmt::format("{}", fmt::join(words, between)); }
+std::string join(std::vector<std::string> const& words, char const* between) {
+    return fmt::format("{}", fmt::join(words, between));
+}
 
 /// Text in single quotes, for both shells.
 std::string in_quotes(std::string const& text) {
@@ -78,7 +80,8 @@ _rlslab_columns() {
     done
 }
 
-# Those of the words behind it that begin like what stands on the line, or in a list like what stands behind its last comma.
+# Those of the words behind it that begin like what stands on the line, or in a list like what stands behind its last
+# comma.
 _rlslab_words() {
     local before="" word
     [[ $list && $current == *,* ]] && before=${current%,*},
@@ -157,8 +160,8 @@ std::string bash_completion(CLI::App const& app) {
         if (!alone.empty()) bare.push_back(fmt::format("        {}*) {} ;;\n", in_quotes(name + ' '), alone));
     }
     return out + "    case \"$command $option\" in\n" + join(behind, "") + "        " + join(numbers, " | ") +
-           ") return ;;    # no names\n    esac\n" + "    case \"$command $current\" in\n" + join(options, "") + join(bare, "") +
-           "    esac\n" + bash_end;
+           ") return ;;    # no names\n    esac\n" + "    case \"$command $current\" in\n" + join(options, "") +
+           join(bare, "") + "    esac\n" + bash_end;
 }
 
 namespace {
@@ -173,7 +176,8 @@ std::string plain(std::string const& text) {
 std::string zsh_action(Values const& values) {
     using enum Values::Kind;
     switch (values.kind) {
-        case words: return values.list ? "_sequence compadd - " + join(values.words, " ") : "(" + join(values.words, " ") + ")";
+        case words:
+            return values.list ? "_sequence compadd - " + join(values.words, " ") : "(" + join(values.words, " ") + ")";
         case columns: return values.list ? "_sequence _rlslab_columns" : "_rlslab_columns";
         case files: return "_files";
         case folders: return "_files -/";
@@ -188,7 +192,8 @@ std::string zsh_arguments(CLI::App const& command, std::string const& indent) {
     for (CommandOption const& one : options_of(command)) {
         std::string const action = zsh_action(values_of(command, one));
         std::string spec;
-        if (one.name.empty()) spec = fmt::format("{}:{}:{}", one.many ? "*" : one.required ? "1" : "1:", plain(one.value), action);
+        if (one.name.empty())
+            spec = fmt::format("{}:{}:{}", one.many ? "*" : one.required ? "1" : "1:", plain(one.value), action);
         else if (one.value.empty()) spec = fmt::format("{}[{}]", one.name, plain(one.text));
         else spec = fmt::format("{}=[{}]:{}:{}", one.name, plain(one.text), plain(one.value), action);
         out += " \\\n" + indent + in_quotes(spec);
@@ -227,7 +232,8 @@ _rlslab() {
         "  case $state in\n    command) _describe command commands ;;\n    argument)\n      "
         "curcontext=${curcontext%:*:*}:rlslab-$words[1]:\n      case $words[1] in\n";
     for (CLI::App const* command : shown_commands(app))
-        out += fmt::format("        {}) _arguments{}          ;;\n", command->get_name(), zsh_arguments(*command, "          "));
+        out += fmt::format("        {}) _arguments{}          ;;\n", command->get_name(),
+                           zsh_arguments(*command, "          "));
     return out + "      esac ;;\n  esac\n}\n\n_rlslab \"$@\"\n";
 }
 

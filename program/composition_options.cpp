@@ -38,7 +38,8 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
         throw InputError(fmt::format("--control {}: {}: expected a {} {} {}{}{}, found \"{}\"", control.name, p.name,
                                      p.whole ? "whole number" : "number", positive ? "above" : "from", least,
                                      most < 1e300 ? fmt::format(" to {}", most) : "",
-                                     error == std::errc::result_out_of_range ? " that double can hold" : "", printable(text)));
+                                     error == std::errc::result_out_of_range ? " that double can hold" : "",
+                                     printable(text)));
     return x;
 }
 
@@ -47,15 +48,19 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
 void take_composition(CLI::App& command, CompositionArguments& a) {
     std::vector<std::string> names;
     for (Control const& control : controls()) names.push_back(usage(control));
-    command.add_option("--control", a.control, fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", ")))
+    command
+        .add_option("--control", a.control,
+                    fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", ")))
         ->check(named("the name of a control"))
         ->type_name("NAME");
-    take_count(command, "--window", a.window, 1, 1000000000, "the variant over its last N rows: older ones are taken back");
+    take_count(command, "--window", a.window, 1, 1000000000,
+               "the variant over its last N rows: older ones are taken back");
     std::vector<std::string> policies;
     for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
     command
         .add_option("--guard", a.guard,
-                    fmt::format("a guard around the variant, which keeps out what is not finite: {}", fmt::join(policies, "; ")))
+                    fmt::format("a guard around the variant, which keeps out what is not finite: {}",
+                                fmt::join(policies, "; ")))
         ->check(named("the name of a guard"))
         ->type_name("POLICY");
 }
@@ -91,14 +96,15 @@ Composition composition_of(CompositionArguments const& a, double forgetting) {
         if (texts.size() > control.parameters.size() || texts.size() < numbers_needed(control))
             throw InputError(fmt::format("--control: expected {}, found \"{}\"", usage(control), printable(a.control)));
         for (size_t i = 0; i < control.parameters.size(); ++i)
-            out.parameters.push_back(i < texts.size() ? number_of(control, control.parameters[i], texts[i]) : control.parameters[i].start);
+            out.parameters.push_back(i < texts.size() ? number_of(control, control.parameters[i], texts[i])
+                                                      : control.parameters[i].start);
         if (control.below_one && forgetting == 1)
-            throw InputError(
-                fmt::format("--control {}: expected --forgetting below 1: without it nothing wears the prior down", control.name));
+            throw InputError(fmt::format(
+                "--control {}: expected --forgetting below 1: without it nothing wears the prior down", control.name));
     }
     if (std::string const why = contradiction(out); !why.empty())
-        throw InputError(fmt::format("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ", a.window > 0 ? "--window " : "",
-                                     a.guard.empty() ? "" : "--guard ", why));
+        throw InputError(fmt::format("{}{}{}do not go together: {}", a.control.empty() ? "" : "--control ",
+                                     a.window > 0 ? "--window " : "", a.guard.empty() ? "" : "--guard ", why));
     return out;
 }
 

@@ -17,8 +17,8 @@ void take_composition(CLI::App& command, CompositionArguments& arguments);
 /// The controls and what their numbers are, a line each, for the end of a help page.
 std::string control_notes();
 
-/// The composition they describe; a number that follows from the data is NaN. Throws InputError for names and numbers that make no sense,
-/// and for what does not go together. `forgetting` is that of --forgetting.
+/// The composition they describe; a number that follows from the data is NaN. Throws InputError for names and numbers
+/// that make no sense, and for what does not go together. `forgetting` is that of --forgetting.
 Composition composition_of(CompositionArguments const& arguments, double forgetting);
 
 }  // namespace rlslab::program

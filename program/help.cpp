@@ -27,18 +27,21 @@ std::string notes(std::string const& text, size_t width) {
     std::istringstream in(text);
     std::string out;
     for (std::string line; std::getline(in, line);) {
-        size_t const start = std::min(line.size(), line.find_first_not_of(' ')), gap = std::min(line.size(), line.find("  ", start));
+        size_t const start = std::min(line.size(), line.find_first_not_of(' ')),
+                     gap = std::min(line.size(), line.find("  ", start));
         size_t const rest = std::min(line.size(), line.find_first_not_of(' ', gap));
         if (line.size() <= width || rest == line.size()) out += wrapped(line, 0, start, width) + '\n';
-        else out += wrapped(line.substr(0, gap), 0, start, width) + "\n    " + wrapped(line.substr(rest), 4, 8, width) + '\n';
+        else
+            out += wrapped(line.substr(0, gap), 0, start, width) + "\n    " + wrapped(line.substr(rest), 4, 8, width) +
+                   '\n';
     }
     return out;
 }
 
 std::string help_text(CLI::App const& command) {
     bool const whole = command.get_parent() == nullptr;
-    std::string out =
-        wrapped(command.get_description(), 0, 0, help_width) + "\n\n" + wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
+    std::string out = wrapped(command.get_description(), 0, 0, help_width) + "\n\n" +
+                      wrapped("Usage: " + usage(command), 0, 7, help_width) + "\n\n";
     std::vector<CommandOption> const all = options_of(command);
     std::vector<std::string> groups;
     for (CommandOption const& one : all) {
@@ -55,7 +58,8 @@ std::string help_text(CLI::App const& command) {
     for (std::string const& group : groups) {
         out += group + ":\n";
         for (CommandOption const& one : all)
-            if (!one.name.empty() && one.group == group) out += entry(one.spelling(), one.text + (one.required ? " (required)" : ""));
+            if (!one.name.empty() && one.group == group)
+                out += entry(one.spelling(), one.text + (one.required ? " (required)" : ""));
         out += '\n';
     }
     if (whole) {

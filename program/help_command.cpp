@@ -30,7 +30,8 @@ Command man_command(CLI::App& app) {
 
 Command completion_command(CLI::App& app) {
     auto const shell = std::make_shared<std::string>();
-    CLI::App* const c = app.add_subcommand("completion", "What bash or zsh load to complete the words of rlslab.")->group("");
+    CLI::App* const c =
+        app.add_subcommand("completion", "What bash or zsh load to complete the words of rlslab.")->group("");
     c->add_option("SHELL", *shell, "bash or zsh")->required()->type_name("")->check([](std::string const& name) {
         return name == "bash" || name == "zsh" ? "" : "expected bash or zsh, found \"" + printable(name) + '"';
     });

@@ -24,8 +24,10 @@ std::string variants_text(Json& out) {
         std::vector<std::string_view> in;
         for (CatalogueEntry const& e : catalogue())
             if (e.variant == v->variant) in.push_back(e.arithmetic->name);
-        text += fmt::format("  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates, v->starts_without_prior ? "optional" : "needed",
-                            v->block, in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
+        text += fmt::format(
+            "  {:<23} {:<12} {:<9} {:<13} {}\n", v->variant, v->propagates,
+            v->starts_without_prior ? "optional" : "needed", v->block,
+            in.size() == arithmetics().size() ? "every arithmetic" : fmt::format("{}", fmt::join(in, ", ")));
         out["variants"].push_back({{"name", v->variant},
                                    {"propagates", v->propagates},
                                    {"starts_without_prior", v->starts_without_prior},
@@ -41,8 +43,11 @@ std::string arithmetics_text(Json& out) {
         char const* const rounding = s.stochastic ? "stochastic" : "nearest";
         text += fmt::format("  {:<23} {:>4}  {:>6.1f}  {:<27}  {}\n", s.name, s.digits, s.decimal_digits(),
                             fmt::format("{} ... {}", s.min_exp, s.max_exp), rounding);
-        out["arithmetics"].push_back(
-            {{"name", s.name}, {"digits", s.digits}, {"min_exp", s.min_exp}, {"max_exp", s.max_exp}, {"rounding", rounding}});
+        out["arithmetics"].push_back({{"name", s.name},
+                                      {"digits", s.digits},
+                                      {"min_exp", s.min_exp},
+                                      {"max_exp", s.max_exp},
+                                      {"rounding", rounding}});
     }
     return text;
 }
@@ -50,8 +55,9 @@ std::string arithmetics_text(Json& out) {
 std::string rounding_text(Json& out) {
     auto const faults = rounding_faults();
     out["rounding_faults"] = faults;
-    return "rounding of this program\n  " + (faults.empty() ? "as defined: once an operation, to nearest, subnormal numbers kept\n"
-                                                            : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
+    return "rounding of this program\n  " + (faults.empty()
+                                                 ? "as defined: once an operation, to nearest, subnormal numbers kept\n"
+                                                 : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
 }
 
 std::string studies_text(Json& out) {
@@ -65,8 +71,10 @@ std::string studies_text(Json& out) {
 
 /// All parts, or the one that is named.
 void run_list(std::string const& part, bool json) {
-    static constexpr std::pair<std::string_view, std::string (*)(Json&)> parts[] = {
-        {"variants", variants_text}, {"arithmetics", arithmetics_text}, {"rounding", rounding_text}, {"studies", studies_text}};
+    static constexpr std::pair<std::string_view, std::string (*)(Json&)> parts[] = {{"variants", variants_text},
+                                                                                    {"arithmetics", arithmetics_text},
+                                                                                    {"rounding", rounding_text},
+                                                                                    {"studies", studies_text}};
     std::vector<std::string_view> names;
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");

@@ -27,13 +27,16 @@ std::string roff(std::string_view text) {
 
 /// "\fB\-\-order\fR \fIN\fR"
 std::string bold(CommandOption const& one) {
-    std::string const text =
-        one.name.empty() ? "" : "\\fB" + (one.shorter.empty() ? "" : roff(one.shorter) + "\\fR, \\fB") + roff(one.name) + "\\fR";
+    std::string const text = one.name.empty() ? ""
+                                              : "\\fB" + (one.shorter.empty() ? "" : roff(one.shorter) + "\\fR, \\fB") +
+                                                    roff(one.name) + "\\fR";
     std::string const value = one.value.empty() ? "" : "\\fI" + roff(one.value) + "\\fR";
     return text + (text.empty() || value.empty() ? "" : " ") + value;
 }
 
-std::string listed(std::string const& term, std::string const& text) { return ".TP\n" + term + '\n' + roff(text) + '\n'; }
+std::string listed(std::string const& term, std::string const& text) {
+    return ".TP\n" + term + '\n' + roff(text) + '\n';
+}
 
 /// Lines that are to stand as they are, beside a margin.
 std::string as_written(std::string const& text) {
@@ -64,24 +67,27 @@ std::string manual_page(CLI::App const& app) {
     }
     out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.PP\n" +
            roff(
-               "rlslab holds the textbook variants of recursive least squares, runs them in arithmetics from bfloat16 to 257 bits, and "
-               "measures each against a certified reference: the exact minimiser for the very bits the variant was given, with a proven "
+               "rlslab holds the textbook variants of recursive least squares, runs them in arithmetics from bfloat16 "
+               "to 257 bits, and "
+               "measures each against a certified reference: the exact minimiser for the very bits the variant was "
+               "given, with a proven "
                "error bound.") +
            '\n';
     out += ".SH OPTIONS\nThese may stand anywhere on the line.\n" + options(app, false) + options(app, true);
     out += ".SH COMMANDS\n";
     for (CLI::App const* command : commands)
-        out += ".SS " + roff(usage(*command)) + '\n' + roff(command->get_description()) + '\n' + options(*command, false) +
-               as_written(command->get_footer());
+        out += ".SS " + roff(usage(*command)) + '\n' + roff(command->get_description()) + '\n' +
+               options(*command, false) + as_written(command->get_footer());
     out += ".SH EXIT STATUS\n";
     for (Meaning const& code : exit_codes()) out += listed("\\fB" + code.name + "\\fR", code.text);
     out += ".SH ENVIRONMENT\n";
     for (Meaning const& variable : environment()) out += listed("\\fB" + variable.name + "\\fR", variable.text);
-    out += ".SH FILES\n" +
-           listed("\\fI" + roff("DIR/.trials/") + "\\fR",
-                  "What a study has finished, one line for each trial. The next run goes on from there.") +
-           listed("\\fI" + roff("DIR/NAME.csv, DIR/verdicts.json, DIR/verdicts.csv, DIR/report.html") + "\\fR",
-                  "What a study found. Each is written beside and then renamed: it is there whole or as it was before.");
+    out +=
+        ".SH FILES\n" +
+        listed("\\fI" + roff("DIR/.trials/") + "\\fR",
+               "What a study has finished, one line for each trial. The next run goes on from there.") +
+        listed("\\fI" + roff("DIR/NAME.csv, DIR/verdicts.json, DIR/verdicts.csv, DIR/report.html") + "\\fR",
+               "What a study found. Each is written beside and then renamed: it is there whole or as it was before.");
     return out;
 }
 

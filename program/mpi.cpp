@@ -10,14 +10,17 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-bool is_option(std::string const& word, std::string const& option) { return word == option || word.starts_with(option + "="); }
+bool is_option(std::string const& word, std::string const& option) {
+    return word == option || word.starts_with(option + "=");
+}
 
 /// What ranks cannot be told; "" for nothing. The ranks are the parts, and start nothing anew while others run.
 std::string refused(Words const& words) {
     if (words.empty() || words.front() != "study") return "expected rlslab_mpi study ...: other commands need no ranks";
     for (std::string const& word : words)
         for (char const* const option : {"--part", "--fresh"})
-            if (is_option(word, option)) return std::string(option) + ": does not go with ranks, which are the parts of a run";
+            if (is_option(word, option))
+                return std::string(option) + ": does not go with ranks, which are the parts of a run";
     return "";
 }
 /// The words for one rank. Verdicts are recorded at the end, by the first.

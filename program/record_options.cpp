@@ -35,7 +35,8 @@ std::vector<std::pair<std::string, double>> take_means(Columns& columns) {
 void take_record(CLI::App& command, RecordArguments& a) {
     command
         .add_option("FILE", a.file,
-                    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? are missing values")
+                    "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? "
+                    "are missing values")
         ->required()
         ->type_name("");
     take_format(command, a.format);
@@ -45,10 +46,10 @@ void take_record(CLI::App& command, RecordArguments& a) {
     take_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
     take_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
     take_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
-    take_names(
-        command, "--regressors", a.regressors,
-        "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, whose past outputs have a "
-        "minus: these have none");
+    take_names(command, "--regressors", a.regressors,
+               "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
+               "whose past outputs have a "
+               "minus: these have none");
     command.add_flag("--intercept", a.intercept, "a constant regressor besides");
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
 }
@@ -105,7 +106,8 @@ Model arx_of(RecordArguments const& a) {
     for (std::string const& input : a.inputs) {
         if (std::ranges::count(a.inputs, input) > 1)
             throw InputError(fmt::format("--input: column \"{}\" is named twice", printable(input)));
-        if (input == a.output) throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
+        if (input == a.output)
+            throw InputError(fmt::format("--input: column \"{}\" is both input and output", printable(input)));
         out.read(input);
     }
     return out;
@@ -128,7 +130,9 @@ Records records_of(Columns const& data, RecordArguments const& a, Model const& m
 
 /// What the parameters multiply, in the order of the records' columns: "-sales[k-1]", "lead[k]", "1".
 std::vector<std::string> regressor_texts(Columns const& data, RecordArguments const& a, Model const& model) {
-    auto const text = [&](std::string const& column, int lag) { return text_of({data.header ? column : "column " + column, lag}); };
+    auto const text = [&](std::string const& column, int lag) {
+        return text_of({data.header ? column : "column " + column, lag});
+    };
     std::vector<std::string> out;
     if (!model.lagged.empty()) {
         if (a.intercept) out.push_back("1");

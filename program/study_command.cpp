@@ -39,7 +39,8 @@ std::optional<Part> part_of(std::string const& text) {
     auto const number = std::from_chars(text.data(), slash, part.number);
     if (number.ec != std::errc() || number.ptr != slash || slash == end) return {};
     auto const of = std::from_chars(slash + 1, end, part.of);
-    if (of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of || part.of > 100000) return {};
+    if (of.ec != std::errc() || of.ptr != end || part.number < 1 || part.number > part.of || part.of > 100000)
+        return {};
     return part;
 }
 
@@ -74,27 +75,31 @@ std::string run_of(std::string const& folder) {
     std::error_code error;
     if (!std::filesystem::exists(path, error)) return "";
     if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > 1'000'000)
-        throw InputError(fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
+        throw InputError(
+            fmt::format("{}: expected the file that rlslab study --part writes", printable(path.string(), 200)));
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
 int study_part(StudyArguments const& a) {
-    if (a.fresh) throw InputError("--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
+    if (a.fresh)
+        throw InputError(
+            "--fresh: does not go with --part; expected an --out folder of this run's parts alone, or a new one");
     if (!a.record.empty()) throw InputError("--record: does not go with --part: a part has no verdicts");
     create_folder(a.options.out / ".trials");
     FolderLock const lock(a.options.out, a.part);
-    when_stopped(
-        fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
+    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
+                             printable(a.out, 200)));
     std::string const before = run_of(a.out), run = run_json(a);
     if (!before.empty() && before != run)
-        throw InputError(
-            fmt::format("{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
-                        printable(a.out, 200)));
+        throw InputError(fmt::format(
+            "{}: holds parts of other studies, another budget or seed; expected another --out, or that run finished",
+            printable(a.out, 200)));
     replace_file(a.options.out / ".trials" / "run.json", run);
     Share const share = run_part(a.chosen, a.options, a.part, progress_after_a_second("studying"));
     tell(
-        fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without --part (or rlslab merge) "
+        fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
+                    "--part (or rlslab merge) "
                     "makes the tables\n",
                     a.part.number, a.part.of, share.own, share.all, share.resumed));
     return 0;
@@ -106,8 +111,8 @@ int study_whole(StudyArguments const& a) {
     create_folder(a.options.out / "tables");
     FolderLock const lock(a.options.out);
     for (char const* part : {"", ".trials", "figures", "tables"}) remove_leftovers(a.options.out / part);
-    when_stopped(
-        fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n", printable(a.out, 200)));
+    when_stopped(fmt::format("rlslab: stopped. Finished trials are kept in {}: the same command goes on from there.\n",
+                             printable(a.out, 200)));
     std::error_code error;
     if (a.fresh)
         for (Study const* study : a.chosen) std::filesystem::remove(a.options.out / ".trials" / study->name, error);
@@ -131,8 +136,9 @@ int study_whole(StudyArguments const& a) {
     text += listed("Verifications that fail:", broken);
     text += listed("Not in the record:", record.empty() ? std::vector<std::string>{} : unrecorded(outcomes, record));
     text += count_lines(outcomes);
-    text += fmt::format("at most {:.2f} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
-                        expected_errors(outcomes), a.out);
+    text += fmt::format(
+        "at most {:.2f} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
+        expected_errors(outcomes), a.out);
     print(text);
     return changed.empty() && broken.empty() ? 0 : 1;
 }
@@ -155,8 +161,9 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder, s
         if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) throw InputError("");
         resolve(out);
     } catch (std::exception const&) {
-        throw InputError(fmt::format("{}/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them",
-                                     printable(folder, 200)));
+        throw InputError(
+            fmt::format("{}/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them",
+                        printable(folder, 200)));
     }
     return out;
 }
@@ -166,8 +173,9 @@ int run_merge(MergeArguments const& m) {
     for (std::string const& folder : m.from) {
         std::string const text = run_of(folder);
         if (text.empty())
-            throw InputError(fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
-                                         printable(folder, 200)));
+            throw InputError(
+                fmt::format("{}: expected the --out folder of rlslab study --part, found no .trials/run.json there",
+                            printable(folder, 200)));
         if (run.empty()) run = text;
         if (text != run)
             throw InputError(fmt::format("{}: expected parts of the same run as {}: the same studies, budget and seed",
@@ -182,41 +190,57 @@ int run_merge(MergeArguments const& m) {
 
 Command study_command(CLI::App& app) {
     auto const st = std::make_shared<StudyArguments>();
-    CLI::App* const studying = app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
+    CLI::App* const studying =
+        app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
     studying->footer(
         "One study:    rlslab study gain_error\n"
         "All of them:  rlslab study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
-        "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a finding (ours). It "
-        "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided otherwise. The "
-        "verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and in this program.\n\n"
-        "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could not be run.");
+        "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a "
+        "finding (ours). It "
+        "holds when its interval over the seeds lies inside its band, fails when it lies outside, and is undecided "
+        "otherwise. The "
+        "verdicts of seed 1 are recorded in the tree (studies/verdicts.json, studies/verdicts-full.json) and in this "
+        "program.\n\n"
+        "Exit code: 0 no verdict changed against the record and no verification fails; 1 otherwise; 2 the study could "
+        "not be run.");
     studying->add_option("NAME", st->names, "names of studies, as rlslab list shows them")->type_name("");
     studying->add_flag("--all", st->all, "every study");
-    studying->add_option("--budget", st->budget, "quick: seconds a study; full: minutes, for numbers to quote; default quick")
+    studying
+        ->add_option("--budget", st->budget,
+                     "quick: seconds a study; full: minutes, for numbers to quote; default quick")
         ->check([](std::string const& text) {
-            return text == "quick" || text == "full" ? "" : fmt::format("expected quick or full, found \"{}\"", printable(text));
+            return text == "quick" || text == "full"
+                       ? ""
+                       : fmt::format("expected quick or full, found \"{}\"", printable(text));
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
     take_seed(*studying, st->options.seed, "of all random data; default 1");
-    studying->add_option("--threads", st->options.threads, "how many run at once; default: all cores. No byte of a table depends on it")
+    studying
+        ->add_option("--threads", st->options.threads,
+                     "how many run at once; default: all cores. No byte of a table depends on it")
         ->check(whole(1, 4096))
         ->type_name("N");
     studying->add_option("--out", st->out, "folder for tables, figures and the report; default: out")
         ->check(named("a folder"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("DIR");
-    studying->add_option("--record", st->record, "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
+    studying
+        ->add_option("--record", st->record,
+                     "write the record with the verdicts of this run to FILE, as studies/verdicts.json is")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("FILE");
     studying->add_flag("--fresh", st->fresh, "forget what an earlier run of these studies has finished");
     studying
         ->add_option_function<std::string>(
             "--part", [st](std::string const& text) { st->part = *part_of(text); },
-            "run the trials of part I of N alone: on other machines, into one folder that all see, or into folders for rlslab merge")
+            "run the trials of part I of N alone: on other machines, into one folder that all see, or into folders for "
+            "rlslab merge")
         ->check([](std::string const& text) {
-            return part_of(text) ? "" : fmt::format("expected I/N with 1 <= I <= N <= 100000, found \"{}\"", printable(text));
+            return part_of(text)
+                       ? ""
+                       : fmt::format("expected I/N with 1 <= I <= N <= 100000, found \"{}\"", printable(text));
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("I/N");
@@ -230,10 +254,15 @@ Command merge_command(CLI::App& app) {
     merging->footer(
         "Four machines:  rlslab study --all --budget full --part 1/4 --out part1    and so on, to part4\n"
         "Then:           rlslab merge part1 part2 part3 part4 --out out\n"
-        "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without --part makes the "
+        "The bytes are those of one run on one machine. Parts that share a folder need no merging: the command without "
+        "--part makes the "
         "tables there.\n\n"
-        "Exit code: as of rlslab study; 2 if a trial is missing, or the parts are of different programs, studies, budgets or seeds.");
-    merging->add_option("DIR", mt->from, "the --out folders of the parts")->required()->check(named("folders"))->type_name("");
+        "Exit code: as of rlslab study; 2 if a trial is missing, or the parts are of different programs, studies, "
+        "budgets or seeds.");
+    merging->add_option("DIR", mt->from, "the --out folders of the parts")
+        ->required()
+        ->check(named("folders"))
+        ->type_name("");
     merging->add_option("--out", mt->out, "folder for tables, figures and the report; default: out")
         ->check(named("a folder"))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)

@@ -59,7 +59,8 @@ Axis::Axis(Range range, bool logarithmic, double padding) : logarithmic_(logarit
     double const largest = std::max(std::abs(range.low), std::abs(range.high));
     if (!logarithmic && largest > 0) std::frexp(largest, &exponent_);
     low_ = coordinate(range.low), high_ = coordinate(range.high);
-    // Between numbers that agree to twelve digits no two ticks would have different labels: they are drawn as one number.
+    // Between numbers that agree to twelve digits no two ticks would have different labels: they are drawn as one
+    // number.
     double const middle = (low_ + high_) / 2;
     if (high_ - low_ < (logarithmic ? 1e-9 : 1e-12 * std::abs(middle)) || low_ == high_) {
         double const around = logarithmic ? 0.5 : middle == 0 ? 1 : 0.1 * std::abs(middle);
@@ -77,7 +78,9 @@ double Axis::coordinate(double value) const { return logarithmic_ ? decades(valu
 
 bool Axis::shows(double value, bool logarithmic) { return std::isfinite(value) && (!logarithmic || value > 0); }
 
-Ticks Axis::ticks(int about) const { return logarithmic_ ? logarithmic(std::max(about, 2)) : linear(std::max(about, 2)); }
+Ticks Axis::ticks(int about) const {
+    return logarithmic_ ? logarithmic(std::max(about, 2)) : linear(std::max(about, 2));
+}
 
 Ticks Axis::linear(int about) const {
     Ticks out;
@@ -89,18 +92,21 @@ Ticks Axis::linear(int about) const {
     auto const first = static_cast<long long>(std::ceil(low_ / unit - slack)),
                last = static_cast<long long>(std::floor(high_ / unit + slack));
     long long const most = std::max(std::abs(first), std::abs(last));
-    int const order = most == 0 ? 0 : step.power + int(std::to_string(most * step.digit).size()) - 1;  // of the largest label
+    int const order =
+        most == 0 ? 0 : step.power + int(std::to_string(most * step.digit).size()) - 1;  // of the largest label
     if (order > 5 || order < -3) out.left_out = order;
     int const decimals = std::max(0, out.left_out - step.power);
     for (long long i = first; i <= last; ++i) {
         double const value = scaled(i * step.digit, step.power);
         if (std::isfinite(value))
-            out.all.push_back({value, tick_text(fmt::format("{:.{}f}", scaled(i * step.digit, step.power - out.left_out), decimals))});
+            out.all.push_back({value, tick_text(fmt::format(
+                                          "{:.{}f}", scaled(i * step.digit, step.power - out.left_out), decimals))});
     }
     return out;
 }
 
-/// Less than a decade between the ends: 1 ... 9 times a power of ten if three of them are inside, else as on a linear axis.
+/// Less than a decade between the ends: 1 ... 9 times a power of ten if three of them are inside, else as on a linear
+/// axis.
 Ticks Axis::within_a_decade(int about) const {
     Ticks out;
     std::vector<int> digits;
@@ -109,13 +115,18 @@ Ticks Axis::within_a_decade(int about) const {
             double const value = scaled(digit, power), at = std::isfinite(value) && value > 0 ? decades(value) : -400;
             if (at < low_ - 1e-9 || at > high_ + 1e-9 || (!out.all.empty() && value <= out.all.back().value)) continue;
             digits.push_back(digit);
-            if (power >= -3 && power <= 4) out.all.push_back({value, tick_text(fmt::format("{:.{}f}", value, std::max(0, -power)))});
-            else out.all.push_back({value, digit == 1 ? "10" : fmt::format("{}·10", digit), tick_text(fmt::format("{}", power))});
+            if (power >= -3 && power <= 4)
+                out.all.push_back({value, tick_text(fmt::format("{:.{}f}", value, std::max(0, -power)))});
+            else
+                out.all.push_back(
+                    {value, digit == 1 ? "10" : fmt::format("{}·10", digit), tick_text(fmt::format("{}", power))});
         }
     if (out.all.size() >= 3) {
         // The largest of these sets of digits that gives no more labels than wished for.
         for (std::string_view const labelled : {"123456789", "123468", "12357", "125", "13"}) {
-            auto const is_kept = [&](size_t i) { return labelled.find(char('0' + digits[i])) != std::string_view::npos; };
+            auto const is_kept = [&](size_t i) {
+                return labelled.find(char('0' + digits[i])) != std::string_view::npos;
+            };
             int labels = 0;
             for (size_t i = 0; i < digits.size(); ++i) labels += is_kept(i);
             if (labels > about && labelled != "13") continue;

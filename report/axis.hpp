@@ -7,8 +7,8 @@
 
 namespace rlslab::report {
 
-/// log10 of a positive number by +, *, / and exact scalings alone: within a few units in the last place, and the same bits on
-/// every machine (libm's may differ between processors).
+/// log10 of a positive number by +, *, / and exact scalings alone: within a few units in the last place, and the same
+/// bits on every machine (libm's may differ between processors).
 double decades(double x);
 
 /// The least and the largest of some numbers.
@@ -49,7 +49,9 @@ public:
     static bool shows(double value, bool logarithmic);
     bool shows(double value) const { return shows(value, logarithmic_); }
     /// Where it stands in the drawing.
-    double operator()(double value) const { return begin_ + (end_ - begin_) * ((coordinate(value) - low_) / (high_ - low_)); }
+    double operator()(double value) const {
+        return begin_ + (end_ - begin_) * ((coordinate(value) - low_) / (high_ - low_));
+    }
     double length() const { return high_ - low_; }
     /// The exponent of two of the unit of length(); logarithmic: 0.
     int exponent() const { return exponent_; }

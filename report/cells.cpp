@@ -14,7 +14,8 @@ Cells cells_of(Figure const& figure, Panel const& panel) {
     if (panel.curves.empty()) return out;
     Curve const& curve = panel.curves.front();
     for (size_t i = 0; i < curve.x.size(); ++i) {
-        if (i < curve.row.size() && std::ranges::find(out.rows, curve.row[i]) == out.rows.end()) out.rows.push_back(curve.row[i]);
+        if (i < curve.row.size() && std::ranges::find(out.rows, curve.row[i]) == out.rows.end())
+            out.rows.push_back(curve.row[i]);
         if (Axis::shows(curve.x[i], figure.log_x)) out.places.push_back(curve.x[i]);
     }
     std::ranges::sort(out.places);
@@ -42,7 +43,8 @@ std::string shade(double part) {
     return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
-std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box, Range shades) {
+std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box,
+                        Range shades) {
     std::string rectangles, texts;
     if (cells.rows.empty() || cells.places.empty()) return "";
     double const height = (box.bottom - box.top) / double(cells.rows.size());
@@ -59,18 +61,20 @@ std::string cells_group(Figure const& figure, Panel const& panel, Cells const& c
         size_t const row = size_t(std::ranges::find(cells.rows, curve.row[i]) - cells.rows.begin());
         double const left = edge(column), right = edge(column + 1), bottom = box.bottom - height * double(row);
         double const part = scale.shows(curve.y[i]) ? scale(curve.y[i]) : NAN;
-        rectangles +=
-            fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"><title>{}</title></rect>", fixed(left),
-                        fixed(bottom - height), fixed(right - left), fixed(height), part == part ? shade(part) : "#ddd",
-                        escaped_xml(fmt::format("{} {}: {} {}, {} {}", figure.series, curve.row[i], figure.x, number_text(curve.x[i]),
-                                                figure.y, part == part ? number_text(curve.y[i]) : "no number")));
+        rectangles += fmt::format(
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"><title>{}</title></rect>", fixed(left),
+            fixed(bottom - height), fixed(right - left), fixed(height), part == part ? shade(part) : "#ddd",
+            escaped_xml(fmt::format("{} {}: {} {}, {} {}", figure.series, curve.row[i], figure.x,
+                                    number_text(curve.x[i]), figure.y,
+                                    part == part ? number_text(curve.y[i]) : "no number")));
         std::string const text = fmt::format("{:.2g}", curve.y[i]);
         if (part == part && right - left > 11 * text_width(text) + 6 && height > 17)
-            texts += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", fixed((left + right) / 2), fixed(bottom - height / 2 + 4),
-                                 part > 0.55 ? "#fff" : "#1a1a1a", tick_text(text));
+            texts += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", fixed((left + right) / 2),
+                                 fixed(bottom - height / 2 + 4), part > 0.55 ? "#fff" : "#1a1a1a", tick_text(text));
     }
     return fmt::format(
-        "<g stroke=\"#fff\" stroke-width=\".6\">{}</g>\n<g font-size=\"11\" text-anchor=\"middle\" pointer-events=\"none\">{}</g>\n",
+        "<g stroke=\"#fff\" stroke-width=\".6\">{}</g>\n<g font-size=\"11\" text-anchor=\"middle\" "
+        "pointer-events=\"none\">{}</g>\n",
         rectangles, texts);
 }
 

@@ -1,4 +1,5 @@
-// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file holds what it shows.
+// Lines, bands, bars, marks. What lies outside the panel is cut off here, not by the viewer: a file holds what it
+// shows.
 #include "report/plot.hpp"
 #include "report/svg.hpp"
 
@@ -50,7 +51,8 @@ Run thinned(Run const& run) {
 bool clip(Point& a, Point& b, Box const& box) {
     double from = 0, to = 1;
     double const dx = b.x - a.x, dy = b.y - a.y;
-    for (auto const& [step, room] : {std::pair{-dx, a.x - box.left}, {dx, box.right - a.x}, {-dy, a.y - box.top}, {dy, box.bottom - a.y}}) {
+    for (auto const& [step, room] :
+         {std::pair{-dx, a.x - box.left}, {dx, box.right - a.x}, {-dy, a.y - box.top}, {dy, box.bottom - a.y}}) {
         if (step == 0 && room < 0) return false;
         if (step < 0) from = std::max(from, room / step);
         if (step > 0) to = std::min(to, room / step);
@@ -75,8 +77,9 @@ std::string path_of(Run const& run, Box const& box) {
 }
 
 bool has_interval(Curve const& curve, size_t i) {
-    return i < curve.lower.size() && i < curve.upper.size() && (curve.lower[i] != curve.y[i] || curve.upper[i] != curve.y[i]) &&
-           !std::isnan(curve.lower[i]) && !std::isnan(curve.upper[i]);
+    return i < curve.lower.size() && i < curve.upper.size() &&
+           (curve.lower[i] != curve.y[i] || curve.upper[i] != curve.y[i]) && !std::isnan(curve.lower[i]) &&
+           !std::isnan(curve.upper[i]);
 }
 
 /// An end of an interval, moved into the panel: it may be infinite, or 0 where the axis is logarithmic.
@@ -115,16 +118,21 @@ std::string band(Curve const& curve, Axes const& axes) {
 std::string says(Figure const& figure, Curve const& curve, size_t i) {
     if (i < curve.says.size()) return curve.says[i];
     size_t const place = static_cast<size_t>(std::clamp(curve.x[i], 0.0, 1e6));
-    std::string const x =
-        place < figure.x_names.size() ? figure.x_names[place] : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
-    std::string out = fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
-    if (has_interval(curve, i)) out += fmt::format(" ({} to {})", number_text(curve.lower[i]), number_text(curve.upper[i]));
+    std::string const x = place < figure.x_names.size()
+                              ? figure.x_names[place]
+                              : (figure.x.empty() ? "" : figure.x + " ") + number_text(curve.x[i]);
+    std::string out =
+        fmt::format("{}: {}, {}{}", curve.name, x, figure.y.empty() ? "" : figure.y + " ", number_text(curve.y[i]));
+    if (has_interval(curve, i))
+        out += fmt::format(" ({} to {})", number_text(curve.lower[i]), number_text(curve.upper[i]));
     return out;
 }
 
 /// For what is less than the axis shows: at its lower edge.
 constexpr double edge_height = 5.4;
-std::string edge_mark(double x, Axes const& axes) { return mark_path("triangle-down", x, axes.box.bottom - edge_height); }
+std::string edge_mark(double x, Axes const& axes) {
+    return mark_path("triangle-down", x, axes.box.bottom - edge_height);
+}
 
 std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
     std::string path, edges;
@@ -137,8 +145,8 @@ std::string bars(Panel const& panel, Curve const& curve, Axes const& axes) {
         else path += fmt::format("M{} {}h6", fixed(x - 3), fixed(bottom));
     }
     if (path.empty()) return "";
-    std::string out =
-        fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>", path, curve.look.colour, curve.strong ? 2.4 : 1.2);
+    std::string out = fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>", path,
+                                  curve.look.colour, curve.strong ? 2.4 : 1.2);
     if (!edges.empty()) out += fmt::format("<path d=\"{}\" fill=\"#fff\" stroke=\"{}\"/>", edges, curve.look.colour);
     return out;
 }
@@ -154,7 +162,8 @@ std::string below(Figure const& figure, Panel const& panel, Curve const& curve, 
         out += fmt::format("<path d=\"{}\"><title>{}, below the axis</title></path>", edge_mark(at->x, axes),
                            escaped_xml(says(figure, curve, i)));
     }
-    return out.empty() ? "" : fmt::format("<g class=\"below\" fill=\"{0}\" stroke=\"{0}\">{1}</g>", curve.look.colour, out);
+    return out.empty() ? ""
+                       : fmt::format("<g class=\"below\" fill=\"{0}\" stroke=\"{0}\">{1}</g>", curve.look.colour, out);
 }
 
 std::string stems(Curve const& curve, Axes const& axes) {
@@ -166,14 +175,15 @@ std::string stems(Curve const& curve, Axes const& axes) {
     return path.empty() ? "" : fmt::format("<path d=\"{}\" {}/>", path, line_style({curve.look.colour}, 1.6));
 }
 
-/// Marks with tooltips. Along a line they keep a distance, and of very many only some are drawn; of the points of a cloud each
-/// place is drawn once.
+/// Marks with tooltips. Along a line they keep a distance, and of very many only some are drawn; of the points of a
+/// cloud each place is drawn once.
 std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, Axes const& axes) {
     constexpr double apart = 9;
     constexpr size_t many = 120, enough = 40, cloud = 2000;
     std::vector<std::pair<size_t, Point>> all;
     for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
-        if (auto const p = mark_place(panel, curve, i, axes); p && !(curve.y[i] < panel.y_least)) all.emplace_back(i, *p);
+        if (auto const p = mark_place(panel, curve, i, axes); p && !(curve.y[i] < panel.y_least))
+            all.emplace_back(i, *p);
     std::string out;
     if (curve.line) {
         size_t const stride = all.size() > many ? all.size() / enough : 1;
@@ -194,14 +204,17 @@ std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, 
             if (!taken.emplace(std::lround(p.x / grid), std::lround(p.y / grid)).second) continue;
             std::string const mark = mark_path(curve.look.mark, p.x, p.y);
             if (all.size() > cloud) path += mark;
-            else out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark, escaped_xml(says(figure, curve, i)));
+            else
+                out +=
+                    fmt::format("<path d=\"{}\"><title>{}</title></path>", mark, escaped_xml(says(figure, curve, i)));
         }
         if (!path.empty()) out = fmt::format("<path d=\"{}\"><title>{}</title></path>", path, escaped_xml(curve.name));
     }
     if (curve.strong && !curve.line)
         for (auto const& [i, p] : all)
-            out += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"8.5\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"1.6\"/>", fixed(p.x),
-                               fixed(p.y));
+            out += fmt::format(
+                "<circle cx=\"{}\" cy=\"{}\" r=\"8.5\" fill=\"none\" stroke=\"#1a1a1a\" stroke-width=\"1.6\"/>",
+                fixed(p.x), fixed(p.y));
     return out.empty() ? "" : fmt::format("<g {}>{}</g>", mark_style(curve.look, curve.strong ? 1.8 : 1.3), out);
 }
 
@@ -239,15 +252,16 @@ std::string mark_path(std::string const& mark, double x, double y) {
 }
 
 std::string mark_style(Look const& look, double width) {
-    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"", look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour,
-                       width);
+    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"",
+                       look.mark.ends_with("-open") ? "#fff" : look.colour, look.colour, width);
 }
 std::string line_style(Look const& look, double width) {
-    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", look.colour, width,
-                       look.dashed ? " stroke-dasharray=\"6 4\"" : "");
+    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", look.colour,
+                       width, look.dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
-std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide, Axes const& axes) {
+std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide,
+                        Axes const& axes) {
     bool const faint = !guide && !curve.strong && std::ranges::any_of(panel.curves, &Curve::strong);
     std::string out;
     if (!guide) out += curve.bars ? bars(panel, curve, axes) : band(curve, axes);
@@ -279,7 +293,9 @@ bool covered(Panel const& panel, Axes const& axes, Box const& box) {
         for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i) {
             auto const at = mark_place(panel, curve, i, axes);
             if (at && box.holds(at->x, at->y)) return true;
-            if (Point a = before.value_or(Point{}), b = at.value_or(Point{}); at && before && curve.line && clip(a, b, box)) return true;
+            if (Point a = before.value_or(Point{}), b = at.value_or(Point{});
+                at && before && curve.line && clip(a, b, box))
+                return true;
             before = at;
         }
     }
@@ -303,22 +319,27 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
         bool const near_left = x > (box.left + box.right) / 2;
         for (bool const left : {near_left, !near_left})
             for (double const base : {box.top + 14, box.bottom - 7})
-                sides.push_back({left, base, shortened(event.text, tick_size, (left ? x - box.left : box.right - x) - 6)});
+                sides.push_back(
+                    {left, base, shortened(event.text, tick_size, (left ? x - box.left : box.right - x) - 6)});
         auto const free = std::ranges::find_if(sides, [&](Side const& side) {
             double const width = tick_size * text_width(side.text), begin = side.left ? x - 5 - width : x + 5;
-            return side.text == event.text && !covered(panel, axes, {begin, side.base - 11, begin + width, side.base + 4});
+            return side.text == event.text &&
+                   !covered(panel, axes, {begin, side.base - 11, begin + width, side.base + 4});
         });
         Side const& side = free == sides.end() ? sides.front() : *free;
         out = fmt::format(
-            "<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" stroke=\"#fff\" "
+            "<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" "
+            "stroke=\"#fff\" "
             "stroke-width=\"4\" "
             "paint-order=\"stroke\">{}</text>",
-            fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3), fixed(side.left ? x - 5 : x + 5),
-            fixed(side.base), side.left ? "end" : "start", look.colour, escaped_xml(side.text));
+            fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3),
+            fixed(side.left ? x - 5 : x + 5), fixed(side.base), side.left ? "end" : "start", look.colour,
+            escaped_xml(side.text));
     } else {
         double const y = std::clamp(axes.y(event.y), box.top, box.bottom);
         out = fmt::format(
-            "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" fill=\"{2}\"/>"
+            "<circle cx=\"{0}\" cy=\"{1}\" r=\"7\" fill=\"#fff\" stroke=\"{2}\" stroke-width=\"1.6\"/><path d=\"{3}\" "
+            "fill=\"{2}\"/>"
             "<title>{4}</title>",
             fixed(x), fixed(y), look.colour, mark_path("x", x, y), escaped_xml(event.text));
     }

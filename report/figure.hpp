@@ -1,4 +1,5 @@
-// A figure as data: which curves, from which numbers, in which looks. svg.hpp draws it; nothing here knows what it shows.
+// A figure as data: which curves, from which numbers, in which looks. svg.hpp draws it; nothing here knows what it
+// shows.
 #pragma once
 
 #include <rlslab/core/family.hpp>
@@ -11,18 +12,19 @@
 
 namespace rlslab::report {
 
-/// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for those
-/// who see none, or print, a mark and a dash.
+/// How a series looks, in every figure: colours of Okabe and Ito, told apart with any kind of colour vision, and for
+/// those who see none, or print, a mark and a dash.
 struct Look {
     std::string colour;  ///< #rrggbb
     bool dashed = false;
-    std::string mark = {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
+    std::string mark =
+        {};  ///< circle, square, diamond, triangle-up, triangle-down, star, cross, x; "-open" where hollow; "": none
 };
 /// Of a variant by its family; of anything else by its place among the others.
 Look look_of(std::optional<Family> const& family, size_t place);
 
-/// Points in the order in which they are joined. Where a number is NaN, infinite, or not positive on a logarithmic axis, the
-/// point is left out and the line is broken.
+/// Points in the order in which they are joined. Where a number is NaN, infinite, or not positive on a logarithmic
+/// axis, the point is left out and the line is broken.
 struct Curve {
     std::string name;
     Look look;
@@ -33,10 +35,11 @@ struct Curve {
     bool stems = false;                  ///< an upright line from y = 0 to each point
     bool bars = false;                   ///< lower and upper as an error bar at each point; otherwise as a band
     std::vector<std::string> says = {};  ///< a tooltip for each point; if empty, they tell name and numbers
-    bool strong = false;                 ///< thicker and over the others, which are lighter in a panel that has such a curve
+    bool strong = false;  ///< thicker and over the others, which are lighter in a panel that has such a curve
 };
 
-/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the top.
+/// Something that happens at one place: a breakdown at a point, or with y = NaN an upright line with its text at the
+/// top.
 struct Event {
     double x, y = std::numeric_limits<double>::quiet_NaN();
     std::string text;
@@ -47,9 +50,10 @@ struct Panel {
     std::string name;
     std::vector<Curve> curves, guides;  ///< guides: to compare with; cut off where they leave the curves' range
     std::vector<Event> events = {};
-    bool log_y = false;                                         ///< besides the figure's; for a figure with own_y
-    double y_least = -std::numeric_limits<double>::infinity();  ///< the axis ends here: a triangle at its lower edge stands for less
-    std::vector<double> y_holds = {};                           ///< besides the figure's
+    bool log_y = false;  ///< besides the figure's; for a figure with own_y
+    double y_least =
+        -std::numeric_limits<double>::infinity();  ///< the axis ends here: a triangle at its lower edge stands for less
+    std::vector<double> y_holds = {};              ///< besides the figure's
 };
 
 struct Figure {

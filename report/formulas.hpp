@@ -1,4 +1,5 @@
-// Every formula that the sources of this tree mark as R"tex(...)tex", as MathML: written by pandoc when the program is built.
+// Every formula that the sources of this tree mark as R"tex(...)tex", as MathML: written by pandoc when the program is
+// built.
 #pragma once
 
 #include <span>

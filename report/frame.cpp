@@ -17,7 +17,8 @@ std::string tspans(Tick const& tick) {
     return fmt::format("{}<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", escaped_xml(tick.text), tick.power);
 }
 
-// --- ranges -----------------------------------------------------------------------------------------------------------
+// --- ranges
+// -----------------------------------------------------------------------------------------------------------
 
 void add(Range& range, std::vector<double> const& values, bool logarithmic, double least = -INFINITY) {
     for (double const v : values)
@@ -44,7 +45,8 @@ Range y_range(Figure const& figure, Panel const* only, bool logarithmic) {
         if (only && &panel != only) continue;
         add(out, panel.y_holds, logarithmic);
         for (Curve const& curve : panel.curves)
-            for (auto const* values : {&curve.y, &curve.lower, &curve.upper}) add(out, *values, logarithmic, panel.y_least);
+            for (auto const* values : {&curve.y, &curve.lower, &curve.upper})
+                add(out, *values, logarithmic, panel.y_least);
         for (Event const& event : panel.events) add(out, {event.y}, logarithmic, panel.y_least);
     }
     Axis near(out, logarithmic, 0.5);
@@ -103,9 +105,14 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
     bool const square = figure.square && !figure.log_x && !logarithmic;
     int const about = std::max(2, int((height - 60) / 42));
 
-    // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the labels.
-    Frame out{
-        .axes = {x, y, {}}, .left = {}, .bottom = {}, .x_lines = wrapped(figure.x, label_size, width - 90, 3), .y_lines = {}, .widest = 0};
+    // The labels decide the margins; where both axes have one unit, the margins decide the ranges, and these the
+    // labels.
+    Frame out{.axes = {x, y, {}},
+              .left = {},
+              .bottom = {},
+              .x_lines = wrapped(figure.x, label_size, width - 90, 3),
+              .y_lines = {},
+              .widest = 0};
     Box& box = out.axes.box = {0, 18, width - 20, 0};  // half a label of x stands beyond either side
     for (int pass = 0; pass < (square ? 3 : 1); ++pass) {
         out.left = figure.cells ? Ticks{} : y.ticks(about);
@@ -114,7 +121,8 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
         for (Tick const& tick : out.left.all) out.widest = std::max(out.widest, width_of(tick));
         Bottom const guess = bottom_of(figure, x, width - 90, out.x_lines);
         out.y_lines = wrapped(figure.cells ? figure.series : figure.y, label_size, height - box.top - guess.height, 3);
-        box.left = std::max(24.0, out.widest + 10 + line_height * double(out.y_lines.size()) + (out.y_lines.empty() ? 2 : 6));
+        box.left =
+            std::max(24.0, out.widest + 10 + line_height * double(out.y_lines.size()) + (out.y_lines.empty() ? 2 : 6));
         out.x_lines = wrapped(figure.x, label_size, box.right - box.left, 3);
         out.bottom = bottom_of(figure, x, box.right - box.left, out.x_lines);
         box.bottom = std::max(box.top + 20, height - out.bottom.height);
@@ -123,7 +131,8 @@ Frame frame_of(Figure const& figure, Panel const& panel, Cells const& cells, dou
                      per_y = y.length() / (box.bottom - box.top);
         per_x > per_y ? y.lengthen(per_x / per_y) : x.lengthen(per_y / per_x);
     }
-    if (square) out.left = y.ticks(about), out.bottom.ticks = bottom_of(figure, x, box.right - box.left, out.x_lines).ticks;
+    if (square)
+        out.left = y.ticks(about), out.bottom.ticks = bottom_of(figure, x, box.right - box.left, out.x_lines).ticks;
     x.place(box.left, box.right), y.place(box.bottom, box.top);
     out.axes.x = x, out.axes.y = y;
     return out;
@@ -135,62 +144,71 @@ std::string grid_group(Figure const& figure, Frame const& frame) {
     for (size_t const i : figure.strong_x) {
         double const left = std::max(box.left, x(double(i) - 0.5)), right = std::min(box.right, x(double(i) + 0.5));
         if (left < right)
-            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left), fixed(box.top),
-                               fixed(right - left), fixed(box.bottom - box.top));
+            out += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#f3ead0\"/>\n", fixed(left),
+                               fixed(box.top), fixed(right - left), fixed(box.bottom - box.top));
     }
     if (!figure.cells) {
         for (Tick const& tick : frame.bottom.ticks)
-            if (double const at = x(tick.value); figure.x_names.empty() && at > box.left - 0.05 && at < box.right + 0.05)
-                (tick.text.empty() ? fine : labelled) += fmt::format("M{} {}V{}", fixed(at), fixed(box.top), fixed(box.bottom));
+            if (double const at = x(tick.value);
+                figure.x_names.empty() && at > box.left - 0.05 && at < box.right + 0.05)
+                (tick.text.empty() ? fine : labelled) +=
+                    fmt::format("M{} {}V{}", fixed(at), fixed(box.top), fixed(box.bottom));
         for (Tick const& tick : frame.left.all)
-            (tick.text.empty() ? fine : labelled) += fmt::format("M{} {}H{}", fixed(box.left), fixed(y(tick.value)), fixed(box.right));
+            (tick.text.empty() ? fine : labelled) +=
+                fmt::format("M{} {}H{}", fixed(box.left), fixed(y(tick.value)), fixed(box.right));
     }
     if (!fine.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#f0f0f0\"/>\n", fine);
     if (!labelled.empty()) out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"#dedede\"/>\n", labelled);
     if (!figure.cells && y.shows(0) && y(0) > box.top && y(0) < box.bottom)
-        out += fmt::format("<path d=\"M{} {}H{}\" stroke=\"#b5b5b5\"/>\n", fixed(box.left), fixed(y(0)), fixed(box.right));
+        out +=
+            fmt::format("<path d=\"M{} {}H{}\" stroke=\"#b5b5b5\"/>\n", fixed(box.left), fixed(y(0)), fixed(box.right));
     return out;
 }
 
 namespace {
 std::string power_note(int power) {
-    return power == 0 ? "" : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", tick_text(fmt::format("{}", power)));
+    return power == 0 ? ""
+                      : fmt::format("×10<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>",
+                                    tick_text(fmt::format("{}", power)));
 }
 }  // namespace
 
 std::string labels_group(Frame const& frame, double height) {
     auto const& [x, y, box] = frame.axes;
-    std::string out = fmt::format("<path d=\"M{0} {1}H{2}V{3}H{0}Z\" fill=\"none\" stroke=\"#888\"/>\n<g font-size=\"{4}\">",
-                                  fixed(box.left), fixed(box.top), fixed(box.right), fixed(box.bottom), tick_size);
+    std::string out =
+        fmt::format("<path d=\"M{0} {1}H{2}V{3}H{0}Z\" fill=\"none\" stroke=\"#888\"/>\n<g font-size=\"{4}\">",
+                    fixed(box.left), fixed(box.top), fixed(box.right), fixed(box.bottom), tick_size);
     for (Tick tick : frame.bottom.ticks) {
         double const at = x(tick.value);
         if (tick.text.empty() || at < box.left - 0.05 || at > box.right + 0.05) continue;
         char const* const weight = tick.strong ? " font-weight=\"700\"" : "";
         if (frame.bottom.slanted) {
             tick.text = shortened(tick.text, tick_size, (at + 4) / 0.82);  // cos 35 degrees
-            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\"{}>{}</text>", fixed(at + 4),
-                               fixed(box.bottom + 14), weight, tspans(tick));
+            out += fmt::format("<text transform=\"translate({} {}) rotate(-35)\" text-anchor=\"end\"{}>{}</text>",
+                               fixed(at + 4), fixed(box.bottom + 14), weight, tspans(tick));
         } else
-            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at), fixed(box.bottom + 16), weight,
-                               tspans(tick));
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\"{}>{}</text>", fixed(at),
+                               fixed(box.bottom + 16), weight, tspans(tick));
     }
     for (Tick const& tick : frame.left.all)
         if (!tick.text.empty())
-            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.left - 7), fixed(y(tick.value) + 4.2),
-                               tspans(tick));
+            out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.left - 7),
+                               fixed(y(tick.value) + 4.2), tspans(tick));
     if (frame.bottom.left_out)
-        out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.right), fixed(box.bottom + 32),
-                           power_note(frame.bottom.left_out));
+        out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", fixed(box.right),
+                           fixed(box.bottom + 32), power_note(frame.bottom.left_out));
     if (frame.left.left_out)
-        out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>", fixed(box.left), fixed(box.top - 5), power_note(frame.left.left_out));
+        out += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>", fixed(box.left), fixed(box.top - 5),
+                           power_note(frame.left.left_out));
     out += "</g>\n";
     for (size_t i = 0; i < frame.x_lines.size(); ++i)
-        out += text_at((box.left + box.right) / 2, height - 5 - line_height * double(frame.x_lines.size() - 1 - i), frame.x_lines[i],
-                       fmt::format("font-size=\"{}\" text-anchor=\"middle\"", label_size));
+        out += text_at((box.left + box.right) / 2, height - 5 - line_height * double(frame.x_lines.size() - 1 - i),
+                       frame.x_lines[i], fmt::format("font-size=\"{}\" text-anchor=\"middle\"", label_size));
     for (size_t i = 0; i < frame.y_lines.size(); ++i)
-        out +=
-            fmt::format("<text transform=\"translate({} {}) rotate(-90)\" font-size=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                        fixed(13 + line_height * double(i)), fixed((box.top + box.bottom) / 2), label_size, escaped_xml(frame.y_lines[i]));
+        out += fmt::format(
+            "<text transform=\"translate({} {}) rotate(-90)\" font-size=\"{}\" text-anchor=\"middle\">{}</text>\n",
+            fixed(13 + line_height * double(i)), fixed((box.top + box.bottom) / 2), label_size,
+            escaped_xml(frame.y_lines[i]));
     return out;
 }
 

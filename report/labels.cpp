@@ -27,7 +27,8 @@ std::vector<std::string> wrapped(std::string const& text, double size, double wi
     for (size_t from = 0; from < text.size();) {
         size_t const to = std::min(text.find(' ', from), text.size());
         std::string const word = text.substr(from, to - from);
-        if (!out.empty() && (size * text_width(out.back() + ' ' + word) <= width || out.size() == most)) out.back() += ' ' + word;
+        if (!out.empty() && (size * text_width(out.back() + ' ' + word) <= width || out.size() == most))
+            out.back() += ' ' + word;
         else out.push_back(word);
         from = to + 1;
     }
@@ -53,11 +54,14 @@ std::string names_group(Panel const& panel, std::vector<Curve const*> const& leg
                 if (!at) continue;
                 auto const height = [&](std::vector<double> const& ends) {
                     if (!curve.bars || i >= ends.size()) return at->y;
-                    return axes.y.shows(ends[i]) ? std::clamp(axes.y(ends[i]), axes.box.top, axes.box.bottom) : axes.box.bottom;
+                    return axes.y.shows(ends[i]) ? std::clamp(axes.y(ends[i]), axes.box.top, axes.box.bottom)
+                                                 : axes.box.bottom;
                 };
                 double const half = strong ? 9 : 6, top = height(curve.upper), bottom = height(curve.lower);
-                points.push_back(
-                    {&curve, *at, {at->x - half, at->y - half, at->x + half, at->y + half}, {at->x - 3, top, at->x + 3, bottom}});
+                points.push_back({&curve,
+                                  *at,
+                                  {at->x - half, at->y - half, at->x + half, at->y + half},
+                                  {at->x - 3, top, at->x + 3, bottom}});
             }
     auto const apart = [](Box const& a, Box const& b) {
         return a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom;
@@ -75,7 +79,8 @@ std::string names_group(Panel const& panel, std::vector<Curve const*> const& leg
         };
         auto const free = [&](Box const& box) {
             double const distance = distance2(box, own.at.x, own.at.y);
-            return box.left > axes.box.left && box.right < axes.box.right && box.top > axes.box.top && box.bottom < axes.box.bottom &&
+            return box.left > axes.box.left && box.right < axes.box.right && box.top > axes.box.top &&
+                   box.bottom < axes.box.bottom &&
                    std::ranges::all_of(taken, [&](Box const& name) { return apart(box, name); }) &&
                    std::ranges::all_of(points, [&](Named const& p) {
                        return apart(box, p.mark) && apart(box, p.bar) &&
@@ -86,9 +91,10 @@ std::string names_group(Panel const& panel, std::vector<Curve const*> const& leg
             Box const box = box_at(dx, dy);
             if (!free(box)) continue;
             taken.push_back(box);
-            out += fmt::format("<g class=\"s name\" data-s=\"{}\">{}</g>\n", series_number(legend, own.curve->name),
-                               text_at(box.left, box.bottom - 2.6, own.curve->name,
-                                       fmt::format("font-size=\"{}\"{}", tick_size, own.curve->strong ? " font-weight=\"700\"" : "")));
+            out += fmt::format(
+                "<g class=\"s name\" data-s=\"{}\">{}</g>\n", series_number(legend, own.curve->name),
+                text_at(box.left, box.bottom - 2.6, own.curve->name,
+                        fmt::format("font-size=\"{}\"{}", tick_size, own.curve->strong ? " font-weight=\"700\"" : "")));
             break;
         }
     }

@@ -36,7 +36,8 @@ Look look_of(std::optional<Family> const& family, size_t place) {
         size_t const pair = size_t(family->place) / 2;  // a third and a fourth member have the next mark but two
         return look(colour, mark + 3 * pair, family->place % 2 == 1);
     }
-    constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9", "#000000", "#6a3d9a"};
+    constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                 "#b8860b", "#56b4e9", "#000000", "#6a3d9a"};
     return look(colours[place % colours.size()], place, place / colours.size() % 2 == 1);
 }
 

@@ -38,7 +38,8 @@ bool drawn(Figure const& figure, std::string const& name) {
     return false;
 }
 
-/// The numbers of the series as a legend beside a single panel lists them: from the top down as they stand at the end of their lines.
+/// The numbers of the series as a legend beside a single panel lists them: from the top down as they stand at the end
+/// of their lines.
 std::vector<size_t> from_the_top(std::vector<Curve const*> const& legend) {
     std::vector<size_t> out(legend.size());
     std::iota(out.begin(), out.end(), 0);
@@ -54,7 +55,8 @@ std::vector<size_t> from_the_top(std::vector<Curve const*> const& legend) {
 /// Stands out in some panel.
 bool strong(Figure const& figure, std::string const& name) {
     return std::ranges::any_of(figure.panels, [&](Panel const& panel) {
-        return std::ranges::any_of(panel.curves, [&](Curve const& curve) { return curve.strong && curve.name == name; });
+        return std::ranges::any_of(panel.curves,
+                                   [&](Curve const& curve) { return curve.strong && curve.name == name; });
     });
 }
 }  // namespace
@@ -63,22 +65,24 @@ std::string figure_html(Figure const& figure) {
     size_t const panels = figure.panels.size();
     std::vector<Curve const*> const legend = legend_of(figure);
     // Names beside points need room: such panels stand one below the other, as wide as the page.
-    bool const alone = panels == 1 || figure.names, three = (figure.cells && panels > 4) || (figure.own_y && panels == 3);
+    bool const alone = panels == 1 || figure.names,
+               three = (figure.cells && panels > 4) || (figure.own_y && panels == 3);
     bool const beside = panels == 1 && !figure.cells && legend.size() > 6;  // the legend
     std::string out = fmt::format("<figure id=\"{}\"{}><figcaption>{}</figcaption>\n", escaped(figure.name),
                                   beside ? " class=\"beside\"" : "", escaped(figure.title));
     if (!figure.note.empty()) out += fmt::format("<p class=\"soft\">{}</p>\n", escaped(figure.note));
     if (figure.cells) {
         Range const shades = plot::shades_of(figure);
-        out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n", plot::number_text(shades.low),
-                           plot::number_text(shades.high), escaped(figure.y));
+        out += fmt::format("<p class=\"legend\">{}<span class=\"scale\"></span>{}&ensp;{}</p>\n",
+                           plot::number_text(shades.low), plot::number_text(shades.high), escaped(figure.y));
     } else if (legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
         out += fmt::format("<p class=\"legend{}\">", panels > 2 ? " stays" : "");
         std::vector<size_t> order = from_the_top(legend);
         if (!beside) std::ranges::sort(order);
         for (size_t const i : order)
-            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i, strong(figure, legend[i]->name) ? " class=\"strong\"" : "",
-                               key_svg(*legend[i]), escaped(legend[i]->name),
+            out += fmt::format("<span data-s=\"{}\"{}>{}{}{}</span> ", i,
+                               strong(figure, legend[i]->name) ? " class=\"strong\"" : "", key_svg(*legend[i]),
+                               escaped(legend[i]->name),
                                drawn(figure, legend[i]->name) ? "" : " <small>(no number)</small>");
         out += "</p>\n";
     }
@@ -90,7 +94,8 @@ std::string figure_html(Figure const& figure) {
         double const tall = figure.square ? 620 : panels > 1 ? 380 : 440;
         if (alone)
             out += fmt::format("<div class=\"wide\">{}</div><div class=\"narrow\">{}</div>",
-                               panel_svg(figure, i, beside ? 900 : 1040, tall), panel_svg(figure, i, 400, figure.square ? 400 : 330));
+                               panel_svg(figure, i, beside ? 900 : 1040, tall),
+                               panel_svg(figure, i, 400, figure.square ? 400 : 330));
         else out += three ? panel_svg(figure, i, 400, 300) : panel_svg(figure, i, 520, 350);
         out += "</div>\n";
     }
@@ -143,7 +148,8 @@ std::string table_html(std::vector<std::string> const& head, std::vector<std::ve
 
 std::string page(std::string_view title, std::string_view body) {
     return fmt::format(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, "
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width, "
         "initial-scale=1\">\n"
         "<title>{}</title>\n<style>\n{}</style></head><body>\n{}<script>\n{}</script>\n</body></html>\n",
         escaped(title), page_style, body, page_script);

@@ -1,5 +1,6 @@
-// A page: one HTML file that opens offline and loads nothing. Figures are drawn by svg.hpp, formulas are MathML where pandoc
-// was there when the program was built. What is interactive needs a browser with JavaScript; everything is there without.
+// A page: one HTML file that opens offline and loads nothing. Figures are drawn by svg.hpp, formulas are MathML where
+// pandoc was there when the program was built. What is interactive needs a browser with JavaScript; everything is there
+// without.
 #pragma once
 
 #include "report/figure.hpp"
@@ -21,8 +22,8 @@ std::string readable(std::string_view tex);
 /// Whether formulas are MathML in this build.
 bool has_mathml();
 
-/// A table that scrolls inside its box, and says so where it has more columns than fit. Cells are text, not HTML. The first column is
-/// aligned left, numbers right. `strong`: rows that stand out.
+/// A table that scrolls inside its box, and says so where it has more columns than fit. Cells are text, not HTML. The
+/// first column is aligned left, numbers right. `strong`: rows that stand out.
 std::string table_html(std::vector<std::string> const& head, std::vector<std::vector<std::string>> const& rows,
                        std::vector<size_t> const& strong = {});
 

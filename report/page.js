@@ -1,5 +1,5 @@
-// A table or a listing says when there is more of it to the right. The legend hides and shows series: a click one of them, a double
-// click all others; under the pointer it stands out. Everything is drawn without this.
+// A table or a listing says when there is more of it to the right. The legend hides and shows series: a click one,
+// a double click all others; under the pointer it stands out. Everything is drawn without this.
 'use strict';
 for (const box of document.querySelectorAll('.scroll, pre')) {
   const look = () => box.classList.toggle('more', box.scrollLeft + box.clientWidth < box.scrollWidth - 2);

@@ -13,7 +13,9 @@ inline bool logarithmic_y(Figure const& figure, Panel const& panel) { return fig
 
 struct Box {
     double left, top, right, bottom;
-    bool holds(double x, double y) const { return x >= left - 0.05 && x <= right + 0.05 && y >= top - 0.05 && y <= bottom + 0.05; }
+    bool holds(double x, double y) const {
+        return x >= left - 0.05 && x <= right + 0.05 && y >= top - 0.05 && y <= bottom + 0.05;
+    }
 };
 struct Axes {
     Axis x, y;
@@ -46,9 +48,10 @@ struct Point {
 std::optional<Point> mark_place(Panel const& panel, Curve const& curve, size_t i, Axes const& axes);
 
 /// A curve: its band or bars, its line, its marks with tooltips; nothing outside the box.
-std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide, Axes const& axes);
-/// Events, drawn over the curves. The text of an upright line stands at the end and on the side where no curve is, if there is such a
-/// place.
+std::string curve_group(Figure const& figure, Panel const& panel, Curve const& curve, size_t series, bool guide,
+                        Axes const& axes);
+/// Events, drawn over the curves. The text of an upright line stands at the end and on the side where no curve is, if
+/// there is such a place.
 std::string event_group(Event const& event, Panel const& panel, Look const& look, size_t series, Axes const& axes);
 
 /// Cells of a heat map; they meet halfway between their places.
@@ -82,12 +85,14 @@ size_t series_number(std::vector<Curve const*> const& legend, std::string const&
 constexpr double name_height = 13;
 /// The square of the distance.
 double distance2(Box const& box, double x, double y);
-/// Names beside single points, those of strong curves first: at the first of eight places around the mark that is inside the panel, touches
-/// no mark, bar or other name, and is nearer to its own mark than to any other. A name that finds none is in the legend alone.
+/// Names beside single points, those of strong curves first: at the first of eight places around the mark that is
+/// inside the panel, touches no mark, bar or other name, and is nearer to its own mark than to any other. A name that
+/// finds none is in the legend alone.
 std::string names_group(Panel const& panel, std::vector<Curve const*> const& legend, Axes const& axes);
 
 Cells cells_of(Figure const& figure, Panel const& panel);
-std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box, Range shades);
+std::string cells_group(Figure const& figure, Panel const& panel, Cells const& cells, Axis const& x, Box const& box,
+                        Range shades);
 /// The range of the shades over all panels: [0, 1] if that holds them.
 Range shades_of(Figure const& figure);
 /// A colour for a part in [0, 1]; NaN: none.

@@ -40,7 +40,8 @@ class Reader {
 
     std::string command() {  // after the backslash
         size_t end = at_;
-        while (end < tex_.size() && ((tex_[end] >= 'a' && tex_[end] <= 'z') || (tex_[end] >= 'A' && tex_[end] <= 'Z'))) ++end;
+        while (end < tex_.size() && ((tex_[end] >= 'a' && tex_[end] <= 'z') || (tex_[end] >= 'A' && tex_[end] <= 'Z')))
+            ++end;
         if (end == at_ && end < tex_.size()) ++end;
         std::string_view const name = tex_.substr(at_, end - at_);
         at_ = end;
@@ -53,10 +54,11 @@ class Reader {
         if (name == "hat") return argument() + "̂";
         if (name == "tilde") return argument() + "̃";
         if (name == "bar") return argument() + "̄";
-        for (std::string_view const known : {"text", "mathrm", "mathbf", "operatorname", "underbrace", "overbrace", "mathit"})
+        for (std::string_view const known :
+             {"text", "mathrm", "mathbf", "operatorname", "underbrace", "overbrace", "mathit"})
             if (name == known) return argument();
-        for (std::string_view const size :
-             {"left", "right", "big", "Big", "bigl", "bigr", "Bigl", "Bigr", "Bigg", "rm", "bf", "limits", "displaystyle"})
+        for (std::string_view const size : {"left", "right", "big", "Big", "bigl", "bigr", "Bigl", "Bigr", "Bigg", "rm",
+                                            "bf", "limits", "displaystyle"})
             if (name == size) return "";
         if (name == "\n") return " ";
         auto const found = words().find(name);

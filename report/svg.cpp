@@ -26,13 +26,16 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
     std::string out = grid_group(figure, frame);
     if (figure.cells) out += cells_group(figure, panel, cells, axes.x, axes.box, shades_of(figure));
     else {
-        for (Curve const& guide : panel.guides) out += curve_group(figure, panel, guide, series_number(legend, guide.name), true, axes);
+        for (Curve const& guide : panel.guides)
+            out += curve_group(figure, panel, guide, series_number(legend, guide.name), true, axes);
         for (bool const strong : {false, true})  // over the others
             for (Curve const& curve : panel.curves)
-                if (curve.strong == strong) out += curve_group(figure, panel, curve, series_number(legend, curve.name), false, axes);
+                if (curve.strong == strong)
+                    out += curve_group(figure, panel, curve, series_number(legend, curve.name), false, axes);
         for (Event const& event : panel.events) {
             size_t const series = series_number(legend, event.series);
-            out += event_group(event, panel, series < legend.size() ? legend[series]->look : Look{"#555555"}, series, axes);
+            out += event_group(event, panel, series < legend.size() ? legend[series]->look : Look{"#555555"}, series,
+                               axes);
         }
         if (figure.names) out += names_group(panel, legend, axes);
     }
@@ -48,9 +51,11 @@ std::string panel_body(Figure const& figure, Panel const& panel, double width, d
 
 /// The description for screen readers.
 std::string description(Figure const& figure, Panel const& panel) {
-    std::string out = fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
+    std::string out =
+        fmt::format("{} against {}", figure.cells ? figure.y + " by " + figure.series : figure.y, figure.x);
     bool const log_y = logarithmic_y(figure, panel);
-    if (figure.log_x || log_y) out += fmt::format(" ({} logarithmic)", figure.log_x && log_y ? "both" : figure.log_x ? "x" : "y");
+    if (figure.log_x || log_y)
+        out += fmt::format(" ({} logarithmic)", figure.log_x && log_y ? "both" : figure.log_x ? "x" : "y");
     out += ":";
     for (Curve const& curve : panel.curves) {
         Range y;
@@ -91,7 +96,8 @@ std::vector<Curve const*> legend_of(Figure const& figure) {
     for (bool const guides : {false, true})
         for (Panel const& panel : figure.panels)
             for (Curve const& curve : guides ? panel.guides : panel.curves)
-                if (std::ranges::none_of(out, [&](Curve const* c) { return c->name == curve.name; })) out.push_back(&curve);
+                if (std::ranges::none_of(out, [&](Curve const* c) { return c->name == curve.name; }))
+                    out.push_back(&curve);
     return out;
 }
 
@@ -108,7 +114,8 @@ std::string panel_svg(Figure const& figure, size_t panel, double width, double h
     return fmt::format(
         "<svg viewBox=\"0 0 {} {}\" role=\"img\" xmlns=\"http://www.w3.org/2000/svg\" {} "
         "fill=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n{}</svg>\n",
-        fixed(width), fixed(height), font, ink, escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
+        fixed(width), fixed(height), font, ink,
+        escaped_xml(figure.title + (drawn.name.empty() ? "" : ": " + drawn.name)),
         escaped_xml(description(figure, drawn)), panel_body(figure, drawn, width, height));
 }
 
@@ -137,27 +144,32 @@ std::string svg(Figure const& figure) {
         Range const shades = shades_of(figure);
         std::string bar;
         for (int i = 0; i < 40; ++i)
-            bar += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"4.2\" height=\"12\" fill=\"{}\"/>", fixed(120 + 4 * i), fixed(y),
-                               shade((i + 0.5) / 40));
+            bar += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"4.2\" height=\"12\" fill=\"{}\"/>", fixed(120 + 4 * i),
+                               fixed(y), shade((i + 0.5) / 40));
         out += text_at(112, y + 11, number_text(shades.low), "font-size=\"12\" text-anchor=\"end\"") + bar +
-               text_at(288, y + 11, shortened(number_text(shades.high) + "  " + figure.y, 12, width - 300), "font-size=\"12\"");
+               text_at(288, y + 11, shortened(number_text(shades.high) + "  " + figure.y, 12, width - 300),
+                       "font-size=\"12\"");
         y += 24;
-    } else if (auto const legend = legend_of(figure); legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
+    } else if (auto const legend = legend_of(figure);
+               legend.size() > 1 || (legend.size() == 1 && !legend[0]->name.empty())) {
         double x = 20;
         for (Curve const* curve : legend) {
             std::string const name = shortened(curve->name, tick_size, width - 80);
             double const room = 44 + tick_size * text_width(name) + 14;
             if (x > 20 && x + room > width) x = 20, y += 20;
-            if (curve->line) out += fmt::format("<path d=\"M{} {}h32\" {}/>", fixed(x), fixed(y + 6), line_style(curve->look, 1.8));
+            if (curve->line)
+                out += fmt::format("<path d=\"M{} {}h32\" {}/>", fixed(x), fixed(y + 6), line_style(curve->look, 1.8));
             if (curve->marks && !curve->look.mark.empty())
-                out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve->look.mark, x + 16, y + 6), mark_style(curve->look));
+                out += fmt::format("<path d=\"{}\" {}/>", mark_path(curve->look.mark, x + 16, y + 6),
+                                   mark_style(curve->look));
             out += text_at(x + 39, y + 10.3, name, fmt::format("font-size=\"{}\"", tick_size));
             x += room;
         }
         y += 24;
     }
     return fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" {2} fill=\"{3}\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" "
+        "{2} fill=\"{3}\">\n"
         "<title>{4}</title>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n{5}</svg>\n",
         fixed(width), fixed(y), font, ink, escaped_xml(figure.title), out);
 }

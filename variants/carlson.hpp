@@ -9,7 +9,8 @@ namespace rlslab {
 
 /// Propagates the upper triangular square root S of the covariance, P = S S':
 ///
-///   (1) f = S'psi        (2) s_j = s_{j-1} + |f_j|^2, s_0 = lambda    (3) r_j = sqrt(s_{j-1}/s_j), m_j = (f_j / s_{j-1}) r_j
+///   (1) f = S'psi        (2) s_j = s_{j-1} + |f_j|^2, s_0 = lambda
+///   (3) r_j = sqrt(s_{j-1}/s_j), m_j = (f_j / s_{j-1}) r_j
 ///   (4) v = 0, and for j = 1 ... d, i <= j, t = the old S_ij:  S_ij = (t r_j - v_i m_j') / sqrt(lambda),  v_i += t f_j
 ///   (5) K = v / s_d, theta += K e
 ///
@@ -31,8 +32,9 @@ public:
     static constexpr Family family{Family::root, 1};
 
     explicit Carlson(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), m_(problem.size), K_(problem.size), before_(problem.size), s_(problem.size), r_(problem.size),
+        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)),
+          theta_(start_theta<T, N>(problem)), f_(problem.size), m_(problem.size), K_(problem.size),
+          before_(problem.size), s_(problem.size), r_(problem.size),
           S_(start_root<T, N>(problem)), next_(problem.size) {}
 
     /// `perturb(v_1 ... v_j, 1)` changes v after column j of (4). Its error reaches P in first order, P stays definite:
@@ -52,7 +54,8 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over S. Returns the last step.
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over S. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }
@@ -61,7 +64,9 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, s_, r_, S_}; }
+    auto form() requires Field<T> {
+        return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, f_, before_, s_, r_, S_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<Carlson<double>>);

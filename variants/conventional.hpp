@@ -46,7 +46,8 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns the last step.
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }

@@ -43,8 +43,8 @@ public:
         start_information_root(problem, L_, z_);
     }
 
-    /// `perturb(v_1 ... v_j, c_j)` changes v after rotation j of (1). Its error reaches P in first order, P stays definite:
-    /// docs/theory.md 33, 34.
+    /// `perturb(v_1 ... v_j, c_j)` changes v after rotation j of (1). Its error reaches P in first order, P stays
+    /// definite: docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         keep_regressor(psi, x_);
@@ -62,8 +62,8 @@ public:
         return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, Truth<T>(true)));
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns the last
-    /// step.
+    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         auto const fold = [&](Index k) {
             NoPerturbation none;

@@ -7,12 +7,13 @@
 
 namespace rlslab {
 
-/// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row is eliminated before any division; its
-/// weight is w, 1 at first:
+/// Propagates P^-1 = R'D R, R unit upper triangular, and z = R theta. The new row is eliminated before any division;
+/// its weight is w, 1 at first:
 ///
 ///   (1) x = psi, and for i = 1 ... d, j > i:  x_j' -= x_i' R_ij       (2) 1/w_{i+1} = 1/w_i + |x_i|^2 / (lambda D_i)
 ///   (3) D' = lambda D_i + w_i |x_i|^2,  c_i = lambda D_i / D',  s_i = w_i x_i / D',  D_i = D'
-///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;   z_i and eta alike
+///   (4) x = psi, and for i = 1 ... d, j > i, t = the old R_ij:  R_ij = c_i t + s_i x_j',  x_j' -= x_i' t;
+///       z_i and eta alike
 ///   (5) gamma = w_{d+1},   e = eta
 ///
 /// Where 1/w is not finite (a zero D_i, an overflow) (2) is w_{i+1} = w_i c_i.
@@ -35,7 +36,8 @@ public:
 
     explicit Gentleman(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), z_(problem.size), psi_(problem.size), x_(problem.size),
-          rest_(problem.size), s_(problem.size), D_(problem.size), before_(problem.size), c_(problem.size), L_(problem.size),
+          rest_(problem.size), s_(problem.size), D_(problem.size), before_(problem.size), c_(problem.size),
+          L_(problem.size),
           lengths_(problem.size) {
         start_information(problem, L_, D_);
         multiply_lower_transposed(L_, start_theta<T, N>(problem), z_);
@@ -82,8 +84,12 @@ public:
         return K;
     }
     Matrix<T, N> information() const { return outer(L_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()}; }
-    auto form() requires Field<T> { return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_}; }
+    Stored<T> stored() const {
+        return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()};
+    }
+    auto form() requires Field<T> {
+        return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.D_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);

@@ -11,10 +11,11 @@ namespace rlslab {
 ///   (1) gamma = lambda / (lambda + psi'X^-1 psi)          from the factors of the step before
 ///   (2) X = lambda X + psi psi',   b = lambda b + psi y   (3) X = L D L',   theta = X^-1 b,   K = X^-1 psi on request
 ///
-/// Squares the condition number; the form is here as a warning. A pivot D_j <= 0 is breakdown (indefinite): theta is NaN
-/// until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts without a
-/// prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 + O(d)
-/// multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss; Bierman 1977.
+/// Squares the condition number; the form is here as a warning. A pivot D_j <= 0 is breakdown (indefinite): theta is
+/// NaN until a later X factors again, and the next row is indefinite too, because no theta predicts its y. Starts
+/// without a prior: theta is NaN and health undetermined until X factors. Storage 2 d^2; per update d^3/6 + 3.5 d^2 +
+/// O(d) multiplications (after rows without report another d^3/6), per row without report 2 d^2 + O(d). Source: Gauss;
+/// Bierman 1977.
 template <Scalar T, int N = Dynamic>
 class Information {
     RealOf<T> lambda_;
@@ -24,7 +25,9 @@ class Information {
     Truth<T> positive_, started_;    // X factors; has been seen to factor
     PerLane<T, Index> rows_;         // so far; a prior counts as d
     bool solved_ = true;             // L, D and theta are those of X and b
-    auto equations() { return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_}; }
+    auto equations() {
+        return NormalEquations<T, N>{lambda_, theta_, b_, D_, f_, X_, L_, positive_, started_, rows_, solved_};
+    }
     Information& solve() {
         equations().solve();                                                                                  // (3)
         return *this;
@@ -61,12 +64,13 @@ public:
         Step<T> step = select(known, step_of(e, lambda_, s), report_undetermined(seen));
         step = if_finite(!known || !positive_ || answers_finite(X_, L_, D_, theta_, psi_, f_), step);
         Truth<T> const broken = (started && !known) || (started_ && !positive_);
-        step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite), PerLane<T, Health>(Health::sound)));
+        step.health = worse(step.health, select(broken, PerLane<T, Health>(Health::indefinite),
+                                                PerLane<T, Health>(Health::sound)));
         return step;
     }
     void accumulate(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_);
-        add_sample(X_, b_, lambda_, psi_, y);                                                                      // (2)
+        add_sample(X_, b_, lambda_, psi_, y);                                                                   // (2)
         ++rows_;
         solved_ = false;
         if (!all(started_)) solve();    // X that factored once and does so no longer is breakdown, not a start
@@ -82,8 +86,10 @@ public:
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
     auto form() requires Field<T> { return equations(); }
     static auto state(auto& f) {
-        return std::tie(f.lambda_, f.theta_, f.b_, f.psi_, f.D_, f.X_, f.L_, f.positive_, f.started_, f.rows_, f.solved_); }
+        return std::tie(f.lambda_, f.theta_, f.b_, f.psi_, f.D_, f.X_, f.L_, f.positive_, f.started_, f.rows_,
+                        f.solved_); }
 };
-static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> && Accumulates<Information<double>>);
+static_assert(ReportsInformation<Information<double>> && StartsWithoutPrior<Information<double>> &&
+              Accumulates<Information<double>>);
 
 }  // namespace rlslab

@@ -11,8 +11,8 @@ namespace rlslab {
 ///
 ///   (1) a = S'psi / sqrt(lambda)
 ///   (2) [ 1  0'                ]  ->  [ b  g'  ]       one rotation for each j = 1 ... d, on (b, a_j) and
-///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S):  b_j = |(b_{j-1}, a_j)|,  c_j = b_{j-1} / b_j,
-///                                                      s_j = a_j / b_j
+///       [ a  S' / sqrt(lambda) ]      [ 0  S'  ]       (g, column j of S):  b_j = |(b_{j-1}, a_j)|,
+///                                                      c_j = b_{j-1} / b_j,  s_j = a_j / b_j
 ///   (3) b^2 = s / lambda,  K = g / b,  theta += K e
 ///
 /// Storage d^2 (half used); per update 3 d^2 + O(d) multiplications, d square roots.
@@ -32,12 +32,13 @@ public:
     static constexpr Family family{Family::ud, 1};
 
     explicit InverseQr(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
-          a_(problem.size), s_(problem.size), g_(problem.size), K_(problem.size), before_(problem.size), b_(problem.size),
+        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)),
+          theta_(start_theta<T, N>(problem)), a_(problem.size), s_(problem.size), g_(problem.size), K_(problem.size),
+          before_(problem.size), b_(problem.size),
           c_(problem.size), S_(start_root<T, N>(problem)), next_(problem.size) {}
 
-    /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays definite:
-    /// docs/theory.md 33, 34.
+    /// `perturb(g_1 ... g_j, c_j)` changes g after rotation j of (2). Its error reaches P in first order, P stays
+    /// definite: docs/theory.md 33, 34.
     template <PerturbsSweep<T> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
@@ -52,7 +53,8 @@ public:
         return if_finite(all_finite(theta_) && is_finite(b), step_of(e, RealOf<T>(RealOf<T>(1) / (b * b))));
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (2) of one and (1) of the next are one pass over S. Returns the last step.
+    /// The rows psi (d x B) with y (B), the oldest first: (2) of one and (1) of the next are one pass over S. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, a_.size(), psi, y);
     }
@@ -61,7 +63,9 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() requires Field<T> { return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, b_, g_, S_}; }
+    auto form() requires Field<T> {
+        return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, b_, g_, S_};
+    }
     static auto state(auto& f) { return std::tie(f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<InverseQr<double>>);

@@ -6,7 +6,8 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage as a sum of two semidefinite terms; an error in K alone enters P in second order, and as a bias.
+/// Propagates P in full storage as a sum of two semidefinite terms; an error in K alone enters P in second order, and
+/// as a bias.
 ///
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) A = I - K psi'             (5) P = (A P) A' / lambda + K K'                  (6) theta += K e

@@ -6,14 +6,14 @@
 
 namespace rlslab {
 
-/// Propagates P in full storage; for any K, optimal or not, (4)-(5) is ((I - K psi')P(I - K psi')' + lambda K K') / lambda.
-/// That takes f and s as in (1) and (2): an error in one of them enters P in first order (docs/theory.md 31).
+/// Propagates P in full storage; for any K, optimal or not, (4)-(5) is ((I - K psi')P(I - K psi')' + lambda K K') /
+/// lambda. That takes f and s as in (1) and (2): an error in one of them enters P in first order (docs/theory.md 31).
 ///
 ///   (1) f = P psi                  (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) g = f - (s/2) K            (5) P = (P - (K g' + g K')) / lambda              (6) theta += K e
 ///
-/// K_i g_j' + g_i K_j' is the same number with i and j exchanged: P stays symmetric (why not always: docs/theory.md 79).
-/// Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
+/// K_i g_j' + g_i K_j' is the same number with i and j exchanged: P stays symmetric (why not always: docs/theory.md
+/// 79). Storage d^2; per update 4 d^2 + O(d) multiplications. Source: De Vries' evaluation, in Grewal & Andrews.
 template <Scalar T, int N = Dynamic>
 class JosephRankTwo {
     RealOf<T> lambda_;

@@ -1,4 +1,5 @@
-// The Kalman filter of parameters that are constant or follow a random walk: recursive least squares as state estimation.
+// The Kalman filter of parameters that are constant or follow a random walk: recursive least squares as state
+// estimation.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -6,14 +7,14 @@
 
 namespace rlslab {
 
-/// State theta_{k+1} = theta_k + w_k, measurement y_k = psi'theta_k + xi_k, var xi = sigma^2, cov w = sigma^2 Q; forgetting inflates
-/// the covariance instead. Propagates P, in units of sigma^2, in full storage:
+/// State theta_{k+1} = theta_k + w_k, measurement y_k = psi'theta_k + xi_k, var xi = sigma^2, cov w = sigma^2 Q;
+/// forgetting inflates the covariance instead. Propagates P, in units of sigma^2, in full storage:
 ///
 ///   (1) P = P / lambda + Q         (2) f = P psi                    (3) s = 1 + psi'f
 ///   (4) K = f / s                  (5) P = P - K f'                 (6) theta += K e
 ///
-/// Without a walk (Q = 0, as in the catalogue) K, P and theta are those of `conventional`: bit for bit where lambda = 1, and
-/// exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
+/// Without a walk (Q = 0, as in the catalogue) K, P and theta are those of `conventional`: bit for bit where lambda =
+/// 1, and exactly in exact arithmetic where less. A walk replaces forgetting: lambda = 1, Q > 0.
 /// Storage 2 d^2; per update 4 d^2 + O(d) multiplications. Antisymmetric errors grow as in `conventional`.
 /// Sources: Kalman 1960; Sayed & Kailath 1994.
 template <Scalar T, int N = Dynamic>
@@ -32,8 +33,8 @@ public:
         : by_lambda_(checked(problem, N).forgetting), theta_(start_theta<T, N>(problem)), f_(problem.size),
           K_(problem.size), P_(start_covariance<T, N>(problem)), Q_(problem.size), walks_(false) {}
 
-    /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether Q is
-    /// positive semidefinite is not checked.
+    /// With a walk, Q d x d. Throws std::invalid_argument for a Q of another size or one that is not symmetric. Whether
+    /// Q is positive semidefinite is not checked.
     Kalman(Problem<T> const& problem, Matrix<T> const& Q) : Kalman(problem) {
         expects(Q.rows() == f_.size() && Q.cols() == f_.size() && Q == Q.adjoint(), "a symmetric Q of size x size");
         for (Index j = 0; j < f_.size(); ++j)

@@ -25,10 +25,12 @@ public:
     static constexpr Family family{Family::root};
 
     explicit Potter(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)), theta_(start_theta<T, N>(problem)),
+        : lambda_(checked(problem, N).forgetting), by_root_lambda_(square_root(lambda_)),
+          theta_(start_theta<T, N>(problem)),
           f_(problem.size), v_(problem.size), K_(problem.size), S_(start_root<T, N>(problem)) {}
 
-    /// `perturb(v)` changes v before K = v / s and (4). Its error reaches P in first order, P stays semidefinite: docs/theory.md 32.
+    /// `perturb(v)` changes v before K = v / s and (4). Its error reaches P in first order, P stays semidefinite:
+    /// docs/theory.md 32.
     template <PerturbsGain<StateVector<T, N>> Perturb = NoPerturbation>
     Step<T> update(Regressor<T> psi, T y, Perturb perturb = {}) {
         T const e = innovation(y, psi, theta_);
@@ -47,7 +49,9 @@ public:
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, S_.view()}; }
-    auto form() requires Field<T> { return RootCovariance<T, N, false>{lambda_, by_root_lambda_, theta_, K_, f_, v_, S_}; }
+    auto form() requires Field<T> {
+        return RootCovariance<T, N, false>{lambda_, by_root_lambda_, theta_, K_, f_, v_, S_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<Potter<double>>);

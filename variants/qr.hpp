@@ -14,8 +14,8 @@ namespace rlslab {
 ///   (2) sqrt(gamma) = c_1 ... c_d,   residual = eta sqrt(gamma),   e = eta / sqrt(gamma)
 ///
 /// theta (R theta = z) and K (R'R K = psi) are solved for on request, d^2/2 and d^2 multiplications.
-/// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R has a
-/// zero on its diagonal the innovation is NaN and health undetermined.
+/// Storage d^2 (half used); per update 2.5 d^2 + O(d) multiplications, d square roots. Starts without a prior: while R
+/// has a zero on its diagonal the innovation is NaN and health undetermined.
 /// Sources: Golub 1965; Bierman 1977 (SRIF); Haykin (QR-RLS).
 template <RootedScalar T, int N = Dynamic>
 class Qr {
@@ -33,7 +33,8 @@ public:
     static constexpr bool starts_without_prior = true;
 
     explicit Qr(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
+        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
+          psi_(problem.size),
           x_(problem.size), s_(problem.size), c_(problem.size), L_(problem.size), lengths_(problem.size),
           rows_(problem.size) {
         start_information_root(problem, L_, z_);
@@ -51,8 +52,8 @@ public:
         return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, x_) || !determined, step);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns the last
-    /// step.
+    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, rows_, x_.size(), psi, y, [&](Index k) {
             rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, false);                                     // (1)

@@ -1,4 +1,5 @@
-// QR by Householder reflections on blocks of rows: batch least squares in the memory of one block. Two such filters merge.
+// QR by Householder reflections on blocks of rows: batch least squares in the memory of one block. Two such filters
+// merge.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -7,8 +8,8 @@
 
 namespace rlslab {
 
-/// Propagates the upper triangular R, R'R = P^-1, and z = R theta. A block of B rows, the oldest first, row k weighted by
-/// sqrt(lambda)^(B-1-k), is folded in by one reflection for each column i:
+/// Propagates the upper triangular R, R'R = P^-1, and z = R theta. A block of B rows, the oldest first, row k weighted
+/// by sqrt(lambda)^(B-1-k), is folded in by one reflection for each column i:
 ///
 ///   (1) [ sqrt(lambda)^B R   sqrt(lambda)^B z ]  ->  [ R  z   ]
 ///       [ psi'               y                ]      [ 0  eta ]
@@ -16,8 +17,9 @@ namespace rlslab {
 ///   (3) merging: (1) with the [R z] of n newer rows as the block, weighted already, and B = n
 ///
 /// update() processes one row and reports as `qr` does: sqrt(gamma) = prod |c_i|, e = eta / sqrt(gamma).
-/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior, and should if
-/// 1/sqrt(P0) is below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// Storage d^2 and the block; per row 1 d^2 + O(d) multiplications, per merging d^3. Starts without a prior, and should
+/// if 1/sqrt(P0) is below u |psi|, which reflections round away. Sources: Golub 1965; Demmel, Grigori, Hoemmen & Langou
+/// 2012 (TSQR).
 template <RootedScalar T, int N = Dynamic>
 class QrBlock {
     RealOf<T> lambda_, root_lambda_;
@@ -27,14 +29,16 @@ class QrBlock {
     bool prior_; Index rows_ = 0;                          // started with one; rows taken so far
     Matrix<T> A_;                                            // a block, with y as its last column
 
-    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a zero.
+    /// Rounding may leave a pivot where exact arithmetic has zero; fewer rows than parameters prove that there is a
+    /// zero.
     Truth<T> determined() const { return lengths_.determined() && Truth<T>(prior_ || rows_ >= z_.size()); }
     /// Folds A, which stands for `rows` rows, into weight [R z].
     PerLane<T, Health> fold_in(RealOf<T> const& weight, Index rows) {
         lengths_.add_rows(weight, A_);
         reflect_block_into(weight, L_, z_, A_);
         rows_ += rows;
-        Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_), taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
+        Truth<T> const finite = lengths_.finite(L_, z_, psi_, x_);
+        Truth<T> const taken = all_finite(z_) && all_finite<T>(A_.col(z_.size()));
         return health_of<T>(taken, determined(), finite);
     }
 
@@ -46,24 +50,27 @@ public:
     static constexpr Index block = 64;
 
     explicit QrBlock(Problem<T> const& problem)
-        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size), psi_(problem.size),
-          x_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size), prior_(problem.prior.has_value()) {
+        : lambda_(checked(problem, N).forgetting), root_lambda_(square_root(lambda_)), z_(problem.size),
+          psi_(problem.size), x_(problem.size), tau_(problem.size), L_(problem.size), lengths_(problem.size),
+          prior_(problem.prior.has_value()) {
         start_information_root(problem, L_, z_);
         lengths_.start(L_, z_);
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the
+    /// last.
     PerLane<T, Health> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);
-        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_), rows);                                          // (1)
+        return fold_in(weighted_rows<T>(psi, y, root_lambda_, A_), rows);                                       // (1)
     }
 
     /// Appends the rows of `newer`, a filter of this problem that started without prior.
     void merge(QrBlock const& newer) {
         Index const d = z_.size();
-        expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_, "a part of this problem, no prior");
+        expects(newer.z_.size() == d && all(newer.lambda_ == lambda_) && !newer.prior_,
+                "a part of this problem, no prior");
         if (newer.rows_ > 0) psi_ = newer.psi_;
         A_.resize(d, d + 1);
         A_ << Matrix<T>(newer.L_.view().transpose()), newer.z_.view();
@@ -84,7 +91,9 @@ public:
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
-    static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_); }
+    static auto state(auto& f) {
+        return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_, f.rows_, f.prior_);
+    }
 };
 static_assert(ReportsInformation<QrBlock<double>> && Merges<QrBlock<double>> && TakesBlocks<QrBlock<double>>);
 

@@ -13,8 +13,8 @@ namespace rlslab {
 ///       [ psi'               y                ]       [ 0  * ]
 ///   (2) e = y - psi'theta,   gamma = lambda / (lambda + |R^-T psi|^2)    with the R of the step before
 ///
-/// Storage and time follow the fill of R, not d^2. Each block costs a pass over all of R, so that a block should have about
-/// as many rows as there are parameters. Needs a prior. Source: Davis 2011.
+/// Storage and time follow the fill of R, not d^2. Each block costs a pass over all of R, so that a block should have
+/// about as many rows as there are parameters. Needs a prior. Source: Davis 2011.
 class QrSparse {
     double lambda_;
     Vector<double> z_, theta_;
@@ -38,18 +38,23 @@ public:
     static constexpr Index block = 256;
 
     explicit QrSparse(Problem<double> const& problem)
-        : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()), psi_(problem.size) {
+        : lambda_(checked(problem).forgetting), theta_(start_theta<double, Dynamic>(problem).view()),
+          psi_(problem.size) {
         Vector<double> D;
         SparseRows const L = start_information(problem, D), R = D.cwiseSqrt().asDiagonal() * SparseRows(L.transpose());
         R_ = R.cast<double>();
         z_ = R * theta_;
     }
 
-    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the last.
-    Health update_block(Matrix<double> const& psi, Vector<double> const& y) { return update_block(SparseRows(psi.sparseView()), y); }
+    /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the
+    /// last.
+    Health update_block(Matrix<double> const& psi, Vector<double> const& y) {
+        return update_block(SparseRows(psi.sparseView()), y);
+    }
     Health update_block(SparseRows const& psi, Vector<double> const& y) {
         Index const rows = y.size();
-        expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
+        expects(psi.rows() == z_.size() && psi.cols() == rows && rows >= 1,
+                "a block of d x B regressors and B outputs");
         psi_ = column(psi, rows - 1);
         SparseRows weighted = psi;
         Vector<double> right = y;

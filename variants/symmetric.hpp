@@ -12,8 +12,8 @@ namespace rlslab {
 ///   (1) f = P psi                           (2) s = lambda + psi'f           (3) K = f / s
 ///   (4) P_ij = P_ji' = (P_ij - K_i f_j') / lambda for i <= j                 (5) theta += K e
 ///
-/// Storage d^2; per update 2 d^2 + O(d) multiplications (in float and double the mirror image is computed, which is cheaper
-/// than copying it). Source: Haykin, Adaptive Filter Theory (the Tri rule).
+/// Storage d^2; per update 2 d^2 + O(d) multiplications (in float and double the mirror image is computed, which is
+/// cheaper than copying it). Source: Haykin, Adaptive Filter Theory (the Tri rule).
 template <Scalar T, int N = Dynamic>
 class Symmetric {
     RealOf<T> lambda_;
@@ -44,7 +44,8 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns the last step.
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }

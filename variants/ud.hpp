@@ -9,8 +9,10 @@ namespace rlslab {
 
 /// Propagates P = U D U', U unit upper triangular. All divisions come before the sweep over U's columns:
 ///
-///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j'g_j, s_0 = lambda        (3) D_j = D_j (s_{j-1} / s_j) / lambda
-///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:  U_ij = t - v_i mu_j', v_i += t g_j
+///   (1) f = U'psi, g = D f         (2) s_j = s_{j-1} + f_j'g_j, s_0 = lambda
+///   (3) D_j = D_j (s_{j-1} / s_j) / lambda
+///   (4) mu_j = f_j / s_{j-1}, v = 0, and for j = 1 ... d, i <= j, t = the old U_ij:
+///       U_ij = t - v_i mu_j',  v_i += t g_j
 ///   (5) K = v / s_d, theta += K e
 ///
 /// U_jj stays 1 in (4): v_j is 0 until it becomes g_j there. P is definite exactly while every D_j > 0.
@@ -32,7 +34,8 @@ public:
 
     explicit Ud(Problem<T> const& problem)
         : lambda_(checked(problem, N).forgetting), by_lambda_(lambda_), theta_(start_theta<T, N>(problem)),
-          f_(problem.size), g_(problem.size), mu_(problem.size), K_(problem.size), D_(problem.size), before_(problem.size),
+          f_(problem.size), g_(problem.size), mu_(problem.size), K_(problem.size), D_(problem.size),
+          before_(problem.size),
           s_(problem.size), U_(problem.size), next_(problem.size) {
         start_ud(problem, U_, D_);
     }
@@ -55,7 +58,8 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over U. Returns the last step.
+    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over U. Returns
+    /// the last step.
     Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
         return update_rows(*this, next_, f_.size(), psi, y);
     }
@@ -63,8 +67,12 @@ public:
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
-    Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()}; }
-    auto form() requires Field<T> { return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_}; }
+    Stored<T> stored() const {
+        return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, U_.view(), D_.view()};
+    }
+    auto form() requires Field<T> {
+        return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_};
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.D_, f.K_, f.U_); }
 };
 static_assert(GainPerturbable<Ud<double>>);

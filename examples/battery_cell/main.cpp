@@ -8,7 +8,8 @@
 
 namespace {
 
-/// The cell that is measured: R0 in series with R1 parallel to C1, behind a voltage that falls with the charge that was drawn.
+/// The cell that is measured: R0 in series with R1 parallel to C1, behind a voltage that falls with the charge that was
+/// drawn.
 ///   v = 3.70 V - 20 mV / Ah q - R0 i - w,   w' = (R1 i - w) / (R1 C1)
 struct Cell {
     static constexpr double R0 = 2.0e-3, R1 = 1.2e-3, tau = 8.0;  // ohm, ohm, seconds
@@ -29,7 +30,8 @@ struct Parameters {
 /// The cell as a difference equation, linear in five numbers:
 ///   v_k = a v_{k-1} + b0 i_k + b1 i_{k-1} + c + g q_k     with  a = 1 - dt / tau,  b0 = -R0,  g = -(1 - a) slope,
 ///                                                               b1 = a R0 - (1 - a) R1 - a slope dt / 3600
-/// Voltages are taken from 3.7 V, currents in hundreds of amperes, charges in tenths of ampere-hours: float then has digits to spare.
+/// Voltages are taken from 3.7 V, currents in hundreds of amperes, charges in tenths of ampere-hours: float then has
+/// digits to spare.
 class CellObserver {
     rlslab::Ud<float, 5> filter_{{.size = 5, .forgetting = 0.9995f, .prior = rlslab::Prior<float>{.variance = 1e6f}}};
     float v_ = NAN, i_ = NAN, q_ = 0;
@@ -78,5 +80,8 @@ int main() {
     auto const [R0, R1, tau] = observer.parameters();
     std::printf("%d of 7200 samples missing\n", lost);
     std::printf("R0  %.2f mOhm (2.00)\nR1  %.2f mOhm (1.20)\ntau %.1f s (8.0)\n", 1e3 * R0, 1e3 * R1, tau);
-    return std::abs(R0 / Cell::R0 - 1) < 0.02 && std::abs(R1 / Cell::R1 - 1) < 0.02 && std::abs(tau / Cell::tau - 1) < 0.02 ? 0 : 1;
+    return std::abs(R0 / Cell::R0 - 1) < 0.02 && std::abs(R1 / Cell::R1 - 1) < 0.02 &&
+                   std::abs(tau / Cell::tau - 1) < 0.02
+               ? 0
+               : 1;
 }

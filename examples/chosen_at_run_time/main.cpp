@@ -40,14 +40,16 @@ int main(int count, char** arguments) {
         auto const filter = make(name, {.size = 3, .forgetting = 0.999});
         if (!filter) {
             std::fprintf(stderr, "no variant '%.*s'; there are:", int(name.size()), name.data());
-            rlslab::for_each(rlslab::Variants<double>{}, []<class Filter>() { std::fprintf(stderr, " %s", Filter::name.data()); });
+            rlslab::for_each(rlslab::Variants<double>{},
+                             []<class Filter>() { std::fprintf(stderr, " %s", Filter::name.data()); });
             std::fprintf(stderr, "\n");
             return 2;
         }
         rlslab::Seed seed{1};
         for (int k = 0; k < 1000; ++k) {  // y = 1 - 2 x + 3 z, and noise
             double const x = seed.bell(), z = seed.bell();
-            if (filter->update({1.0, x, z}, 1 - 2 * x + 3 * z + 0.1 * seed.bell()).health != rlslab::Health::sound) return 1;
+            if (filter->update({1.0, x, z}, 1 - 2 * x + 3 * z + 0.1 * seed.bell()).health != rlslab::Health::sound)
+                return 1;
         }
         Vector<double> const theta = filter->theta();
         std::printf("%-14.*s %.3f %.3f %.3f\n", int(name.size()), name.data(), theta[0], theta[1], theta[2]);

@@ -1,5 +1,5 @@
-// A system drifts, then its input goes silent. With forgetting P grows without bound in silence (windup), and theta follows noise; a filter
-// whose time stands still meanwhile keeps what it knew.
+// A system drifts, then its input goes silent. With forgetting P grows without bound in silence (windup), and theta
+// follows noise; a filter whose time stands still meanwhile keeps what it knew.
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/ud.hpp>
 

@@ -1,5 +1,5 @@
-// An acoustic echo canceller: what the loudspeaker plays comes back into the microphone over 256 taps, and is taken out again, also while
-// somebody in the room speaks.
+// An acoustic echo canceller: what the loudspeaker plays comes back into the microphone over 256 taps, and is taken out
+// again, also while somebody in the room speaks.
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/ud.hpp>
@@ -11,9 +11,10 @@ namespace {
 
 constexpr int taps = 256;
 
-/// Takes the echo out of the microphone's signal. Somebody who speaks in the room makes innovations that the echo has no part in, and a
-/// filter that learns from them loses the path. So rows whose innovation is beyond 4 standard deviations are left out, and the 800 after
-/// them (0.1 s). A path that has changed looks the same at first: the variance grows by 0.1 % a sample meanwhile, until it is let in.
+/// Takes the echo out of the microphone's signal. Somebody who speaks in the room makes innovations that the echo has
+/// no part in, and a filter that learns from them loses the path. So rows whose innovation is beyond 4 standard
+/// deviations are left out, and the 800 after them (0.1 s). A path that has changed looks the same at first: the
+/// variance grows by 0.1 % a sample meanwhile, until it is let in.
 class EchoCanceller {
     rlslab::DelayLine<float> loudspeaker_{taps};
     rlslab::Ud<float> filter_{{.size = taps, .forgetting = 0.9998f, .prior = rlslab::Prior<float>{.variance = 1}}};

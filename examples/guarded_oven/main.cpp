@@ -1,4 +1,5 @@
-// An oven's model in float, learnt for a week from a sensor that fails: with a guard, without one, and across a restart of the controller.
+// An oven's model in float, learnt for a week from a sensor that fails: with a guard, without one, and across a restart
+// of the controller.
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/core/random.hpp>
@@ -31,7 +32,8 @@ double error(auto const& filter, Oven const& oven) {
 }  // namespace
 
 int main() {
-    rlslab::Problem<float> const problem{.size = 3, .forgetting = 0.999f, .prior = rlslab::Prior<float>{.variance = 100}};
+    rlslab::Problem<float> const problem{
+        .size = 3, .forgetting = 0.999f, .prior = rlslab::Prior<float>{.variance = 100}};
     Filter guarded(problem), restarted(problem);
     Bare bare(problem);
     Oven oven;
@@ -63,12 +65,13 @@ int main() {
         if (k == 41000) after_the_door = error(guarded, oven);
     }
     rlslab::GuardCounts const& n = guarded.counts();
-    std::printf("rows %ld: %ld unusable, %ld outliers, %ld changes, %ld windups, %ld breakdowns\n", long(n.rows), long(n.unusable),
-                long(n.outliers), long(n.changes), long(n.windups), long(n.breakdowns));
+    std::printf("rows %ld: %ld unusable, %ld outliers, %ld changes, %ld windups, %ld breakdowns\n", long(n.rows),
+                long(n.unusable), long(n.outliers), long(n.changes), long(n.windups), long(n.breakdowns));
     std::printf("largest error of a, b, c   guarded %.4f   bare %.4f\n", error(guarded, oven), error(bare, oven));
     std::printf("a thousand rows after the door was left ajar   %.4f\n", after_the_door);
     bool same = true;
-    for (int i = 0; i < 3; ++i) same = same && guarded.theta()[i] == restarted.theta()[i] && guarded.gain()[i] == restarted.gain()[i];
+    for (int i = 0; i < 3; ++i)
+        same = same && guarded.theta()[i] == restarted.theta()[i] && guarded.gain()[i] == restarted.gain()[i];
     std::printf("restarted at row 35000: %s\n", same ? "the same bits" : "other bits");
     return same && error(guarded, oven) < 0.02 && !(error(bare, oven) < 0.02) ? 0 : 1;
 }

@@ -23,7 +23,8 @@ int main() {
     std::vector<Truth> truth(sensors);
     for (Truth& t : truth) t = {float(seed.bell()), 0.1f * float(seed.bell())};
 
-    std::vector<rlslab::Ud<Eight, 2>> together(sensors / lanes, rlslab::Ud<Eight, 2>({.size = 2, .forgetting = Eight(0.999f)}));
+    std::vector<rlslab::Ud<Eight, 2>> together(sensors / lanes,
+                                               rlslab::Ud<Eight, 2>({.size = 2, .forgetting = Eight(0.999f)}));
     std::vector<rlslab::Ud<float, 2>> alone(sensors, rlslab::Ud<float, 2>({.size = 2, .forgetting = 0.999f}));
     for (int k = 0; k < 500; ++k) {
         float const hours = float(k) / 100;
@@ -47,7 +48,8 @@ int main() {
         squares += std::pow(offset + 5 * drift - truth[size_t(i)].offset - 5 * truth[size_t(i)].drift, 2);
     }
     double const error = std::sqrt(squares / sensors);
-    std::printf("%d sensors, %d filters; the bits of a filter alone: %d of %d\n", sensors, int(together.size()), same, sensors);
+    std::printf("%d sensors, %d filters; the bits of a filter alone: %d of %d\n", sensors, int(together.size()), same,
+                sensors);
     std::printf("root mean square error at the end: %.4f of a noise of 0.05\n", error);
     return same == sensors && error < 0.01 ? 0 : 1;
 }

@@ -50,5 +50,8 @@ int main() {
     print_number("a ", theta[0]);
     print_number("b ", theta[1]);
     print_number("c ", theta[2]);
-    return 0.94f < theta[0] && theta[0] < 0.96f && 0.39f < theta[1] && theta[1] < 0.41f && 0.15f < theta[2] && theta[2] < 0.25f ? 0 : 1;
+    return 0.94f < theta[0] && theta[0] < 0.96f && 0.39f < theta[1] && theta[1] < 0.41f && 0.15f < theta[2] &&
+                   theta[2] < 0.25f
+               ? 0
+               : 1;
 }

@@ -1,4 +1,5 @@
-// One include for a first try: all dense variants, and what goes around a filter. A program that is built often includes the pages it uses.
+// One include for a first try: all dense variants, and what goes around a filter. A program that is built often
+// includes the pages it uses.
 #pragma once
 
 #include <rlslab/adapt/assessed.hpp>

@@ -10,12 +10,13 @@ namespace {
 
 constexpr Index size = 4;
 
-/// Errors in units of u after 1, 2, 4 ... rows. The noise is as large as the signal, so that steps K e of a float's theta
-/// stay above its resolution to the end: with little noise theta stops, and so does its error.
+/// Errors in units of u after 1, 2, 4 ... rows. The noise is as large as the signal, so that steps K e of a float's
+/// theta stay above its resolution to the end: with little noise theta stops, and so does its error.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const u = entry.arithmetic->unit_roundoff();
-    Problem<double> const problem = as_stored({.size = size, .prior = Prior<double>{.variance = 128}}, *entry.arithmetic);
+    Problem<double> const problem =
+        as_stored({.size = size, .prior = Prior<double>{.variance = 128}}, *entry.arithmetic);
     std::vector<Index> steps;
     for (Index k = 1; k <= (trial.full() ? Index{1} << 20 : Index{1} << 14); k *= 2) steps.push_back(k);
     Records const records = as_stored(white(size, steps.back(), trial.seed({"replicate"}), 1.0), *entry.arithmetic);
@@ -51,24 +52,33 @@ Study const accuracy_steps{
     .name = "accuracy_steps",
     .question = "How do the errors grow with the number of rows when nothing is forgotten?",
     .source =
-        "Ardalan 1986 (abstract read: exponential divergence may occur); A note on the error propagation analysis of recursive "
-        "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the law is "
+        "Ardalan 1986 (abstract read: exponential divergence may occur); A note on the error propagation analysis of "
+        "recursive "
+        "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the "
+        "law is "
         "derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
     .formula =
         R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad
               \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
     .interpretation =
-        "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, the c of "
-        "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P does not "
-        "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr and carlson "
-        "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the earlier "
-        "experiment (docs/literature.md 3.8) ended. In float beyond 10^5 rows, N u > 1/100, rows vanish beside what is summed, and "
-        "the information forms grow faster than the root, their theta with them. extended_qr's theta is not corrected by its own "
+        "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, "
+        "the c of "
+        "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P "
+        "does not "
+        "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr "
+        "and carlson "
+        "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the "
+        "earlier "
+        "experiment (docs/literature.md 3.8) ended. In float beyond 10^5 rows, N u > 1/100, rows vanish beside what is "
+        "summed, and "
+        "the information forms grow faster than the root, their theta with them. extended_qr's theta is not corrected "
+        "by its own "
         "innovation.",
     .data = "white rows, d = 4, noise as large as the signal",
     .factors =
         [](Budget) {
-            return std::vector<Factor>{{"arithmetic", {"float", "double"}}, {"variant", row_forms()}, {"replicate", counted(20)}};
+            return std::vector<Factor>{
+                {"arithmetic", {"float", "double"}}, {"variant", row_forms()}, {"replicate", counted(20)}};
         },
     .measures = {"rows", "theta_error", "covariance_error"},
     .measure = measure,
@@ -88,45 +98,59 @@ Study const accuracy_steps{
                .guides = {{"N/4", [](double n) { return n / 4; }}}}},
     .claims =
         {
-            {"theta of the forms that correct it: the rms error grows with exponent 0.5 +- 0.1 from 256 rows on, in float and double",
-             [](Table const& t) { return within(t.where("variant", corrected), {"arithmetic"}, growth_of("theta_error"), 0.4, 0.6); },
+            {"theta of the forms that correct it: the rms error grows with exponent 0.5 +- 0.1 from 256 rows on, in "
+             "float and double",
+             [](Table const& t) {
+                 return within(t.where("variant", corrected), {"arithmetic"}, growth_of("theta_error"), 0.4, 0.6);
+             },
              reproduction("set with the earlier experiment, docs/literature.md 3.8")},
             {"its size from 1024 rows on: c = rms / (u sqrt(N/3)) in 0.25 ... 0.75 at every power of two",
              [](Table const& t) {
-                 Statistic const c([](Table const& at) { return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3); },
-                                   Estimate::quadratic);
+                 Statistic const c(
+                     [](Table const& at) {
+                         return root_mean_square("theta_error")(at) / std::sqrt(median("rows")(at) / 3);
+                     },
+                     Estimate::quadratic);
                  return within(after(t.where("variant", corrected), 1024), {"arithmetic", "rows"}, c, 0.25, 0.75);
              },
              own_result("docs/theory.md 38")},
-            {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 N u",
+            {"no exponential growth: from 1024 rows on no theta but the conventional form's is wrong by more than 0.25 "
+             "N u",
              [](Table const& t) {
-                 Statistic const share([](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); },
-                                       Estimate::quadratic);
+                 Statistic const share(
+                     [](Table const& at) { return root_mean_square("theta_error")(at) / median("rows")(at); },
+                     Estimate::quadratic);
                  std::vector<std::string> others = corrected;
                  for (char const* form : {"qr", "gentleman", "extended_qr", "information"}) others.emplace_back(form);
-                 return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0, 0.25);
+                 return within(after(t.where("variant", others), 1024), {"arithmetic", "variant", "rows"}, share, 0,
+                               0.25);
              },
              own_result("first edition, set after its run")},
             {"the conventional form's P: exponent 1.00 +- 0.05 in double",
              [](Table const& t) {
-                 return within(t.where("arithmetic", "double").where("variant", "conventional"), {}, growth_of("covariance_error"), 0.95,
-                               1.05);
+                 return within(t.where("arithmetic", "double").where("variant", "conventional"), {},
+                               growth_of("covariance_error"), 0.95, 1.05);
              },
              own_result("docs/theory.md 28, law ii")},
-            {"inverse_qr's P in float: the drift is linear, exponent 1.0 +- 0.1 (fails: part of the run lies before its onset)",
+            {"inverse_qr's P in float: the drift is linear, exponent 1.0 +- 0.1 (fails: part of the run lies before "
+             "its onset)",
              [](Table const& t) {
-                 return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {}, growth_of("covariance_error"), 0.9, 1.1);
+                 return within(t.where("arithmetic", "float").where("variant", "inverse_qr"), {},
+                               growth_of("covariance_error"), 0.9, 1.1);
              },
              own_result("docs/theory.md 45, in place of a band set after its run")},
             {"P in double of the forms without a drift: at most sqrt(N) u from 1024 rows on, but for the constant 2",
              [](Table const& t) {
                  Statistic const share(
-                     [](Table const& at) { return root_mean_square("covariance_error")(at) / std::sqrt(median("rows")(at)); },
+                     [](Table const& at) {
+                         return root_mean_square("covariance_error")(at) / std::sqrt(median("rows")(at));
+                     },
                      Estimate::quadratic);
                  Table const rows = after(t.where("arithmetic", "double"), 1024);
-                 return within(rows.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "ud",
-                                                      "qr", "gentleman", "information"}),
-                               {"variant", "rows"}, share, 0, 2);
+                 return within(
+                     rows.where("variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two",
+                                            "potter", "ud", "qr", "gentleman", "information"}),
+                     {"variant", "rows"}, share, 0, 2);
              },
              own_result("first edition, set after its run")},
         },

@@ -1,5 +1,5 @@
-// Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition and prior.
-// Longer than 150 lines: 20 claims.
+// Of which problem is a filter's answer the exact one? The least change of the data that explains it, against condition
+// and prior. Longer than 150 lines: 20 claims.
 #include "studies/engine/backward_errors.hpp"
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
@@ -16,11 +16,14 @@ namespace {
 constexpr Index size = 6;
 constexpr double noise = 1e-3, u = 0x1p-53;
 
-std::vector<Cell> const spectra{"geometric", "one small", "one large"}, special{"pair first", "pair last", "powers up", "powers down"};
+std::vector<Cell> const spectra{"geometric", "one small", "one large"},
+    special{"pair first", "pair last", "powers up", "powers down"};
 
-// --- data -----------------------------------------------------------------------------------------------------------------------
+// --- data
+// ---------------------------------------------------------------------------------------------------------------------
 
-/// The powers 1, t ... t^5 of t = 1/N, 2/N ... 1 in random order; or white rows in which two neighbouring columns differ by 1e-5 of one.
+/// The powers 1, t ... t^5 of t = 1/N, 2/N ... 1 in random order; or white rows in which two neighbouring columns
+/// differ by 1e-5 of one.
 Matrix<double> special_rows(std::string const& data, Index rows, Seed& seed) {
     Matrix<double> psi = white(size, rows, Seed{seed.next()}).psi;
     std::vector<double> t(size_t(rows), 0.0);
@@ -38,7 +41,8 @@ Matrix<double> special_rows(std::string const& data, Index rows, Seed& seed) {
     return psi;
 }
 
-// --- the runs -------------------------------------------------------------------------------------------------------------------
+// --- the runs
+// -------------------------------------------------------------------------------------------------------------------
 
 bool admits(Trial const& trial) {
     Cell const& data = trial.value("data");
@@ -55,8 +59,9 @@ void measure(Trial const& trial, TrialOutput& out) {
     Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = trial.number("P0")}};
     Seed seed = trial.seed({"data", "kappa", "rows", "replicate"});  // the same rows for every P0
     bool const shaped = std::ranges::count(spectra, Cell(data)) > 0;
-    Records const records = shaped ? with_singular_values(singular_values(data, size, trial.number("kappa")), rows, seed, noise)
-                                   : answered(special_rows(data, rows, seed), seed, noise);
+    Records const records =
+        shaped ? with_singular_values(singular_values(data, size, trial.number("kappa")), rows, seed, noise)
+               : answered(special_rows(data, rows, seed), seed, noise);
     GivenProblem const given(problem, records);
     CertifiedSolution const certain = certified(problem, records, {rows}, 60).front();
     auto const differs = [](auto const& a, auto const& b) { return frobenius(a - b) / frobenius(b); };
@@ -69,16 +74,18 @@ void measure(Trial const& trial, TrialOutput& out) {
         Vector<Reference> const theta = filter->theta();
         double const of_P = given.covariance_backward_error(stored), of_theta = given.theta_backward_error(theta);
         double const P = given.covariance_error(stored), x = given.theta_error(theta);
-        out({std::get<std::string>(variant), of_P / u, of_theta / u, P / u, x / u, given.covariance_condition(), given.theta_condition(),
-             P / (given.covariance_condition() * of_P), x / (given.theta_condition() * of_theta), of_P / u / given.row_condition(),
-             given.row_condition(), given.condition(), std::isfinite(of_P) ? "yes" : "no", difference});
+        out({std::get<std::string>(variant), of_P / u, of_theta / u, P / u, x / u, given.covariance_condition(),
+             given.theta_condition(), P / (given.covariance_condition() * of_P),
+             x / (given.theta_condition() * of_theta), of_P / u / given.row_condition(), given.row_condition(),
+             given.condition(), std::isfinite(of_P) ? "yes" : "no", difference});
     }
 }
 
-// --- claims ---------------------------------------------------------------------------------------------------------------------
+// --- claims
+// ---------------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph_rank_two"}, sweeps{"carlson", "ud", "inverse_qr"},
-    rotations{"qr", "gentleman"};
+std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph_rank_two"},
+    sweeps{"carlson", "ud", "inverse_qr"}, rotations{"qr", "gentleman"};
 
 Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
 Table shapes(Table const& t) { return t.where("data", words(spectra)); }
@@ -99,8 +106,8 @@ std::vector<std::string> const by_data{"variant", "data"};
 Judgement slopes(Table const& t, std::string const& x, std::string const& y, double from, double to) {
     return within(t, by_data, slope(x, y), from, to);
 }
-Judgement of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data, std::string const& y, double from,
-                  double to) {
+Judgement of_data(Table const& t, std::vector<std::string> const& variants, std::string const& data,
+                  std::string const& y, double from, double to) {
     Statistic const middle = median(y);
     return labelled(data, within(some(t, variants).where("data", data), {"variant"}, middle, from, to));
 }
@@ -109,14 +116,15 @@ Statistic over_bound(std::string const& y) {
     return {[y](Table const& t) {
                 std::vector<double> const e = t.numbers(y), rows = t.numbers("rows");
                 double greatest = 0;
-                for (size_t i = 0; i < e.size(); ++i) greatest = std::max(greatest, e[i] / (10 * std::sqrt(rows[i] / 60)));
+                for (size_t i = 0; i < e.size(); ++i)
+                    greatest = std::max(greatest, e[i] / (10 * std::sqrt(rows[i] / 60)));
                 return greatest;
             },
             Estimate::most};
 }
 /// Of every form against one.
-Judgement against(Table const& t, std::vector<std::string> const& variants, std::string const& other, std::string const& y, double from,
-                  double to) {
+Judgement against(Table const& t, std::vector<std::string> const& variants, std::string const& other,
+                  std::string const& y, double from, double to) {
     std::vector<Judgement> out;
     for (std::string const& variant : variants) {
         Statistic const ratio([=](Table const& seed) {
@@ -142,31 +150,49 @@ Study const backward_error{
     .name = "backward_error",
     .question = "Of which problem is a filter's answer the exact one?",
     .source =
-        "Walden, Karlson & Sun 1995 (cited, not read), Grcar, Saunders & Su 2007, Bhatia, Jain & Lim 2019 (abstracts read); "
+        "Walden, Karlson & Sun 1995 (cited, not read), Grcar, Saunders & Su 2007, Bhatia, Jain & Lim 2019 (abstracts "
+        "read); "
         "the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
     .formula = R"tex(\begin{aligned} \eta_\theta &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad
 \text{such that } \hat\theta \text{ minimises } \lVert(A + \delta A)x - b\rVert \\
-\eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad \text{such that } (A + \delta A)'(A + \delta A) = \hat P^{-1} \\
+\eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad \text{such that } (A + \delta A)'(A + \delta A) = \hat
+P^{-1} \\
 &= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
     .interpretation =
-        "Backward errors in units of u. qr and gentleman solve a problem near the given one, in theta and in P, whatever kappa, P0 "
-        "and the spectrum: within 10 sqrt(N/60) u, but for one run in hundreds that has 12. carlson, ud and inverse_qr do so in theta "
-        "within three times that, and in P within a few u cond(R) sqrt(N/60). cond(R) depends on the order of the columns: two that "
-        "nearly agree cost a factor of 10^4 when they come first, and nothing when they come last. The forward error does not show "
-        "it: there they are as good as qr. They are forward stable where they are not backward stable. The forms that store P solve "
-        "another problem, and crossing kappa with P0 shows why: their error of P grows as P0 (slope 0.92 to 1.06 at kappa = 1000) and "
-        "not with kappa (-0.11 to 0.18 at P0 = 1e10). The slope 2 in kappa of study accuracy_conditioning is that of P0 = kappa^2. "
-        "Potter's slope 1 there is P0^0.4 and kappa^0.1 likewise. Joseph's products lose P0^1.1 and kappa^0.6 to kappa^0.9. Only of "
-        "the triangular roots, qr and information is the slope in kappa one in kappa. The backward error of P divides otherwise than "
-        "predicted: P0^0.6 to P0^0.75 and kappa^0.3 to kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 to kappa^0.4 in "
-        "Potter's form; bands that were set for P0 alone fail. At P0 = 1e10 it does not change up to kappa = 1e4, and rises at 1e5, "
-        "where the prior holds as much as the weakest direction of the data. information has forward slope 2 and backward slope 1 in "
-        "kappa: it rounds M = A'A, and the condition number amplifies nearly all of that. The same number amplifies a thirtieth of "
-        "qr's backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored P have: their error lies "
-        "where it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse of no A'A: they "
+        "Backward errors in units of u. qr and gentleman solve a problem near the given one, in theta and in P, "
+        "whatever kappa, P0 "
+        "and the spectrum: within 10 sqrt(N/60) u, but for one run in hundreds that has 12. carlson, ud and inverse_qr "
+        "do so in theta "
+        "within three times that, and in P within a few u cond(R) sqrt(N/60). cond(R) depends on the order of the "
+        "columns: two that "
+        "nearly agree cost a factor of 10^4 when they come first, and nothing when they come last. The forward error "
+        "does not show "
+        "it: there they are as good as qr. They are forward stable where they are not backward stable. The forms that "
+        "store P solve "
+        "another problem, and crossing kappa with P0 shows why: their error of P grows as P0 (slope 0.92 to 1.06 at "
+        "kappa = 1000) and "
+        "not with kappa (-0.11 to 0.18 at P0 = 1e10). The slope 2 in kappa of study accuracy_conditioning is that of "
+        "P0 = kappa^2. "
+        "Potter's slope 1 there is P0^0.4 and kappa^0.1 likewise. Joseph's products lose P0^1.1 and kappa^0.6 to "
+        "kappa^0.9. Only of "
+        "the triangular roots, qr and information is the slope in kappa one in kappa. The backward error of P divides "
+        "otherwise than "
+        "predicted: P0^0.6 to P0^0.75 and kappa^0.3 to kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 "
+        "to kappa^0.4 in "
+        "Potter's form; bands that were set for P0 alone fail. At P0 = 1e10 it does not change up to kappa = 1e4, and "
+        "rises at 1e5, "
+        "where the prior holds as much as the weakest direction of the data. information has forward slope 2 and "
+        "backward slope 1 in "
+        "kappa: it rounds M = A'A, and the condition number amplifies nearly all of that. The same number amplifies a "
+        "thirtieth of "
+        "qr's backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored P have: "
+        "their error lies "
+        "where it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse "
+        "of no A'A: they "
         "are indefinite, and left out of the slopes.",
     .data =
-        "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to 1e12; two columns that "
+        "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to "
+        "1e12; two columns that "
         "differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = 60 to 6000",
     .factors =
         [](Budget budget) {
@@ -178,8 +204,8 @@ Study const backward_error{
                                        {"replicate", counted(budget == Budget::full ? 100 : 11)}};
         },
     .admits = admits,
-    .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share", "theta_share",
-                 "over_cond_R", "cond_R", "kappa_of_A", "definite", "apart"},
+    .measures = {"variant", "eta_P", "eta_theta", "P_error", "theta_error", "P_condition", "theta_condition", "P_share",
+                 "theta_share", "over_cond_R", "cond_R", "kappa_of_A", "definite", "apart"},
     .measure = measure,
     .plots = {{.title = "Backward error of P, kappa = 1000",
                .x = "P0",
@@ -219,7 +245,8 @@ Study const backward_error{
     .claims =
         {
             {"theta and P in 257 bits are the certified ones in most runs, to 30 digits",
-             [](Table const& t) { return within(t, {"data"}, greatest("apart"), 0, 1e-30); }, verification("certified in every trial")},
+             [](Table const& t) { return within(t, {"data"}, greatest("apart"), 0, 1e-30); },
+             verification("certified in every trial")},
             {"no forward error exceeds condition times backward error by more than 1 % where that is below 1e-3",
              [](Table const& t) {
                  return labelled("P", within(of_first_order(t, "P_condition", "eta_P"), {"variant"},
@@ -231,7 +258,8 @@ Study const backward_error{
             {"B1: qr, gentleman: the backward errors of P and theta are below 10 u sqrt(N/60), in most runs",
              [](Table const& t) {
                  return labelled("P", within(some(t, rotations), {"variant", "data"}, over_bound("eta_P"), 0, 1)) &&
-                        labelled("theta", within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
+                        labelled("theta",
+                                 within(some(t, rotations), {"variant", "data"}, over_bound("eta_theta"), 0, 1));
              },
              own_result("set before the run (B1)")},
             {"carlson, ud, inverse_qr: the backward error of theta is below 10 u sqrt(N/60), in most runs",
@@ -259,12 +287,14 @@ Study const backward_error{
              "0.25 to 0.45 in P0 at kappa = 1000, 0 +- 0.3 in kappa at P0 = 1e10",
              [](Table const& t) {
                  std::vector<std::string> const potter{"potter"};
-                 return labelled("P0 = kappa^2", slopes(some(with_P0_of_kappa(t), potter), "kappa", "eta_P", 0.8, 1.2)) &&
+                 return labelled("P0 = kappa^2",
+                                 slopes(some(with_P0_of_kappa(t), potter), "kappa", "eta_P", 0.8, 1.2)) &&
                         labelled("P0", slopes(some(at_kappa(t), potter), "P0", "eta_P", 0.25, 0.45)) &&
                         labelled("kappa", slopes(some(at_P0(t), potter), "kappa", "eta_P", -0.3, 0.3));
              },
              own_result("set before the run (B3)")},
-            {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, each to 0.1",
+            {"B6: joseph, the backward error of P: one power of P0 at kappa = 1000 and one of kappa with P0 = 1e10, "
+             "each to 0.1",
              [](Table const& t) {
                  return labelled("P0", slopes(some(at_kappa(t), {"joseph"}), "P0", "eta_P", 0.9, 1.1)) &&
                         labelled("kappa", slopes(some(at_P0(t), {"joseph"}), "kappa", "eta_P", 0.9, 1.1));
@@ -279,16 +309,21 @@ Study const backward_error{
             {"B4: two columns that nearly agree, first: eta_P is 4e4 to 6e4 u in carlson, ud, inverse_qr; "
              "last: 3 to 8 u; qr, gentleman 1 to 2 u",
              [](Table const& t) {
-                 return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) && of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
-                        of_data(t, rotations, "pair first", "eta_P", 1, 2) && of_data(t, rotations, "pair last", "eta_P", 1, 2);
+                 return of_data(t, sweeps, "pair first", "eta_P", 4e4, 6e4) &&
+                        of_data(t, sweeps, "pair last", "eta_P", 3, 8) &&
+                        of_data(t, rotations, "pair first", "eta_P", 1, 2) &&
+                        of_data(t, rotations, "pair last", "eta_P", 1, 2);
              },
              own_result("set before the run (B4)")},
-            {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, inverse_qr)",
+            {"B4: powers of t: the backward error of P is 3 to 13 u ascending, 25 to 1000 u descending (carlson, ud, "
+             "inverse_qr)",
              [](Table const& t) {
-                 return of_data(t, sweeps, "powers up", "eta_P", 3, 13) && of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
+                 return of_data(t, sweeps, "powers up", "eta_P", 3, 13) &&
+                        of_data(t, sweeps, "powers down", "eta_P", 25, 1000);
              },
              own_result("set before the run (B4)")},
-            {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 times qr's and more, "
+            {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 "
+             "times qr's and more, "
              "the forward error the same to a factor of 3",
              [](Table const& t) {
                  Table const pair = t.where("data", "pair first");
@@ -298,7 +333,9 @@ Study const backward_error{
              own_result("a factor of 3, set before the run (B5)")},
             {"B7: information, P0 = kappa^2: forward slope 2.0 +- 0.2, backward slope 1.0 +- 0.1 (P)",
              [](Table const& t) {
-                 Table const rows = some(with_P0_of_kappa(t), {"information"}).where("kappa", [](double kappa) { return kappa < 2e5; });
+                 Table const rows = some(with_P0_of_kappa(t), {"information"}).where("kappa", [](double kappa) {
+                     return kappa < 2e5;
+                 });
                  return labelled("forward", slopes(rows, "kappa", "P_error", 1.8, 2.2)) &&
                         labelled("backward", slopes(rows, "kappa", "eta_P", 0.9, 1.1));
              },
@@ -309,7 +346,8 @@ Study const backward_error{
                  return within(some(with_P0_of_kappa(t), {"information"}), {"data", "kappa"}, ratio, 0.1 / 3, 0.3);
              },
              own_result("a factor of 3, set before the run (B7)")},
-            {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each of the data",
+            {"carlson, ud, inverse_qr: the median backward error of P is 0.1 to 2 times u cond(R) sqrt(N/60), for each "
+             "of the data",
              [](Table const& t) {
                  Statistic const share([](Table const& r) {
                      std::vector<double> e = r.numbers("over_cond_R"), rows = r.numbers("rows");
@@ -319,16 +357,19 @@ Study const backward_error{
                  return within(some(t, sweeps), by_data, share, 0.1, 2);
              },
              own_result("set after the first full run: B2 with N")},
-            {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman 0.01 to 0.1, "
+            {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman "
+             "0.01 to 0.1, "
              "carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
              [](Table const& t) {
                  auto const of = [&](std::vector<std::string> const& variants, double from, double to) {
                      return within(some(shapes(t), variants), {"variant"}, median("P_share"), from, to);
                  };
-                 return of({"information"}, 0.5, 1) && of(rotations, 0.01, 0.1) && of(sweeps, 0.003, 0.03) && of(P_forms, 0, 1e-3);
+                 return of({"information"}, 0.5, 1) && of(rotations, 0.01, 0.1) && of(sweeps, 0.003, 0.03) &&
+                        of(P_forms, 0, 1e-3);
              },
              own_result("set after the first full run")},
-            {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- 0.3, 0.5 to 1 in "
+            {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- "
+             "0.3, 0.5 to 1 in "
              "kappa at P0 = 1e10",
              [](Table const& t) {
                  auto const of = [&](char const* variant, Table const& rows, char const* x, double from, double to) {
@@ -339,7 +380,9 @@ Study const backward_error{
              },
              own_result("set after the first full run")},
             {"white rows, 60 to 6000: the backward error of P grows as N^0.35 to N^0.6 in every form",
-             [](Table const& t) { return within(t.where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6); },
+             [](Table const& t) {
+                 return within(t.where("data", "white"), {"variant"}, slope("rows", "eta_P"), 0.35, 0.6);
+             },
              own_result("set before the run")},
         },
 };

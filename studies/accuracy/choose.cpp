@@ -21,7 +21,8 @@ constexpr int shortest = 4, longest = 53;
 constexpr double three_digits = 3;
 
 /// Right decimal digits at the end, of theta and of P, whichever has fewer; 0 if P was indefinite at any of 32 looks.
-double digits(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records, CertifiedSolution const& exact) {
+double digits(CatalogueEntry const& entry, Problem<double> const& problem, Records const& records,
+              CertifiedSolution const& exact) {
     auto const filter = entry.make(problem, Seed{1});
     Index const rows = records.rows(), stride = rows / 32;
     for (Index k = 0; k < rows; k += stride) {
@@ -32,14 +33,15 @@ double digits(CatalogueEntry const& entry, Problem<double> const& problem, Recor
     return std::max(0.0, -correctly::log10(std::max(e.theta, e.covariance)));
 }
 
-/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, with a prior that fits the widest of them. Every variant
-/// is run on the same data with every length, from the longest down. The length needed is the least one from which on all longer ones
-/// suffice.
+/// Rows of the deviations kappa^0 ... kappa^-1 along fixed random directions, with a prior that fits the widest of
+/// them. Every variant is run on the same data with every length, from the longest down. The length needed is the least
+/// one from which on all longer ones suffice.
 void measure(Trial const& trial, TrialOutput& out) {
     double const lambda = trial.number("lambda"), kappa = trial.number("kappa");
     Index const rows = lambda == 1 ? 64 : trial.full() ? 2048 : 1024;  // few, or ten to twenty memories of 0.99
     Records given = graded(size, rows, kappa, trial.seed({"lambda", "kappa", "replicate"}));
-    double const scale = lambda == 1 ? 8 : 32;  // about sqrt(rows): from singular values of all rows to deviations; exact
+    double const scale =
+        lambda == 1 ? 8 : 32;  // about sqrt(rows): from singular values of all rows to deviations; exact
     given.psi *= scale, given.y *= scale;
     int const stride = trial.full() ? 1 : 2;
     std::vector<int> lengths;
@@ -48,13 +50,14 @@ void measure(Trial const& trial, TrialOutput& out) {
     for (int const p : lengths) {
         PrecisionScope const precision(p);
         Arithmetic const& arithmetic = *variable_precision_catalogue().front().arithmetic;
-        Problem<double> const problem =
-            as_stored({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
+        Problem<double> const problem = as_stored(
+            {.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = kappa * kappa}}, arithmetic);
         Records const records = as_stored(given, arithmetic);
         CertifiedSolution const exact = certified(problem, records, {rows}, 20).front();
         for (Cell const& form : row_forms()) {
             std::string const& name = std::get<std::string>(form);
-            kept[name].push_back(digits(*find_entry(variable_precision_catalogue(), name, arithmetic.name), problem, records, exact));
+            kept[name].push_back(
+                digits(*find_entry(variable_precision_catalogue(), name, arithmetic.name), problem, records, exact));
         }
     }
     for (Cell const& name : row_forms()) {
@@ -68,8 +71,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-/// From 2^8 on, where conditioning and not the memory decides, to the last kappa before one at which some run needs more bits than there
-/// are: no run is left out for what it needs.
+/// From 2^8 on, where conditioning and not the memory decides, to the last kappa before one at which some run needs
+/// more bits than there are: no run is left out for what it needs.
 Table steep(Table const& t, std::vector<std::string> const& variants, std::string const& column) {
     Table const of = t.where("variant", variants).where("log2_kappa", [](double x) { return x >= 8; });
     std::vector<double> const x = of.numbers("log2_kappa"), bits = of.numbers(column);
@@ -107,25 +110,32 @@ Study const choose{
                p &\approx 2\log_2\kappa + c && \text{P or its inverse stored plainly} \\
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
     .interpretation =
-        "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P and is "
+        "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P "
+        "and is "
         "never seen indefinite; "
-        "below its line it is not to be trusted. kappa is the condition of the regressors, and P0 = kappa^2: the forms that store P pay "
+        "below its line it is not to be trusted. kappa is the condition of the regressors, and P0 = kappa^2: the forms "
+        "that store P pay "
         "for P0 (study backward_error). The factor forms pay one bit for "
         "each bit of "
-        "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor form to "
+        "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor "
+        "form to "
         "kappa = 10^5, symmetric to 10^3, "
-        "joseph to a few hundred. At small kappa the lines are flat: there the memory decides, and the square roots of lambda "
+        "joseph to a few hundred. At small kappa the lines are flat: there the memory decides, and the square roots of "
+        "lambda "
         "cost the root forms "
-        "three bits. With forgetting the conventional form ends at some step in any arithmetic; after these twenty memories it "
+        "three bits. With forgetting the conventional form ends at some step in any arithmetic; after these twenty "
+        "memories it "
         "needs 43 bits even "
         "for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke down.",
     .data = "graded rows, d = 4, P0 = kappa^2",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{
-                {"lambda", {1.0, 0.99}}, {"kappa", powers(2, 0, 20, 2)}, {"replicate", counted(budget == Budget::full ? 20 : 11)}};
+            return std::vector<Factor>{{"lambda", {1.0, 0.99}},
+                                       {"kappa", powers(2, 0, 20, 2)},
+                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
-    .admits = [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("kappa") == 1; },
+    .admits =
+        [](Trial const& trial) { return trial.full() || trial.number("lambda") == 1 || trial.number("kappa") == 1; },
     .measures = {"variant", "log2_kappa", "bits", "digits", "kept", "needed", "half"},
     .measure = measure,
     .plots = {{.title = "Bits needed for three right digits",
@@ -158,20 +168,24 @@ Study const choose{
         {
             {"factor forms, taken together: 1.0 +- 0.15 bits for each bit of kappa",
              [](Table const& t) {
-                 return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.85, 1.15);
+                 return within(steep(t, factors, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 0.85,
+                               1.15);
              },
              own_result("set with the earlier experiment, docs/literature.md 3.6")},
             {"P or its inverse stored plainly: 2.0 +- 0.2 bits for each bit of kappa",
              [](Table const& t) {
-                 return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"), 1.8, 2.2);
+                 return within(steep(t, plain, "needed"), {"lambda", "variant"}, linear_slope("log2_kappa", "needed"),
+                               1.8, 2.2);
              },
              own_result("set with the earlier experiment, docs/literature.md 3.6")},
             {"Joseph's products: 2.7 to 3.1 bits for each bit of kappa",
              [](Table const& t) {
-                 return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.7, 3.1);
+                 return within(steep(t, {"joseph"}, "needed"), {"lambda"}, linear_slope("log2_kappa", "needed"), 2.7,
+                               3.1);
              },
              own_result("set with the earlier experiment, docs/literature.md 3.6")},
-            {"factor forms: log2 kappa + c with c from 6 to 11", [](Table const& t) { return offset(t, factors, 1, 6, 11); },
+            {"factor forms: log2 kappa + c with c from 6 to 11",
+             [](Table const& t) { return offset(t, factors, 1, 6, 11); },
              own_result("first edition, set after its run")},
             {"symmetric, conventional_two_sided, joseph_rank_two: 2 log2 kappa + c with c from 1 to 7",
              [](Table const& t) {
@@ -179,7 +193,9 @@ Study const choose{
              },
              own_result("first edition, set after its run")},
             {"to keep half of the digits takes twice the slopes: 2.0 +- 0.3 (factor forms together)",
-             [](Table const& t) { return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.7, 2.3); },
+             [](Table const& t) {
+                 return within(steep(t, factors, "half"), {"lambda"}, linear_slope("log2_kappa", "half"), 1.7, 2.3);
+             },
              own_result("twice the band of docs/literature.md 3.6")},
             {"and 4.0 +- 0.4 (symmetric, conventional_two_sided, joseph_rank_two together)",
              [](Table const& t) {
@@ -187,11 +203,13 @@ Study const choose{
                                linear_slope("log2_kappa", "half"), 3.6, 4.4);
              },
              own_result("twice the band of docs/literature.md 3.6")},
-            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most runs",
+            {"with lambda = 0.99 conventional needs at least 10 bits more than symmetric even at kappa = 1, in most "
+             "runs",
              [](Table const& t) {
                  Statistic const more(
                      [](Table const& g) {
-                         return median("needed")(g.where("variant", "conventional")) - median("needed")(g.where("variant", "symmetric"));
+                         return median("needed")(g.where("variant", "conventional")) -
+                                median("needed")(g.where("variant", "symmetric"));
                      },
                      Estimate::most);
                  return within(t.where("lambda", 0.99).where("kappa", 1.0), {}, more, 10, INFINITY);

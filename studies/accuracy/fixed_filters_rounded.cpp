@@ -13,7 +13,8 @@ namespace rlslab::studies {
 CatalogueEntry const* rounding_every_operation(std::string_view variant) {
     using T = VariableFixedRounded;
     static Arithmetic const arithmetic{"fixed", 53, -53, 0, false, [](double x) { return T(x).value(); }};
-    static CatalogueEntry const entries[] = {untimed_entry_of<Symmetric<T>>(&arithmetic), untimed_entry_of<Ud<T>>(&arithmetic),
+    static CatalogueEntry const entries[] = {untimed_entry_of<Symmetric<T>>(&arithmetic),
+                                             untimed_entry_of<Ud<T>>(&arithmetic),
                                              untimed_entry_of<Qr<T>>(&arithmetic)};
     for (CatalogueEntry const& entry : entries)
         if (entry.variant == variant) return &entry;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int longest = 30, in_a_row = 3, ample = 24, looks = 200;
 
-/// The largest eigenvalue of a symmetric A >= 0 by the power method. Where 60 steps have not told it from the next, the two differ by a few
-/// per cent, and the answer lies between them.
+/// The largest eigenvalue of a symmetric A >= 0 by the power method. Where 60 steps have not told it from the next, the
+/// two differ by a few per cent, and the answer lies between them.
 double largest_eigenvalue(Matrix<double> const& A) {
     Index const d = A.rows();
     std::vector<double> x(size_t(d), 1.0), y(x);
@@ -51,7 +51,8 @@ bool has_zero_pivot(AnyFilter const& filter) {
     Stored<double> const stored = filter.stored_in_double();
     bool zero = false;
     if (stored.form == Stored<double>::Form::factor)
-        for (Index i = 0; i < stored.F.rows(); ++i) zero = zero || stored.F(i, i) == 0 || (stored.D.size() > 0 && stored.D[i] == 0);
+        for (Index i = 0; i < stored.F.rows(); ++i)
+            zero = zero || stored.F(i, i) == 0 || (stored.D.size() > 0 && stored.D[i] == 0);
     return zero;
 }
 
@@ -59,8 +60,8 @@ bool has_zero_pivot(AnyFilter const& filter) {
 
 InDouble::InDouble(Problem<double> const& problem)
     : lambda(problem.forgetting), P(problem.prior->variance * Matrix<double>::Identity(problem.size, problem.size)),
-      M(Matrix<double>::Identity(problem.size, problem.size) / problem.prior->variance), theta(Vector<double>::Zero(problem.size)),
-      f(theta) {}
+      M(Matrix<double>::Identity(problem.size, problem.size) / problem.prior->variance),
+      theta(Vector<double>::Zero(problem.size)), f(theta) {}
 void InDouble::take(Records const& records, Index k) {
     Index const d = theta.size();
     double s = lambda, e = records.y[k];
@@ -107,8 +108,8 @@ double sufficient_bits(Extremes const& x, double lambda) {
     double const phi2 = x.psi * x.psi, A1 = phi2 * (x.condition + x.P * phi2) * (x.condition + x.P * phi2),
                  A2 = lambda * (1 - lambda) * phi2;
     double const p1 = lambda / phi2 * A2 / (A1 + A2 + std::sqrt(A1 * (A1 + A2)));
-    double const eps =
-        (1 - lambda) / (x.condition * x.condition * x.P) * (p1 - A1 * p1 * p1 / (lambda * (1 - lambda) * (lambda - phi2 * p1)));
+    double const eps = (1 - lambda) / (x.condition * x.condition * x.P) *
+                       (p1 - A1 * p1 * p1 / (lambda * (1 - lambda) * (lambda - phi2 * p1)));
     return -correctly::log2(eps);
 }
 

@@ -8,8 +8,8 @@
 
 namespace rlslab::studies {
 
-/// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is measured
-/// against the certified solution in every trial.
+/// The same problem in binary64, by the textbook recursion in order: what the words are compared with. Its own error is
+/// measured against the certified solution in every trial.
 struct InDouble {
     double lambda;
     Matrix<double> P, M;  ///< M = P^-1
@@ -19,7 +19,8 @@ struct InDouble {
     void take(Records const& records, Index k);
 };
 
-/// Extremes over a run, after every row: the eigenvalues of P; in 1-norms |P|, |P| |P^-1| and |psi|; the largest |psi_i|.
+/// Extremes over a run, after every row: the eigenvalues of P; in 1-norms |P|, |P| |P^-1| and |psi|; the largest
+/// |psi_i|.
 struct Extremes {
     double least = 0, greatest = 0, P = 0, condition = 0, psi = 0, largest = 0;
 };
@@ -47,8 +48,8 @@ public:
     Problem<double> const& problem() const { return problem_; }
     Records const& records() const { return records_; }
     double largest() const { return largest_; }  ///< of all |psi_i| and |y|
-    /// As words with so many bits behind the point hold them, with the exact P at the end: bits before the point change nothing while
-    /// they suffice.
+    /// As words with so many bits behind the point hold them, with the exact P at the end: bits before the point change
+    /// nothing while they suffice.
     AsStored const& stored(int fraction, Arithmetic const& arithmetic) {
         if (auto const found = by_fraction_.find(fraction); found != by_fraction_.end()) return found->second;
         AsStored out{as_stored(problem_, arithmetic), as_stored(records_, arithmetic), {}};
@@ -60,7 +61,8 @@ public:
 };
 
 /// How a run ended, in a word:
-///   survives        sound and 0 < gamma <= 1 at every step, P definite at 200 looks, and at the end within half of the exact P
+///   survives        sound and 0 < gamma <= 1 at every step, P definite at 200 looks, and at the end within half of the
+///                   exact P
 ///   no_forgetting   lambda < 1 is the word 1       no_prior   the word for P0 is 0, or P0 does not fit
 ///   overflow        reported by the step (nonfinite), or seen in what is stored
 ///   indefinite, zero_pivot (a zero in D or on the diagonal of a triangle), gamma, undetermined, inaccurate
@@ -70,17 +72,19 @@ struct Run {
 };
 Run run_in(CatalogueEntry const& entry, Setting& setting, FixedFormat format);
 
-/// The least bits behind the point from which on three lengths in a row survive, 48 bits in all: single ones survive by luck. And the
-/// least before it, with 24 behind it and room for P0 and the data. Infinity: none up to 30, to 23.
+/// The least bits behind the point from which on three lengths in a row survive, 48 bits in all: single ones survive by
+/// luck. And the least before it, with 24 behind it and room for P0 and the data. Infinity: none up to 30, to 23.
 struct Need {
     double fraction = INFINITY, integer = INFINITY;
     std::string below = "none";  ///< how the run with a bit less behind the point ended
 };
 Need need_of(CatalogueEntry const& entry, Setting& setting, FixedRounding rounding);
 
-/// The rms error of theta from rounding alone over the law's (docs/theory.md 66), in words with 28 bits behind the point.
+/// The rms error of theta from rounding alone over the law's (docs/theory.md 66), in words with 28 bits behind the
+/// point.
 double theta_noise(CatalogueEntry const& entry, Setting& setting, double lambda);
-/// The shortest significand of floating point with which the symmetric form survives, by the same criterion; infinity: none up to 30.
+/// The shortest significand of floating point with which the symmetric form survives, by the same criterion; infinity:
+/// none up to 30.
 double floating_bits(Setting const& setting);
 
 }  // namespace rlslab::studies

@@ -10,7 +10,8 @@
 namespace rlslab::studies {
 namespace {
 
-/// Hilbert's matrix of 2n x n, entries rounded once, or Läuchli's of (1, 1, 1) and delta I; theta = (1, ..., 1) but for y's rounding.
+/// Hilbert's matrix of 2n x n, entries rounded once, or Läuchli's of (1, 1, 1) and delta I; theta = (1, ..., 1) but for
+/// y's rounding.
 Records rows_of(std::string const& matrix, double parameter) {
     bool const hilbert = matrix == "hilbert";
     Index const size = hilbert ? Index(parameter) : 3, rows = hilbert ? 2 * size : 4;
@@ -48,24 +49,31 @@ Study const hilbert{
     .name = "hilbert",
     .question = "What do the two classical ill-conditioned matrices leave of theta?",
     .source =
-        "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an earlier "
+        "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an "
+        "earlier "
         "experiment (docs/literature.md 3.6)",
     .formula =
         R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad
               A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
     .interpretation =
-        "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within 3 kappa u; "
-        "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a prior of 1e20 "
-        "u is as large as all they know (study large_prior). The normal equations lose theta where kappa^2 u > 1. Läuchli's rows "
-        "are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with delta^2 < u. The 5.1 "
-        "digits at n = 10 in docs/literature.md 3.6, the same for four variants, are the rounding of y (kappa u = 3e-5), which a "
+        "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within "
+        "3 kappa u; "
+        "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a "
+        "prior of 1e20 "
+        "u is as large as all they know (study large_prior). The normal equations lose theta where kappa^2 u > 1. "
+        "Läuchli's rows "
+        "are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with delta^2 < "
+        "u. The 5.1 "
+        "digits at n = 10 in docs/literature.md 3.6, the same for four variants, are the rounding of y (kappa u = "
+        "3e-5), which a "
         "reference for the stored data does not charge to them: here they keep 6.5 and more.",
     .data = "Hilbert's and Läuchli's matrices",
     .factors =
         [](Budget) {
-            return std::vector<Factor>{{"matrix", {"hilbert", "laeuchli"}},
-                                       {"variant", row_forms()},
-                                       {"parameter", joined({2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}, powers(10, -1, -12))}};
+            return std::vector<Factor>{
+                {"matrix", {"hilbert", "laeuchli"}},
+                {"variant", row_forms()},
+                {"parameter", joined({2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}, powers(10, -1, -12))}};
         },
     .admits = [](Trial const& trial) { return (trial.text("matrix") == "hilbert") == (trial.number("parameter") > 1); },
     .measures = {"kappa", "theta_error", "per_kappa_u", "covariance_error", "outcome"},
@@ -87,29 +95,38 @@ Study const hilbert{
     .claims =
         {
             {"Hilbert, n = 2 ... 10, factor forms: theta to 3 kappa u",
-             [](Table const& t) { return within(of(t, "hilbert").where("variant", factors), {"variant"}, greatest("per_kappa_u"), 0, 3); },
+             [](Table const& t) {
+                 return within(of(t, "hilbert").where("variant", factors), {"variant"}, greatest("per_kappa_u"), 0, 3);
+             },
              own_result("first edition, set after its run")},
-            {"Hilbert, n >= 3, a prior of 1e20: no digit of P is right in a form that stores it, 6.5 and more in every factor form",
+            {"Hilbert, n >= 3, a prior of 1e20: no digit of P is right in a form that stores it, 6.5 and more in every "
+             "factor form",
              [](Table const& t) {
                  Table const at = of(t, "hilbert").where("parameter", [](double n) { return n >= 3; });
-                 Judgement const a = within(at.where("variant", covariances), {"variant"}, least("covariance_error"), 0.1, 1e99);
-                 Judgement const b = within(at.where("variant", factors), {"variant"}, greatest("covariance_error"), 0, 3.2e-7);
+                 Judgement const a =
+                     within(at.where("variant", covariances), {"variant"}, least("covariance_error"), 0.1, 1e99);
+                 Judgement const b =
+                     within(at.where("variant", factors), {"variant"}, greatest("covariance_error"), 0, 3.2e-7);
                  return a && b;
              },
              own_result("first edition, set after its run")},
             {"Hilbert, information: theta is found to n = 7 and lost from n = 8, kappa^2 u = 47, on",
              [](Table const& t) {
                  Table const at = of(t, "hilbert").where("variant", "information");
-                 Judgement const a = everywhere(at.where("parameter", [](double n) { return n < 8; }), "outcome", "solved");
-                 Judgement const b = everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
+                 Judgement const a =
+                     everywhere(at.where("parameter", [](double n) { return n < 8; }), "outcome", "solved");
+                 Judgement const b =
+                     everywhere(at.where("parameter", [](double n) { return n >= 8; }), "outcome", "lost");
                  return a && b;
              },
              reproduction("earlier experiment, docs/literature.md 3.6")},
             {"Läuchli, information: lost exactly from delta = 1e-8 on, the first decade with delta^2 < 2^-53",
              [](Table const& t) {
                  Table const at = of(t, "laeuchli").where("variant", "information");
-                 Judgement const a = everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
-                 Judgement const b = everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
+                 Judgement const a =
+                     everywhere(at.where("parameter", [](double d) { return d * d >= 0x1p-53; }), "outcome", "solved");
+                 Judgement const b =
+                     everywhere(at.where("parameter", [](double d) { return d * d < 0x1p-53; }), "outcome", "lost");
                  return a && b;
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.6")},

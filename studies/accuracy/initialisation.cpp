@@ -13,7 +13,8 @@ namespace {
 constexpr Index size = 5, rows = 300;
 constexpr double kappa = 1000, noise = 1e-4;
 
-/// theta and P after the first `first` rows, exact, rounded once to double: the prior that a batch program would hand over.
+/// theta and P after the first `first` rows, exact, rounded once to double: the prior that a batch program would hand
+/// over.
 Prior<double> from_batch(Problem<double> const& problem, Records const& records, Index first) {
     CertifiedSolution const exact = certified(problem, records, {first}, 40).front();
     Matrix<double> P(size, size);
@@ -44,14 +45,16 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table from_prior(Table const& t, double from = 1, double to = 1e40) {  // powers are computed, so the bounds are a little wider
+Table from_prior(Table const& t, double from = 1,
+                 double to = 1e40) {  // powers are computed, so the bounds are a little wider
     return t.where("start", "prior").where("amount", [=](double c2) { return from / 1.01 < c2 && c2 < to * 1.01; });
 }
 /// The least median error from any c^2 I, over the median error from the batch of 2 d rows: what the batch start gains.
 Statistic gain(std::string const& column) {
     auto const gained = [column](Table const& t) {
         double least = INFINITY;
-        for (auto const& [name, at] : from_prior(t).groups({"amount"})) least = std::min(least, median(at.numbers(column)));
+        for (auto const& [name, at] : from_prior(t).groups({"amount"}))
+            least = std::min(least, median(at.numbers(column)));
         return least / median(t.where("start", "batch").where("amount", 2.0 * size).numbers(column));
     };
     return {gained, Estimate::geometric};
@@ -89,10 +92,14 @@ Study const initialisation{
 &\text{batch of } m \text{ rows: } P_m = \Big(\sum_{k\le m}\lambda^{m-k}\psi_k\psi_k^\top\Big)^{-1},\quad
         \theta_m = P_m \sum_{k\le m}\lambda^{m-k}\psi_k y_k\end{aligned})tex",
     .interpretation =
-        "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start from c^2 "
-        "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the batch "
-        "estimate of the first rows, rounded once to double, pays neither: it gives the covariance forms four to six decades "
-        "that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 or more they are as good, and a "
+        "All starts see the same 300 rows of condition 1000, and the target is least squares without a prior. A start "
+        "from c^2 "
+        "I pays the bias for small c^2 and, in the forms that propagate P, rounding for large c^2. A start from the "
+        "batch "
+        "estimate of the first rows, rounded once to double, pays neither: it gives the covariance forms four to six "
+        "decades "
+        "that no c^2 gives them. Triangular, UD and QR forms need no batch: with c^2 = 1e20 or more they are as good, "
+        "and a "
         "little better, for no rounded P is handed over. A longer batch helps the covariance forms a little more.",
     .data = "graded rows of condition 1000, d = 5",
     .factors =
@@ -103,7 +110,8 @@ Study const initialisation{
                 {"amount", joined({1.0 * size, 2.0 * size, 4.0 * size, 10.0 * size, 20.0 * size}, powers(10, 4, 30))},
                 {"replicate", counted(budget == Budget::full ? 80 : 15)}};
         },
-    .admits = [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },  // rows, or c^2
+    .admits =
+        [](Trial const& t) { return (t.text("start") == "batch") == (t.number("amount") < 1000); },  // rows, or c^2
     .measures = {"variant", "outcome", "theta", "covariance"},
     .measure = measure,
     .plots = {{.title = "Start from c² I: error of theta after 300 rows",
@@ -132,14 +140,18 @@ Study const initialisation{
             {"and so in Potter's form", [](Table const& t) { return gains(t, {"potter"}, 10, INFINITY); },
              own_result("set before the run: a digit")},
             {"triangular, UD and QR forms gain nothing: c^2 = 1e20 has between 1/4 and 4 of the batch start's error",
-             [](Table const& t) { return as_good(t, rooted); }, own_result("set before the run: as of the information form")},
+             [](Table const& t) { return as_good(t, rooted); },
+             own_result("set before the run: as of the information form")},
             {"nor does the information form, whose u kappa^2 is that of its solve: between 1/4 and 4",
-             [](Table const& t) { return as_good(t, {"information"}); }, own_result("first edition, set after its run")},
+             [](Table const& t) { return as_good(t, {"information"}); },
+             own_result("first edition, set after its run")},
             {"after a batch start every variant ends positive definite in most runs, whatever the length of the batch",
              [](Table const& t) { return everywhere(t.where("start", "batch"), "outcome", "sound"); },
              own_result("first edition, set after its run")},
             {"from c^2 = 1e20 I the conventional form ends indefinite, in most runs",
-             [](Table const& t) { return everywhere(from_prior(t, 1e20, 1e20).where("variant", "conventional"), "outcome", "indefinite"); },
+             [](Table const& t) {
+                 return everywhere(from_prior(t, 1e20, 1e20).where("variant", "conventional"), "outcome", "indefinite");
+             },
              own_result("first edition, set after its run")},
         },
 };

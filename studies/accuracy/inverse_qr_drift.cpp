@@ -17,8 +17,10 @@ constexpr double variance = 128;
 std::vector<std::string> const steps_of_array{"array", "givens", "norms", "rotations", "sweep", "complement"};
 
 /// The array form of inverse_qr in float at lambda = 1, where one step may be done in double.
-///   array        b_j^2 = 1 + a_1^2 + ... + a_j^2 in one running sum, c_j = b_{j-1} / b_j, s_j = a_j / b_j and the sweep, all in float
-///   givens       the same, but b_j^2 = b_{j-1}^2 + a_j^2 from the rounded b_{j-1}, as one rotation after another has it
+///   array        b_j^2 = 1 + a_1^2 + ... + a_j^2 in one running sum, c_j = b_{j-1} / b_j, s_j = a_j / b_j and the
+///                sweep, all in float
+///   givens       the same, but b_j^2 = b_{j-1}^2 + a_j^2 from the rounded b_{j-1}, as one rotation after another has
+///                it
 ///   norms        b_j in double, rounded once
 ///   rotations    b_j, c_j and s_j in double, c_j and s_j rounded once
 ///   sweep        c_j and s_j in float as they come, the sweep in double, S rounded once
@@ -103,18 +105,25 @@ Study const inverse_qr_drift{
     .name = "inverse_qr_drift",
     .question = "Which step of the inverse QR array makes its P drift in float when nothing is forgotten?",
     .source =
-        "the drift: an earlier experiment (docs/literature.md 3.8; docs/literature.md 5, question 5); its cause is derived "
+        "the drift: an earlier experiment (docs/literature.md 3.8; docs/literature.md 5, question 5); its cause is "
+        "derived "
         "(docs/theory.md 45) and measured here, and was not found in any published text",
     .formula = R"tex(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
 \Rightarrow \qquad E\,\delta b_j = -\tfrac{u}{2}, \quad c_1 = \frac{1}{b_1} \text{ too large by } \tfrac{u}{2}, \quad
     \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})tex",
     .interpretation =
-        "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little (x^2/8), so "
-        "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some 10^3 rows on. "
-        "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error of P grows by "
-        "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it is u/2 per "
-        "row: the 0.5 u of the earlier experiment (docs/literature.md 3.8), whose program did that. The sweep in double changes "
-        "nothing; 1 - c_j computed as a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same sets in where "
+        "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little "
+        "(x^2/8), so "
+        "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some "
+        "10^3 rows on. "
+        "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error "
+        "of P grows by "
+        "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it "
+        "is u/2 per "
+        "row: the 0.5 u of the earlier experiment (docs/literature.md 3.8), whose program did that. The sweep in "
+        "double changes "
+        "nothing; 1 - c_j computed as a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same "
+        "sets in where "
         "a^2 falls below 3e-8, first for few rows: study accuracy_steps sees it grow as N^1.5 from 10^5 rows on.",
     .data = "white rows, d = 4",
     .factors =
@@ -143,44 +152,57 @@ Study const inverse_qr_drift{
                .guides = {{"N/4", [](double n) { return n / 4; }}, {"N/2", [](double n) { return n / 2; }}}}},
     .claims =
         {
-            {"inverse_qr drifts linearly: 0.20 ... 0.30 u per row from 16384 rows on, u / (2 sqrt(4)) = 0.25 u by the formula",
-             [](Table const& t) { return within(late(t).where("form", "inverse_qr"), {"rows"}, median("per_row"), 0.20, 0.30); },
+            {"inverse_qr drifts linearly: 0.20 ... 0.30 u per row from 16384 rows on, u / (2 sqrt(4)) = 0.25 u by the "
+             "formula",
+             [](Table const& t) {
+                 return within(late(t).where("form", "inverse_qr"), {"rows"}, median("per_row"), 0.20, 0.30);
+             },
              own_result("docs/theory.md 45")},
             {"P_11 alone is too large by 0.5 u per row: 0.38 ... 0.55 at 32768 rows",
              [](Table const& t) {
                  Table const at = t.where("form", "inverse_qr").where("rows", 32768.0);
-                 Statistic const drift([](Table const& rows) { return median("first")(rows) / 32768; }, Estimate::middle);
+                 Statistic const drift([](Table const& rows) { return median("first")(rows) / 32768; },
+                                       Estimate::middle);
                  return within(at, {}, drift, 0.38, 0.55);
              },
              own_result("docs/theory.md 45")},
-            {"one rotation after another, every quotient biased: 0.38 ... 0.60 u per row from 32768 rows on, on its way to 0.5",
+            {"one rotation after another, every quotient biased: 0.38 ... 0.60 u per row from 32768 rows on, on its "
+             "way to 0.5",
              [](Table const& t) {
                  Table const rows = t.where("form", "givens").where("rows", [](double n) { return n > 32000; });
                  return within(rows, {"rows"}, median("per_row"), 0.38, 0.60);
              },
              own_result("docs/theory.md 45")},
             {"it is not the sweep: in double it leaves 0.20 ... 0.30 u per row",
-             [](Table const& t) { return within(late(t).where("form", "sweep"), {"rows"}, median("per_row"), 0.20, 0.30); },
+             [](Table const& t) {
+                 return within(late(t).where("form", "sweep"), {"rows"}, median("per_row"), 0.20, 0.30);
+             },
              own_result("docs/theory.md 45")},
-            {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, with the quotients in "
+            {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, "
+             "with the quotients in "
              "double too at most 0.03",
              [](Table const& t) {
-                 Table const at =
-                     t.where("rows", [](double n) { return n > 16000 && n < 33000; });  // further on P loses rows in every form
+                 Table const at = t.where(
+                     "rows", [](double n) { return n > 16000 && n < 33000; });  // further on P loses rows in every form
                  Judgement const norms = within(at.where("form", "norms"), {"rows"}, median("per_row"), 0, 0.08);
-                 Judgement const rotations = within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
+                 Judgement const rotations =
+                     within(at.where("form", "rotations"), {"rows"}, median("per_row"), 0, 0.03);
                  return norms && rotations;
              },
              own_result("first edition, set after its run")},
-            {"1 - c_j = a_j^2 / (b_j (b_j + b_{j-1})) removes it, all in float: at most 0.015 u per row at 16384 and 32768 rows",
+            {"1 - c_j = a_j^2 / (b_j (b_j + b_{j-1})) removes it, all in float: at most 0.015 u per row at 16384 and "
+             "32768 rows",
              [](Table const& t) {
-                 Table const at = t.where("form", "complement").where("rows", [](double n) { return n > 16000 && n < 33000; });
+                 Table const at =
+                     t.where("form", "complement").where("rows", [](double n) { return n > 16000 && n < 33000; });
                  return within(at, {"rows"}, median("per_row"), 0, 0.015);
              },
              own_result("first edition, set after its run")},
             {"symmetric and potter have no such drift: at most 0.015 u per row at 16384 and 32768 rows",
              [](Table const& t) {
-                 Table const at = t.where("form", {"symmetric", "potter"}).where("rows", [](double n) { return n > 16000 && n < 33000; });
+                 Table const at = t.where("form", {"symmetric", "potter"}).where("rows", [](double n) {
+                     return n > 16000 && n < 33000;
+                 });
                  return within(at, {"form", "rows"}, median("per_row"), 0, 0.015);
              },
              own_result("first edition, set after its run")},

@@ -42,12 +42,13 @@ Stored<Reference> joseph_with(InDouble step, Problem<double> const& problem, Rec
         if (step == InDouble::A) A = A.unaryExpr(in_double).eval();
         Matrix<Quad> AP = step == InDouble::first_product ? multiplied_in_double(A, P) : Matrix<Quad>(A.lazyProduct(P));
         if (step == InDouble::AP) AP = AP.unaryExpr(in_double).eval();
-        Matrix<Quad> const APA =
-            step == InDouble::second_product ? multiplied_in_double(AP, A.transpose()) : Matrix<Quad>(AP.lazyProduct(A.transpose()));
+        Matrix<Quad> const APA = step == InDouble::second_product ? multiplied_in_double(AP, A.transpose())
+                                                                  : Matrix<Quad>(AP.lazyProduct(A.transpose()));
         Matrix<Quad> const sum = APA + K.lazyProduct(K.transpose());
         P = sum.unaryExpr(in_double);
     }
-    return {Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P.unaryExpr([](Quad const& x) { return widen(x); })};
+    return {Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain,
+            P.unaryExpr([](Quad const& x) { return widen(x); })};
 }
 
 double length(Vector<Reference> const& x) {
@@ -96,7 +97,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     CertifiedSolution const exact = certified(problem, records, {rows}, 60).front();
     Amplification const bound = amplification(trial.entry("symmetric", "reference"), problem, records);
     auto const row = [&](std::string const& form, Stored<Reference> const& stored) {
-        out({form, correctly::pow(10, -exact.covariance_digits(stored)), bound.norm, bound.local, bound.products, bound.plain});
+        out({form, correctly::pow(10, -exact.covariance_digits(stored)), bound.norm, bound.local, bound.products,
+             bound.plain});
     };
     for (std::string const form : {"joseph", "joseph_rank_two", "symmetric", "conventional_two_sided"}) {
         auto const filter = trial.entry(form).make(problem, Seed{1});
@@ -131,22 +133,32 @@ Study const joseph_condition{
     .name = "joseph_condition",
     .question = "Which rounding costs Joseph's products one more power of the condition number?",
     .source =
-        "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the explanation is "
+        "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the "
+        "explanation is "
         "derived (docs/theory.md 43) and measured here, and was not found in any published text",
     .formula =
         R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad
               |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
 \|A\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-\|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1} \end{aligned})tex",
+\|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1}
+\end{aligned})tex",
     .interpretation =
-        "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the same: the "
-        "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The experiment does "
-        "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, rounding A P "
-        "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in double brings "
-        "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local guide u |A|^2 "
-        "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end of the run "
-        "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of the "
-        "2.8 to 3.5 of docs/literature.md 3.6. P0 is kappa^2 here: crossed with kappa (study backward_error), the slope 2 is that of P0 "
+        "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the "
+        "same: the "
+        "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The "
+        "experiment does "
+        "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, "
+        "rounding A P "
+        "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in "
+        "double brings "
+        "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local "
+        "guide u |A|^2 "
+        "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end "
+        "of the run "
+        "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the "
+        "lower end of the "
+        "2.8 to 3.5 of docs/literature.md 3.6. P0 is kappa^2 here: crossed with kappa (study backward_error), the "
+        "slope 2 is that of P0 "
         "alone, and what Joseph's products add is a slope of 0.6 to 0.9 in kappa.",
     .data = "graded rows (geometric singular values), d = 6, P0 = kappa^2",
     .factors =
@@ -169,7 +181,8 @@ Study const joseph_condition{
                .series = "form",
                .x_label = "condition number of the regressors",
                .y_label = "relative error of P",
-               .where = {{"form", {"joseph", "P_stored", "A_rounded", "AP_rounded", "first_product", "second_product"}}}},
+               .where = {{"form",
+                          {"joseph", "P_stored", "A_rounded", "AP_rounded", "first_product", "second_product"}}}},
               {.title = "The greatest |I - K psi'| of the run",
                .x = "kappa",
                .y = "norm",
@@ -181,23 +194,26 @@ Study const joseph_condition{
     .claims =
         {
             {"joseph: slope 2.7 ... 3.1 over 1e3 <= kappa <= 1e6",
-             [](Table const& t) { return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "error"), 2.7, 3.1); },
+             [](Table const& t) {
+                 return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "error"), 2.7, 3.1);
+             },
              reproduction("set with the earlier experiment, docs/literature.md 3.6")},
             {"symmetric, conventional_two_sided, joseph_rank_two: slope 2 +- 0.2 over the same range",
              [](Table const& t) {
-                 return within(in_range(t).where("form", {"symmetric", "conventional_two_sided", "joseph_rank_two"}), {"form"},
-                               slope("kappa", "error"), 1.8, 2.2);
+                 return within(in_range(t).where("form", {"symmetric", "conventional_two_sided", "joseph_rank_two"}),
+                               {"form"}, slope("kappa", "error"), 1.8, 2.2);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.6")},
             {"in quad on a stored P, A or A P rounded as a whole: slope 2 +- 0.2 all the same",
              [](Table const& t) {
-                 return within(in_range(t).where("form", {"P_stored", "A_rounded", "AP_rounded"}), {"form"}, slope("kappa", "error"), 1.8,
-                               2.2);
+                 return within(in_range(t).where("form", {"P_stored", "A_rounded", "AP_rounded"}), {"form"},
+                               slope("kappa", "error"), 1.8, 2.2);
              },
              own_result("as that of the variants, docs/literature.md 3.6")},
             {"either product added up in double: slope 2.7 ... 3.1, with nothing else of Joseph's form in double",
              [](Table const& t) {
-                 return within(in_range(t).where("form", {"first_product", "second_product"}), {"form"}, slope("kappa", "error"), 2.7, 3.1);
+                 return within(in_range(t).where("form", {"first_product", "second_product"}), {"form"},
+                               slope("kappa", "error"), 2.7, 3.1);
              },
              own_result("as that of the variants, docs/literature.md 3.6")},
             {"max |I - K psi'|_2 grows like kappa: slope 1 +- 0.1 over 1e2 <= kappa <= 1e7",
@@ -206,7 +222,8 @@ Study const joseph_condition{
                  return within(rows, {}, slope("kappa", "norm"), 0.9, 1.1);
              },
              own_result("docs/theory.md 24, 27")},
-            {"the transported guide: slope 2.6 ... 3.1, and joseph's median error is 1/300 ... 1/3 of it at every kappa of the range",
+            {"the transported guide: slope 2.6 ... 3.1, and joseph's median error is 1/300 ... 1/3 of it at every "
+             "kappa of the range",
              [](Table const& t) {
                  Table const rows = in_range(t).where("form", "joseph");
                  Judgement const a = within(rows, {}, slope("kappa", "products"), 2.6, 3.1),
@@ -215,11 +232,14 @@ Study const joseph_condition{
              },
              own_result("first edition, set after its run")},
             {"the local guide u |A|^2 |P| has slope 2.0 +- 0.1",
-             [](Table const& t) { return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "local"), 1.9, 2.1); },
+             [](Table const& t) {
+                 return within(in_range(t).where("form", "joseph"), {}, slope("kappa", "local"), 1.9, 2.1);
+             },
              own_result("docs/theory.md 43, in place of a band set after its run")},
             {"and is too small: at kappa = 1e6 joseph's median error is 100 times as large and more",
              [](Table const& t) {
-                 Table const rows = in_range(t).where("form", "joseph").where("kappa", [](double kappa) { return kappa > 9e5; });
+                 Table const rows =
+                     in_range(t).where("form", "joseph").where("kappa", [](double kappa) { return kappa > 9e5; });
                  return within(rows, {}, share_of("local"), 100, 1e5);
              },
              own_result("first edition, set after its run")},

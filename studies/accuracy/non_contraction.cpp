@@ -13,8 +13,8 @@
 namespace rlslab::studies {
 namespace {
 
-/// |A|_2 by its definition, with nothing of the formula to be tested: A'A's largest eigenvalue, by squaring until d^(1/2^i) is 1
-/// in 257 bits.
+/// |A|_2 by its definition, with nothing of the formula to be tested: A'A's largest eigenvalue, by squaring until
+/// d^(1/2^i) is 1 in 257 bits.
 Reference norm_of(Matrix<Reference> const& A) {
     Matrix<Reference> B = A.transpose().lazyProduct(A);
     Reference log_norm = 0, share = 0.5;
@@ -57,7 +57,8 @@ std::pair<Matrix<Rational>, Vector<Rational>> data_of(Trial const& trial) {
 void measure(Trial const& trial, TrialOutput& out) {
     auto const [P, psi] = data_of(trial);
     Index const d = psi.size();
-    Symmetric<Rational> filter(Problem<Rational>{.size = d, .forgetting = 1, .prior = Prior<Rational>{.variance = 1, .covariance = P}});
+    Symmetric<Rational> filter(
+        Problem<Rational>{.size = d, .forgetting = 1, .prior = Prior<Rational>{.variance = 1, .covariance = P}});
     Rational const gamma = filter.update(psi, Rational(0)).gamma;
     Vector<Rational> const K = filter.gain();
     Matrix<Rational> A(d, d);
@@ -66,14 +67,16 @@ void measure(Trial const& trial, TrialOutput& out) {
         for (Index i = 0; i < d; ++i) A(i, j) = Rational(i == j ? 1 : 0) - K[i] * psi[j];
         KK += K[j] * K[j], pp += psi[j] * psi[j], Kp += K[j] * psi[j];
     }
-    // P_k = A P. With delta = P x then V = x'P x before and x'P_k x after the step: it shrinks for no x orthogonal to P psi and
-    // grows for none.
+    // P_k = A P. With delta = P x then V = x'P x before and x'P_k x after the step: it shrinks for no x orthogonal to P
+    // psi and grows for none.
     bool const contracts = A.lazyProduct(P).eval() == filter.covariance();
-    Reference const tau = sqrt(Reference(Rational(KK * pp))), formula = (tau + sqrt(tau * tau + 4 * Reference(gamma))) / 2;
+    Reference const tau = sqrt(Reference(Rational(KK * pp))),
+                    formula = (tau + sqrt(tau * tau + 4 * Reference(gamma))) / 2;
     Reference const norm = norm_of(A.unaryExpr([](Rational const& x) { return Reference(x); }).cast<Reference>());
     Reference const deviation = abs(formula / norm - 1);
-    out({static_cast<double>(norm), static_cast<double>(formula), static_cast<double>(deviation), static_cast<double>(gamma),
-         contracts ? "exact" : "broken", KK * pp == Kp * Kp ? "eigenvector" : "none"});  // K parallel to psi
+    out({static_cast<double>(norm), static_cast<double>(formula), static_cast<double>(deviation),
+         static_cast<double>(gamma), contracts ? "exact" : "broken",
+         KK * pp == Kp * Kp ? "eigenvector" : "none"});  // K parallel to psi
 }
 
 }  // namespace
@@ -83,20 +86,25 @@ Study const non_contraction{
     .name = "non_contraction",
     .question = "Can one exact step enlarge an error of theta when nothing is forgotten?",
     .source =
-        "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not contractive, against "
+        "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not "
+        "contractive, against "
         "Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived (docs/theory.md 24, 25; "
         "docs/literature.md 3.8)",
     .formula =
-        R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
+        R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau =
+              \|K\|\|\psi\| \\
 P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
         I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
     .interpretation =
-        "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, 100, "
+        "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, "
+        "100, "
         "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
-        "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, "
+        "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, "
+        "exactly, "
         "so that V = delta'P^-1 delta does not grow. "
-        "The condition number of P is then the most a whole run can enlarge an error by, its square root to be precise: "
+        "The condition number of P is then the most a whole run can enlarge an error by, its square root to be "
+        "precise: "
         "there is no exponential growth (study accuracy_steps).",
     .data = "random integers, d = 2 to 5; diag(1, a^2)",
     .factors =
@@ -107,7 +115,8 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
     .admits =
         [](Trial const& trial) {
             double const a = trial.number("a");
-            return trial.text("data") == "random" || a == 2 || a == 5 || a == 10 || a == 20 || a == 50 || a == 100 || a == 1000;
+            return trial.text("data") == "random" || a == 2 || a == 5 || a == 10 || a == 20 || a == 50 || a == 100 ||
+                   a == 1000;
         },
     .measures = {"norm", "formula", "deviation", "gamma", "identity", "psi"},
     .measure = measure,
@@ -135,8 +144,10 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
              },
              verification("docs/theory.md 24")},
             {"the formula is the norm to 1e-13 (to 1e-70 in 257 bits) in every case",
-             [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); }, verification("docs/theory.md 24")},
-            {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is 1",
+             [](Table const& t) { return within(t, {"data"}, greatest("deviation"), 0, 1e-70); },
+             verification("docs/theory.md 24")},
+            {"the norm exceeds 1 in every case but those, by chance, in which psi is an eigenvector of P: there it is "
+             "1",
              [](Table const& t) {
                  Statistic const over_one = [](Table const& rows) { return least("norm")(rows) - 1; };
                  std::vector<double> const chance = t.where("psi", "eigenvector").numbers("norm");
@@ -147,7 +158,8 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
              verification("docs/theory.md 24")},
             {"and still V = delta'P^-1 delta never grows: (I - K psi')P = P_k exactly, 0 < gamma < 1",
              [](Table const& t) {
-                 Judgement const a = everywhere(t, "identity", "exact"), b = within(t, {"data"}, greatest("gamma"), 0, 1);
+                 Judgement const a = everywhere(t, "identity", "exact"),
+                                 b = within(t, {"data"}, greatest("gamma"), 0, 1);
                  return a && labelled("gamma at most", b);
              },
              verification("docs/theory.md 25")},

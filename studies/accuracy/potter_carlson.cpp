@@ -31,7 +31,8 @@ Records line(bool norris, Seed seed) {
     return out;
 }
 
-/// |det P_1 / exact - 1|, det P_1 = c^4 lambda / (lambda + c^2 psi'psi): it shows the least variance, for P's trace is sure.
+/// |det P_1 / exact - 1|, det P_1 = c^4 lambda / (lambda + c^2 psi'psi): it shows the least variance, for P's trace is
+/// sure.
 double determinant_error(Stored<Reference> const& stored, Reference const& exact) {
     Matrix<Reference> const& F = stored.F;
     Reference det = F(0, 0) * F(1, 1) - F(0, 1) * F(1, 0);
@@ -53,7 +54,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         process_rows(*filter, records, 1, rows);
         double const predicted = static_cast<double>(0x1p-53 * sqrt(Reference(c2) * (1 + x * x)));
         Errors const error = errors(*filter, exact);
-        out({variant, exact.theta_digits_worst(filter->theta()), error.theta, error.covariance, first, first / predicted});
+        out({variant, exact.theta_digits_worst(filter->theta()), error.theta, error.covariance, first,
+             first / predicted});
     }
 }
 
@@ -73,22 +75,31 @@ Study const potter_carlson{
     .question = "Are Potter's full and Carlson's triangular square root equally accurate?",
     .source =
         "docs/literature.md 5, question 8 (Norris, c^2 = 1e20: Potter 4.3 digits, Carlson 13.8: an earlier experiment, "
-        "docs/literature.md 3.5); the explanation is derived (docs/theory.md 44) and measured here; Norris: NIST StRD (data read)",
-    .formula = R"tex(\begin{aligned}&\text{Potter: } S_1 = c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad
+        "docs/literature.md 3.5); the explanation is derived (docs/theory.md 44) and measured here; Norris: NIST StRD "
+        "(data read)",
+    .formula =
+        R"tex(\begin{aligned}&\text{Potter: } S_1 = c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad
     S_1^\top\psi \text{ is of order } 1,\text{ with an error } u\,c\,\|\psi\|\\
-&\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad \det P_1 = \prod_j S_{jj}^2 \text{ to a few } u\end{aligned})tex",
+&\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad \det P_1 = \prod_j S_{jj}^2 \text{ to a few }
+u\end{aligned})tex",
     .interpretation =
-        "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form makes the "
-        "small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| remains in the "
-        "root, here seen in det P after one row and then in theta to the end. Carlson's form multiplies the diagonal by square "
-        "roots of ratios and so keeps the small variance in a column of its own, to a few u whatever c; UD and the inverse QR "
-        "form do likewise. Conventional and Joseph's forms lose as c^2. The root's semidefiniteness does not protect Potter's "
+        "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form "
+        "makes the "
+        "small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| remains in "
+        "the "
+        "root, here seen in det P after one row and then in theta to the end. Carlson's form multiplies the diagonal "
+        "by square "
+        "roots of ratios and so keeps the small variance in a column of its own, to a few u whatever c; UD and the "
+        "inverse QR "
+        "form do likewise. Conventional and Joseph's forms lose as c^2. The root's semidefiniteness does not protect "
+        "Potter's "
         "form from cancellation. It loses half as many digits as the covariance forms.",
     .data = "a line in 36 points; NIST Norris",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{
-                {"data", {"norris", "line"}}, {"c2", powers(10, 0, 36)}, {"replicate", counted(budget == Budget::full ? 60 : 15)}};
+            return std::vector<Factor>{{"data", {"norris", "line"}},
+                                       {"c2", powers(10, 0, 36)},
+                                       {"replicate", counted(budget == Budget::full ? 60 : 15)}};
         },
     .admits = [](Trial const& t) { return t.text("data") == "line" || t.number("replicate") == 1; },
     .measures = {"variant", "worst_digits", "theta", "covariance", "determinant", "per_prediction"},
@@ -110,36 +121,44 @@ Study const potter_carlson{
         {
             {"Norris at c^2 = 1e20: Potter has 4.3 +- 0.7 digits in the worse parameter",
              [](Table const& t) {
-                 return within(at_1e20(t).where("variant", "potter"), {}, median("worst_digits").as(Estimate::fixed), 3.6, 5.0);
+                 return within(at_1e20(t).where("variant", "potter"), {}, median("worst_digits").as(Estimate::fixed),
+                               3.6, 5.0);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"and Carlson 13.8 +- 0.7, and UD and inverse QR likewise",
              [](Table const& t) {
-                 return within(at_1e20(t).where("variant", triangular), {"variant"}, median("worst_digits").as(Estimate::fixed), 13.1,
-                               14.5);
+                 return within(at_1e20(t).where("variant", triangular), {"variant"},
+                               median("worst_digits").as(Estimate::fixed), 13.1, 14.5);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"Potter's error of theta: slope 0.50 +- 0.05 in c^2 over 1e4 ... 1e24",
-             [](Table const& t) { return within(lines(t, 1e4, 1e24).where("variant", "potter"), {}, slope("c2", "theta"), 0.45, 0.55); },
+             [](Table const& t) {
+                 return within(lines(t, 1e4, 1e24).where("variant", "potter"), {}, slope("c2", "theta"), 0.45, 0.55);
+             },
              own_result("docs/theory.md 44")},
             {"conventional and Joseph's forms: slope 1.0 +- 0.1 of theta over 1e3 ... 1e10, that is twice the digits",
              [](Table const& t) {
-                 return within(lines(t, 1e3, 1e10).where("variant", {"conventional", "joseph"}), {"variant"}, slope("c2", "theta"), 0.9,
-                               1.1);
+                 return within(lines(t, 1e3, 1e10).where("variant", {"conventional", "joseph"}), {"variant"},
+                               slope("c2", "theta"), 0.9, 1.1);
              },
              own_result("set before the run: u c^2")},
             {"Carlson, UD and inverse QR: slope 0.00 +- 0.02 over 1e4 ... 1e36",
              [](Table const& t) {
-                 return within(lines(t, 1e4, 1e36).where("variant", triangular), {"variant"}, slope("c2", "theta"), -0.02, 0.02);
+                 return within(lines(t, 1e4, 1e36).where("variant", triangular), {"variant"}, slope("c2", "theta"),
+                               -0.02, 0.02);
              },
              own_result("docs/theory.md 44")},
-            {"why: after the first row Potter's det P is off by u c |psi|: the median within a factor of 4 at every c^2 of 1e4 ... 1e24",
+            {"why: after the first row Potter's det P is off by u c |psi|: the median within a factor of 4 at every "
+             "c^2 of 1e4 ... 1e24",
              [](Table const& t) {
-                 return within(lines(t, 1e4, 1e24).where("variant", "potter"), {"c2"}, median("per_prediction"), 0.25, 4);
+                 return within(lines(t, 1e4, 1e24).where("variant", "potter"), {"c2"}, median("per_prediction"), 0.25,
+                               4);
              },
              own_result("docs/theory.md 44")},
             {"while Carlson's, UD's and inverse QR's is right to 16 u at every c^2, in most draws",
-             [](Table const& t) { return within(t.where("variant", triangular), {"variant"}, greatest("determinant"), 0, 16 * 0x1p-53); },
+             [](Table const& t) {
+                 return within(t.where("variant", triangular), {"variant"}, greatest("determinant"), 0, 16 * 0x1p-53);
+             },
              own_result("first edition, set after its run")},
         },
 };

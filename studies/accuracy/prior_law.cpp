@@ -1,5 +1,5 @@
-// The law of the best prior variance: how it and its error go with the condition, the spectrum and the noise of the rows.
-// Longer than 150 lines: ten claims, each on a range of its own.
+// The law of the best prior variance: how it and its error go with the condition, the spectrum and the noise of the
+// rows. Longer than 150 lines: ten claims, each on a range of its own.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
@@ -13,10 +13,12 @@ namespace {
 
 constexpr Index size = 5, samples = 50;
 constexpr double u = 0x1p-53;
-// The scans: kappa at the first noise, the noise at the first kappa. kappa times noise stays below 1, so that theta keeps its length.
+// The scans: kappa at the first noise, the noise at the first kappa. kappa times noise stays below 1, so that theta
+// keeps its length.
 constexpr double first_kappa = 1e2, first_noise = 1e-6;
 
-/// docs/theory.md 72 without its constant C: the bias times c^2, and the rounding over c^2 (P stored) or c (Potter's root).
+/// docs/theory.md 72 without its constant C: the bias times c^2, and the rounding over c^2 (P stored) or c (Potter's
+/// root).
 struct Law {
     double bias, stored, root;
 };
@@ -41,7 +43,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = c2}};
         CertifiedSolution const with_prior = certified(problem, records, {samples}, 50).front();
         double const bias = relative_change(with_prior, without);
-        for (char const* variant : {"symmetric", "conventional_two_sided", "joseph_rank_two", "joseph", "potter", "carlson", "ud", "qr"}) {
+        for (char const* variant :
+             {"symmetric", "conventional_two_sided", "joseph_rank_two", "joseph", "potter", "carlson", "ud", "qr"}) {
             auto const filter = trial.entry(variant).make(problem, Seed{1});
             process_rows(*filter, records, 0, samples);
             double const rounding = errors(*filter, with_prior).theta;
@@ -52,10 +55,11 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims ---------------------------------------------------------------------------------------------------------------------
+// --- claims
+// ---------------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const plain{"symmetric", "conventional_two_sided", "joseph_rank_two"}, potter{"potter"}, joseph{"joseph"},
-    rooted{"carlson", "ud", "qr"};
+std::vector<std::string> const plain{"symmetric", "conventional_two_sided", "joseph_rank_two"}, potter{"potter"},
+    joseph{"joseph"}, rooted{"carlson", "ud", "qr"};
 std::vector<std::string> const by{"variant", "spectrum"};
 
 Table some(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants); }
@@ -81,24 +85,28 @@ Statistic of_the_best(std::string const& x, bool error) {
         return slope("x", "y")(best);
     }};
 }
-Judgement best_follows(Table const& t, std::vector<std::string> const& variants, double c2_kappa, double error_kappa, double c2_noise,
-                       double error_noise) {
+Judgement best_follows(Table const& t, std::vector<std::string> const& variants, double c2_kappa, double error_kappa,
+                       double c2_noise, double error_noise) {
     auto const of = [&](char const* label, Table const& rows, char const* x, bool error, double exponent) {
         return labelled(label, within(some(rows, variants), by, of_the_best(x, error), exponent - 0.1, exponent + 0.1));
     };
-    return of("c^2 in kappa", over_kappa(t), "kappa", false, c2_kappa) && of("error in kappa", over_kappa(t), "kappa", true, error_kappa) &&
+    return of("c^2 in kappa", over_kappa(t), "kappa", false, c2_kappa) &&
+           of("error in kappa", over_kappa(t), "kappa", true, error_kappa) &&
            of("c^2 in the noise", over_noise(t), "noise", false, c2_noise) &&
            of("error in the noise", over_noise(t), "noise", true, error_noise);
 }
-Judgement rounding_follows(Table const& t, std::vector<std::string> const& variants, double from, double to, double in_c2) {
+Judgement rounding_follows(Table const& t, std::vector<std::string> const& variants, double from, double to,
+                           double in_c2) {
     Table const rows = between(some(t, variants), from, to);
-    return labelled("c^2", within(rows, {"variant", "spectrum", "kappa", "noise"}, slope("c2", "rounding"), in_c2 - 0.1, in_c2 + 0.1)) &&
+    return labelled("c^2", within(rows, {"variant", "spectrum", "kappa", "noise"}, slope("c2", "rounding"), in_c2 - 0.1,
+                                  in_c2 + 0.1)) &&
            labelled("kappa", within(over_kappa(rows), by, slope("kappa", "rounding"), 0.9, 1.1)) &&
            labelled("noise", within(over_noise(rows), by, slope("noise", "rounding"), 0.9, 1.1));
 }
 Judgement constant(Table const& t, std::vector<std::string> const& variants, double from, double to, double C) {
     Statistic const median_of = median("of_law");
-    return within(between(some(t, variants), from, to), {"variant", "spectrum", "kappa", "noise"}, median_of, C / 3, C * 3);
+    return within(between(some(t, variants), from, to), {"variant", "spectrum", "kappa", "noise"}, median_of, C / 3,
+                  C * 3);
 }
 
 }  // namespace
@@ -110,19 +118,26 @@ Study const prior_law{
     .source = "derived (docs/theory.md 72); its constants from study prior_size, condition 100",
     .formula = R"tex(\begin{aligned} \frac{\lVert\theta_N-\theta_{LS}\rVert}{\lVert\theta\rVert} &\approx \;
 \underbrace{\frac1{c^2}\sqrt{\tfrac1d\sum_i\sigma_i^{-4}}}_{\text{bias}} + \;
-\underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P \text{ stored}} \\
+\underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P
+\text{ stored}} \\
 \text{Potter:}\quad & C\,u\,c\,\frac{\sigma\,\lVert A\rVert_F\,\lVert A^+\rVert_F}{N\sqrt d} \end{aligned})tex",
     .interpretation =
-        "Left of each valley the bias, sqrt(mean of sigma_i^-4) / c^2; right of it the rounding. The forms that store P carry "
-        "an error u c^2 in the directions seen first, and the noise turns it into an error of theta: so the rounding grows "
-        "with c^2, with the condition number and with the noise, each to the power one, and the law's constant is 0.3 to 0.9 "
+        "Left of each valley the bias, sqrt(mean of sigma_i^-4) / c^2; right of it the rounding. The forms that store "
+        "P carry "
+        "an error u c^2 in the directions seen first, and the noise turns it into an error of theta: so the rounding "
+        "grows "
+        "with c^2, with the condition number and with the noise, each to the power one, and the law's constant is 0.3 "
+        "to 0.9 "
         "for three spectra, four condition numbers and four sizes of the noise. It was fitted at condition 100 alone. "
-        "Potter's root has u c in the place of u c^2. The best c^2 follows: it grows as the root of kappa and falls as the "
+        "Potter's root has u c in the place of u c^2. The best c^2 follows: it grows as the root of kappa and falls as "
+        "the "
         "root of the noise. At kappa = 1e5 with one large singular value the slope in c^2 is below 0.9: below "
-        "c^2 = 1e13 another error lies above the law. The law ends beyond u c^2 = 100. Joseph's products are another matter: their "
+        "c^2 = 1e13 another error lies above the law. The law ends beyond u c^2 = 100. Joseph's products are another "
+        "matter: their "
         "constant grows 200- to 600-fold from kappa = 1e2 to 1e5. Triangular roots have no such term.",
     .data =
-        "d = 5, N = 50: geometric singular values, one small, one large; kappa = 1e2 to 1e5 with noise 1e-6, noise 1e-6 to 1e-3 with "
+        "d = 5, N = 50: geometric singular values, one small, one large; kappa = 1e2 to 1e5 with noise 1e-6, noise "
+        "1e-6 to 1e-3 with "
         "kappa = 100; 200 seeds: a run of 60 left six claims undecided, no band moved",
     .factors =
         [](Budget budget) {
@@ -154,34 +169,41 @@ Study const prior_law{
             {"the bias: slope -1.00 +- 0.02 in c^2, 2.00 +- 0.02 in kappa, from c^2 = 1e14 on",
              [](Table const& t) {
                  Table const rows = between(some(t, {"qr"}), 1e14, 1e22);
-                 return labelled("c^2", within(rows, {"spectrum", "kappa", "noise"}, slope("c2", "bias"), -1.02, -0.98)) &&
+                 return labelled("c^2",
+                                 within(rows, {"spectrum", "kappa", "noise"}, slope("c2", "bias"), -1.02, -0.98)) &&
                         labelled("kappa", within(over_kappa(rows), {"spectrum"}, slope("kappa", "bias"), 1.98, 2.02));
              },
              own_result("docs/theory.md 72, set before the run")},
             {"and the law's constant, as a root mean square over random directions, to a factor of 1.25",
              [](Table const& t) {
-                 return within(between(some(t, {"qr"}), 1e14, 1e22), {"spectrum", "kappa", "noise"}, root_mean_square("bias_of_law"), 0.8,
-                               1.25);
+                 return within(between(some(t, {"qr"}), 1e14, 1e22), {"spectrum", "kappa", "noise"},
+                               root_mean_square("bias_of_law"), 0.8, 1.25);
              },
              own_result("docs/theory.md 72, set before the run")},
             {"P stored, rounding, c^2 = 1e11 to 1e15: slope 1.0 +- 0.1 in c^2, in kappa and in the noise",
-             [](Table const& t) { return rounding_follows(t, plain, 1e11, 1e15, 1); }, own_result("docs/theory.md 72, set before the run")},
-            {"and the law's constant is 0.4, to a factor of 3", [](Table const& t) { return constant(t, plain, 1e11, 1e15, 0.4); },
+             [](Table const& t) { return rounding_follows(t, plain, 1e11, 1e15, 1); },
+             own_result("docs/theory.md 72, set before the run")},
+            {"and the law's constant is 0.4, to a factor of 3",
+             [](Table const& t) { return constant(t, plain, 1e11, 1e15, 0.4); },
              own_result("the constant of study prior_size, condition 100; set before the run")},
-            {"Potter's root, rounding, c^2 = 1e18 to 1e22: slope 0.5 +- 0.1 in c^2, 1.0 +- 0.1 in kappa and in the noise",
+            {"Potter's root, rounding, c^2 = 1e18 to 1e22: slope 0.5 +- 0.1 in c^2, 1.0 +- 0.1 in kappa and in the "
+             "noise",
              [](Table const& t) { return rounding_follows(t, potter, 1e18, 1e22, 0.5); },
              own_result("docs/theory.md 72, set before the run")},
-            {"and the law's constant is 1.1, to a factor of 3", [](Table const& t) { return constant(t, potter, 1e18, 1e22, 1.1); },
+            {"and the law's constant is 1.1, to a factor of 3",
+             [](Table const& t) { return constant(t, potter, 1e18, 1e22, 1.1); },
              own_result("the constant of study prior_size, condition 100; set before the run")},
             {"Joseph's products obey the law of the others with the constant 2, to a factor of 3",
              [](Table const& t) { return constant(t, joseph, 1e11, 1e15, 2); },
              own_result("the constant of study prior_size, condition 100; set before the run")},
             {"carlson, ud, qr: no dependence on c^2 from 1e12 to 1e22, slope 0.00 +- 0.02",
              [](Table const& t) {
-                 return within(between(some(t, rooted), 1e12, 1e22), {"variant", "spectrum"}, slope("c2", "rounding"), -0.02, 0.02);
+                 return within(between(some(t, rooted), 1e12, 1e22), {"variant", "spectrum"}, slope("c2", "rounding"),
+                               -0.02, 0.02);
              },
              own_result("docs/theory.md 34, 44, set before the run")},
-            {"P stored: so the best c^2 goes with kappa^(1/2) and noise^(-1/2), its error with kappa^(3/2) and noise^(1/2), each to 0.1",
+            {"P stored: so the best c^2 goes with kappa^(1/2) and noise^(-1/2), its error with kappa^(3/2) and "
+             "noise^(1/2), each to 0.1",
              [](Table const& t) { return best_follows(t, plain, 0.5, 1.5, -0.5, 0.5); },
              own_result("docs/theory.md 72, set before the run")},
             {"Potter: with kappa^(2/3), noise^(-2/3), kappa^(4/3) and noise^(2/3), each to 0.1",

@@ -1,5 +1,5 @@
-// Which variants inherit kappa^2 ||r||, the sensitivity of least squares to its residual, on data that are not integers?
-// Longer than 150 lines: outputs with a given residual, a first-order law, and seven claims.
+// Which variants inherit kappa^2 ||r||, the sensitivity of least squares to its residual, on data that are not
+// integers? Longer than 150 lines: outputs with a given residual, a first-order law, and seven claims.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/engine/spectra.hpp"
@@ -17,7 +17,8 @@ constexpr double u = 0x1p-53;
 /// y = A (1, ..., 1)' + r with A'r = 0 and ||r|| = rho, rounded once: noise minus its own least squares fit.
 void answer(Records& records, double rho, Seed seed) {
     for (Index k = 0; k < samples; ++k) records.y[k] = seed.bell();
-    Vector<Reference> const fitted = certified({.size = size, .prior = std::nullopt}, records, {samples}, 50).front().theta();
+    Vector<Reference> const fitted =
+        certified({.size = size, .prior = std::nullopt}, records, {samples}, 50).front().theta();
     std::vector<Reference> r(size_t(samples), Reference(0));
     Reference squares = 0;
     for (Index k = 0; k < samples; ++k) {
@@ -33,8 +34,8 @@ void answer(Records& records, double rho, Seed seed) {
     }
 }
 
-/// sqrt of the mean square of ||delta theta|| / ||theta|| for independent relative errors of deviation u in every number of A and b, to
-/// first order: docs/theory.md 73.
+/// sqrt of the mean square of ||delta theta|| / ||theta|| for independent relative errors of deviation u in every
+/// number of A and b, to first order: docs/theory.md 73.
 double scatter_of(Records const& records, CertifiedSolution const& exact) {
     Vector<Reference> const x = exact.theta();
     Matrix<Reference> const P = exact.covariance();
@@ -60,8 +61,8 @@ double scatter_of(Records const& records, CertifiedSolution const& exact) {
 
 void measure(Trial const& trial, TrialOutput& out) {
     // The same singular vectors and the same direction of r for every kappa and rho: slopes are paired.
-    Records records = with_singular_values(singular_values(trial.text("spectrum"), size, trial.number("kappa")), samples,
-                                           trial.seed({"spectrum", "replicate"}), 0);
+    Records records = with_singular_values(singular_values(trial.text("spectrum"), size, trial.number("kappa")),
+                                           samples, trial.seed({"spectrum", "replicate"}), 0);
     answer(records, trial.number("rho"), trial.seed({"replicate"}));
     for (double const c2 : {1e12, 1e20}) {
         Problem<double> const problem{.size = size, .prior = Prior<double>{.variance = c2}};
@@ -78,7 +79,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims ---------------------------------------------------------------------------------------------------------------------
+// --- claims
+// ---------------------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const rooted = words(triangular_forms()), rotations{"qr", "gentleman"};
 std::vector<std::string> const by{"variant", "spectrum"};
@@ -91,7 +93,8 @@ Table between(Table const& t, char const* column, double from, double to) {
 /// error of one form over that of another on the same data, geometric mean of a seed's rows.
 Judgement against(Table const& t, std::string const& variant, std::string const& other, double from, double to) {
     Statistic const ratio([=](Table const& r) {
-        std::vector<double> const a = r.where("variant", variant).numbers("error"), b = r.where("variant", other).numbers("error");
+        std::vector<double> const a = r.where("variant", variant).numbers("error"),
+                                  b = r.where("variant", other).numbers("error");
         double sum = 0;
         for (size_t i = 0; i < a.size(); ++i) sum += correctly::log10(a[i] / b[i]) / double(a.size());
         return a.empty() || a.size() != b.size() ? std::nan("") : correctly::pow(10, sum);
@@ -106,20 +109,28 @@ Study const residual_size{
     .name = "residual_size",
     .question = "Which variants inherit the factor kappa^2 ||r|| of least squares, on data that are not integers?",
     .source = "derived (docs/theory.md 49, 73); docs/literature.md 5, question 7",
-    .formula = R"tex(\begin{aligned} \frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} &\approx \frac{c\,u}{\lVert\theta\rVert} \;
+    .formula =
+        R"tex(\begin{aligned} \frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} &\approx
+              \frac{c\,u}{\lVert\theta\rVert} \;
 \sqrt{\sum_{ikj}a_{kj}^2\left(A^+_{ik}\theta_j - M^{-1}_{ij}r_k\right)^2 + \sum_{ik}\left(A^+_{ik}y_k\right)^2} \\
 &\sim u\,\kappa\left(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\right) \end{aligned})tex",
     .interpretation =
-        "One law for every backward stable form: independent errors of size c u in the data, c about 1.5 to 3.5. While kappa "
+        "One law for every backward stable form: independent errors of size c u in the data, c about 1.5 to 3.5. While "
+        "kappa "
         "||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it grows as "
-        "kappa^2 ||r||. With geometric singular values the slopes in kappa are a little below the powers of the bound, for "
+        "kappa^2 ||r||. With geometric singular values the slopes in kappa are a little below the powers of the bound, "
+        "for "
         "kappa is the worst direction and the columns mix all of them. The information form loses kappa^2 without any "
-        "residual and nothing more with one: it inherits nothing, because it has lost that before. With a residual as large "
-        "as the data its error is still seven to eleven times that of qr. The symmetric form's error is proportional to the "
+        "residual and nothing more with one: it inherits nothing, because it has lost that before. With a residual as "
+        "large "
+        "as the data its error is still seven to eleven times that of qr. The symmetric form's error is proportional "
+        "to the "
         "residual over five decades, through the rounding of its prior.",
     .data =
-        "d = 6, N = 60: geometric singular values, one small, one large; kappa = 1e2 to 1e5; residuals orthogonal to the columns, of "
-        "length 1e-7 to 1; 100 seeds: raised to 200 after a run left three undecided, that run was stopped, and set back",
+        "d = 6, N = 60: geometric singular values, one small, one large; kappa = 1e2 to 1e5; residuals orthogonal to "
+        "the columns, of "
+        "length 1e-7 to 1; 100 seeds: raised to 200 after a run left three undecided, that run was stopped, and set "
+        "back",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
@@ -145,27 +156,34 @@ Study const residual_size{
                .where = {{"rho", {"1"}}}}},
     .claims =
         {
-            {"triangular, UD, QR forms: slope 0.0 +- 0.1 in ||r|| from 1e-7 to 1e-4 with kappa = 100, 1.0 +- 0.1 from 1e-3 to 1 with 1e5",
+            {"triangular, UD, QR forms: slope 0.0 +- 0.1 in ||r|| from 1e-7 to 1e-4 with kappa = 100, 1.0 +- 0.1 from "
+             "1e-3 to 1 with 1e5",
              [](Table const& t) {
                  Table const rows = some(t, rooted);
                  Statistic const in_r = slope("rho", "error");
-                 return labelled("small", within(between(rows.where("kappa", 1e2), "rho", 1e-7, 1e-4), by, in_r, -0.1, 0.1)) &&
-                        labelled("large", within(between(between(rows, "kappa", 1e5, 1e5), "rho", 1e-3, 1), by, in_r, 0.9, 1.1));
+                 return labelled("small",
+                                 within(between(rows.where("kappa", 1e2), "rho", 1e-7, 1e-4), by, in_r, -0.1, 0.1)) &&
+                        labelled("large",
+                                 within(between(between(rows, "kappa", 1e5, 1e5), "rho", 1e-3, 1), by, in_r, 0.9, 1.1));
              },
              own_result("docs/theory.md 49, 73; set before the run")},
             {"the same forms: slope 1.0 +- 0.1 in kappa with ||r|| = 1e-7, 2.0 +- 0.1 with ||r|| = 1",
              [](Table const& t) {
                  Table const rows = some(t, rooted);
-                 return labelled("small", within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 0.9, 1.1)) &&
+                 return labelled("small",
+                                 within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 0.9, 1.1)) &&
                         labelled("large", within(between(rows, "rho", 1, 1), by, slope("kappa", "error"), 1.9, 2.1));
              },
              own_result("docs/theory.md 49, 73; set before the run")},
-            {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 times beyond, at "
+            {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 "
+             "times beyond, at "
              "every kappa and ||r||",
              [](Table const& t) {
-                 return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"), 1.3 / 1.25, 3.75);
+                 return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"),
+                               1.3 / 1.25, 3.75);
              },
-             own_result("docs/theory.md 73 with the constant that study fused measured on NIST's sets; set before the run")},
+             own_result(
+                 "docs/theory.md 73 with the constant that study fused measured on NIST's sets; set before the run")},
             {"carlson, ud, inverse_qr: errors are those of qr on the same rows to a factor of 3",
              [](Table const& t) {
                  return labelled("carlson", against(t, "carlson", "qr", 1.0 / 3, 3)) &&
@@ -173,21 +191,24 @@ Study const residual_size{
                         labelled("inverse_qr", against(t, "inverse_qr", "qr", 1.0 / 3, 3));
              },
              own_result("an order-of-magnitude law to a factor of 3; set before the run")},
-            {"information: slope 2.0 +- 0.1 in kappa already with ||r|| = 1e-7, and 0.0 +- 0.1 in ||r|| up to 0.01 with kappa = 1e4",
+            {"information: slope 2.0 +- 0.1 in kappa already with ||r|| = 1e-7, and 0.0 +- 0.1 in ||r|| up to 0.01 "
+             "with kappa = 1e4",
              [](Table const& t) {
                  Table const rows = some(t, {"information"});
-                 return labelled("kappa", within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 1.9, 2.1)) &&
-                        labelled("||r||", within(between(between(rows, "kappa", 1e4, 1e4), "rho", 1e-7, 1e-2), by, slope("rho", "error"),
-                                                 -0.1, 0.1));
+                 return labelled("kappa",
+                                 within(between(rows, "rho", 1e-7, 1e-7), by, slope("kappa", "error"), 1.9, 2.1)) &&
+                        labelled("||r||", within(between(between(rows, "kappa", 1e4, 1e4), "rho", 1e-7, 1e-2), by,
+                                                 slope("rho", "error"), -0.1, 0.1));
              },
              own_result("docs/theory.md 50, 73; set before the run")},
             {"with ||r|| = 1 the advantage of qr is gone: the information form's error is qr's to a factor of 3",
              [](Table const& t) { return against(between(t, "rho", 1, 1), "information", "qr", 1.0 / 3, 3); },
              own_result("docs/theory.md 73, an order-of-magnitude law to a factor of 3; set before the run")},
-            {"symmetric, c^2 = 1e12: slope 1.0 +- 0.1 in ||r|| over five decades, 1e-5 to 1, with kappa = 1e4: through the prior",
+            {"symmetric, c^2 = 1e12: slope 1.0 +- 0.1 in ||r|| over five decades, 1e-5 to 1, with kappa = 1e4: through "
+             "the prior",
              [](Table const& t) {
-                 return within(between(between(some(t, {"symmetric"}), "kappa", 1e4, 1e4), "rho", 1e-5, 1), {"spectrum"},
-                               slope("rho", "error"), 0.9, 1.1);
+                 return within(between(between(some(t, {"symmetric"}), "kappa", 1e4, 1e4), "rho", 1e-5, 1),
+                               {"spectrum"}, slope("rho", "error"), 0.9, 1.1);
              },
              own_result("docs/theory.md 72; set before the run")},
         },

@@ -1,4 +1,5 @@
-// R of a window's rows, from which a row is taken by the corrected semi-normal equations: small on purpose, sums in order.
+// R of a window's rows, from which a row is taken by the corrected semi-normal equations: small on purpose, sums in
+// order.
 #pragma once
 
 #include <rlslab/linalg/rotations.hpp>
@@ -8,14 +9,15 @@
 
 namespace rlslab::studies {
 
-/// A = [I / c; the rows of the window], R'R = A'A, lambda = 1. A row comes by Givens rotations. The oldest, psi, leaves so:
+/// A = [I / c; the rows of the window], R'R = A'A, lambda = 1. A row comes by Givens rotations. The oldest, psi, leaves
+/// so:
 ///
 ///   (1) R'q = psi, R t = q, r = e - A t        e has a 1 where A has psi
 ///   (2) R'h = A'r, R t = h, q += h, r -= A t   the corrected semi-normal equations
 ///   (3) alpha = |r|; rotations that take (q, alpha) to (0, 1), applied to [R; 0]
 ///
-/// In exact arithmetic h = 0, and alpha^2 = 1 - q'q is what LINPACK's dchdd computes. Here q and alpha come from the rows themselves, so
-/// that the error of R is rotated, not divided by alpha. (2) costs 3 W d + O(d^2). No y: P alone.
+/// In exact arithmetic h = 0, and alpha^2 = 1 - q'q is what LINPACK's dchdd computes. Here q and alpha come from the
+/// rows themselves, so that the error of R is rotated, not divided by alpha. (2) costs 3 W d + O(d^2). No y: P alone.
 /// Source: Björck, Park & Eldén 1994; (2): Higham 2002, chapter 20 (both cited, not read).
 template <Real T>
 class CorrectedDowndate {

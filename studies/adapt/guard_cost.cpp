@@ -7,7 +7,9 @@ namespace {
 
 std::vector<std::string> const of_P{"conventional", "symmetric", "potter", "carlson", "ud", "inverse_qr"},
     of_information{"qr", "gentleman"};
-Table of(Table const& t, std::vector<std::string> const& variants) { return t.where("variant", variants).where("policy", "report"); }
+Table of(Table const& t, std::vector<std::string> const& variants) {
+    return t.where("variant", variants).where("policy", "report");
+}
 
 }  // namespace
 
@@ -19,9 +21,12 @@ Study const guard_cost{
     .formula = R"tex(4d + v d + O(1) \ \text{ where } P \text{ or a factor of it is stored}, \qquad
                      \tfrac43 d^2 + O(d) \ \text{ where a factor of } P^{-1} \text{ is})tex",
     .interpretation =
-        "Operations of a row, additions and multiplications and divisions alike, on good rows with the guard armed. Where P or a factor of "
-        "it is stored a guard is a few products of length d beside a filter's d^2. Where a factor of P^-1 is stored it solves for theta "
-        "and for a P_jj at every row, and costs a third of the filter and more. conventional breaks down by its asymmetry before it has "
+        "Operations of a row, additions and multiplications and divisions alike, on good rows with the guard armed. "
+        "Where P or a factor of "
+        "it is stored a guard is a few products of length d beside a filter's d^2. Where a factor of P^-1 is stored it "
+        "solves for theta "
+        "and for a P_jj at every row, and costs a third of the filter and more. conventional breaks down by its "
+        "asymmetry before it has "
         "seen the rows of d = 64. Nanoseconds stand in the bench.",
     .data = "white rows, d = 4 to 64",
     .factors =
@@ -48,7 +53,9 @@ Study const guard_cost{
     .claims =
         {
             {"where P or a factor of it is stored a guard adds 4 to 6.5 operations a row for each parameter",
-             [](Table const& t) { return within(of(t, of_P), {"variant"}, linear_slope("size", "extra").as(Estimate::fixed), 4, 6.5); },
+             [](Table const& t) {
+                 return within(of(t, of_P), {"variant"}, linear_slope("size", "extra").as(Estimate::fixed), 4, 6.5);
+             },
              own_result("docs/theory.md 87")},
             {"at most 15 % of the filter's own from d = 16 on",
              [](Table const& t) {
@@ -59,15 +66,18 @@ Study const guard_cost{
             {"where a factor of P^-1 is stored: 4/3 d^2, within 15 % at d = 64",
              [](Table const& t) {
                  Statistic const part([](Table const& g) { return mean("extra")(g) / 4096; }, Estimate::fixed);
-                 return within(of(t, of_information).where("size", 64.0), {"variant"}, part, 0.85 * 4 / 3, 1.15 * 4 / 3);
+                 return within(of(t, of_information).where("size", 64.0), {"variant"}, part, 0.85 * 4 / 3,
+                               1.15 * 4 / 3);
              },
              own_result("docs/theory.md 87")},
             {"which is 30 to 60 % of the filter's own",
              [](Table const& t) {
-                 return within(of(t, of_information).where("size", 64.0), {"variant"}, mean("share").as(Estimate::fixed), 0.3, 0.6);
+                 return within(of(t, of_information).where("size", 64.0), {"variant"},
+                               mean("share").as(Estimate::fixed), 0.3, 0.6);
              },
              own_result("set before the run: 3 d^2 in qr, 2.5 d^2 in gentleman")},
-            {"on good rows policies that reset or rebuild take no operation more than one that reports, but in conventional, which breaks",
+            {"on good rows policies that reset or rebuild take no operation more than one that reports, but in "
+             "conventional, which breaks",
              [](Table const& t) {
                  std::vector<Judgement> parts;
                  for (auto const& [name, group] : t.groups({"variant", "size"})) {
@@ -78,7 +88,8 @@ Study const guard_cost{
                  }
                  size_t held = 0;
                  for (Judgement const& part : parts) held += part.holds();
-                 return Judgement(held == parts.size() && held > 0, std::to_string(held) + " of " + std::to_string(parts.size()));
+                 return Judgement(held == parts.size() && held > 0,
+                                  std::to_string(held) + " of " + std::to_string(parts.size()));
              },
              verification("guard.hpp")},
         },

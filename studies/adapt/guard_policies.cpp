@@ -17,14 +17,16 @@ namespace {
 
 constexpr Index d = 4, warm = 500, memories = 250;  // rows before the disturbance; five memories after it
 constexpr double lambda = 0.98, noise = 0.1;
-constexpr double stationary = 0.020100756;  // noise sqrt(d (1 - lambda) / (1 + lambda)): the rms error of theta on white rows
+constexpr double stationary =
+    0.020100756;  // noise sqrt(d (1 - lambda) / (1 + lambda)): the rms error of theta on white rows
 
 struct Disturbance {
     char const* name;
     Index rows;
 };
-constexpr Disturbance disturbances[] = {{"burst", 20},      {"silence", 5000}, {"collinear", 2500}, {"dither", 2000}, {"outlier", 1},
-                                        {"outliers", 1000}, {"change", 0},     {"not finite", 7},   {"none", 10000}};
+constexpr Disturbance disturbances[] = {{"burst", 20},    {"silence", 5000}, {"collinear", 2500},
+                                        {"dither", 2000}, {"outlier", 1},    {"outliers", 1000},
+                                        {"change", 0},    {"not finite", 7}, {"none", 10000}};
 
 /// White rows of theta = (1, -2, 3, -4), and what befalls them.
 struct Rows {
@@ -48,7 +50,9 @@ struct Rows {
         if (disturbance == "outliers" && seed.uniform() < 0.05) y += 100 * noise * seed.bell();
         if (disturbance == "not finite" && k % 2) y = k % 4 == 1 ? NAN : INFINITY;
         if (disturbance == "not finite" && k % 2 == 0) psi[size_t(k) % d] = k % 4 ? NAN : -INFINITY;
-        if (disturbance == "none" || disturbance == "outlier" || disturbance == "outliers" || disturbance == "not finite") return;
+        if (disturbance == "none" || disturbance == "outlier" || disturbance == "outliers" ||
+            disturbance == "not finite")
+            return;
         for (double& x : psi) {
             if (disturbance == "burst") x *= 1000;
             if (disturbance == "silence") x = 0;
@@ -122,8 +126,9 @@ void disturb(Trial const& trial, TrialOutput& out) {
             Vector<double> const theta = filter->theta();
             if (i == 0) bare = theta;
             for (auto const& [rows_since, error] : since)
-                out({guard_policies_by_name()[i], disturbance, double(rows_since), error, std::sqrt(during) / stationary, worst / noise,
-                     at_its_end, state_of(*filter), same_numbers(theta, bare) ? "bare" : "own", double(counts.outliers - before.outliers),
+                out({guard_policies_by_name()[i], disturbance, double(rows_since), error,
+                     std::sqrt(during) / stationary, worst / noise, at_its_end, state_of(*filter),
+                     same_numbers(theta, bare) ? "bare" : "own", double(counts.outliers - before.outliers),
                      double(counts.windups - before.windups), double(counts.breakdowns - before.breakdowns)});
         }
     }
@@ -131,7 +136,8 @@ void disturb(Trial const& trial, TrialOutput& out) {
 
 std::vector<std::string> const acting{"reset", "rebuild", "hand_over"}, watching{"none", "report"};
 std::vector<std::string> const storing_P{"conventional", "symmetric"}, roots{"potter", "carlson", "inverse_qr"};
-std::vector<std::string> const factors_and_symmetric{"symmetric", "potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"};
+std::vector<std::string> const factors_and_symmetric{"symmetric",  "potter", "carlson",  "ud",
+                                                     "inverse_qr", "qr",     "gentleman"};
 std::vector<std::string> const factors{"potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"};
 Table at_the_end(Table const& t) { return t.where("since", double(memories)); }
 Table after(Table const& t, std::string const& disturbance, std::vector<std::string> const& policies,
@@ -161,24 +167,33 @@ Study const guard_policies{
     .name = "guard_policies",
     .question = "What does a guard save?",
     .source = "derived (docs/theory.md 28, 47, 61, 84); Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read)",
-    .formula = R"tex(\|\tilde\theta\| \approx \frac{a}{\sigma}\,\lambda^{n}\sqrt{1-\lambda^2}\ \|\tilde\theta_{\mathrm{fresh}}\|)tex",
+    .formula =
+        R"tex(\|\tilde\theta\| \approx \frac{a}{\sigma}\,\lambda^{n}\sqrt{1-\lambda^2}\
+              \|\tilde\theta_{\mathrm{fresh}}\|)tex",
     .interpretation =
-        "500 good rows, a disturbance, 250 good rows: five memories. Then theta is compared with that of a filter in double that "
-        "started where the disturbance ended. A guard that only reports leaves the filter's own bits: what it saves is then nothing. "
-        "The other policies skip an outlier, restart at a change, hold P down, and differ only in what they do about a breakdown. "
-        "conventional is broken by its own asymmetry, whatever the rows: in float it is reset so often that it never has a memory of "
+        "500 good rows, a disturbance, 250 good rows: five memories. Then theta is compared with that of a filter in "
+        "double that "
+        "started where the disturbance ended. A guard that only reports leaves the filter's own bits: what it saves is "
+        "then nothing. "
+        "The other policies skip an outlier, restart at a change, hold P down, and differ only in what they do about a "
+        "breakdown. "
+        "conventional is broken by its own asymmetry, whatever the rows: in float it is reset so often that it never "
+        "has a memory of "
         "50 rows, and only handing over helps it.",
     .data =
-        "white rows, d = 4, lambda = 0.98, noise 0.1; burst (psi times 1000, 20 rows), silence (5000), collinear (2500), dither (psi "
-        "times 1e-6, 2000), one outlier of 1e6 sigma, 1 in 20 of 100 sigma (1000), theta -> -theta, rows that are not finite (7)",
+        "white rows, d = 4, lambda = 0.98, noise 0.1; burst (psi times 1000, 20 rows), silence (5000), collinear "
+        "(2500), dither (psi "
+        "times 1e-6, 2000), one outlier of 1e6 sigma, 1 in 20 of 100 sigma (1000), theta -> -theta, rows that are not "
+        "finite (7)",
     .factors =
         [](Budget budget) {
             std::vector<Cell> variants(guarded_variants().begin(), guarded_variants().end());
-            return std::vector<Factor>{
-                {"arithmetic", {"float", "double"}}, {"variant", variants}, {"replicate", counted(budget == Budget::full ? 40 : 11)}};
+            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
+                                       {"variant", variants},
+                                       {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
-    .measures = {"policy", "disturbance", "since", "error", "during", "worst", "at_its_end", "afterwards", "bits", "outliers", "windups",
-                 "breakdowns"},
+    .measures = {"policy", "disturbance", "since", "error", "during", "worst", "at_its_end", "afterwards", "bits",
+                 "outliers", "windups", "breakdowns"},
     .measure = disturb,
     .plots = {{.title = "ud in float after the end of a disturbance",
                .x = "since",
@@ -188,7 +203,9 @@ Study const guard_policies{
                .log = "y",
                .x_label = "rows since",
                .y_label = "error of theta over a fresh filter's",
-               .where = {{"arithmetic", {"float"}}, {"variant", {"ud"}}, {"disturbance", {"burst", "silence", "outlier", "change"}}}},
+               .where = {{"arithmetic", {"float"}},
+                         {"variant", {"ud"}},
+                         {"disturbance", {"burst", "silence", "outlier", "change"}}}},
               {.title = "One outlier of 1e6 sigma, in float",
                .x = "since",
                .y = "error",
@@ -200,44 +217,51 @@ Study const guard_policies{
                .guides = {{"1e6 λ^n √(1-λ²)", &left_of_an_outlier}}}},
     .claims =
         {
-            {"reset, rebuild, hand over: five memories after each disturbance theta is within 2 times a fresh double filter's, in most "
+            {"reset, rebuild, hand over: five memories after each disturbance theta is within 2 times a fresh double "
+             "filter's, in most "
              "runs "
              "of every variant but conventional",
              [](Table const& t) {
-                 return within(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric), {"arithmetic", "policy"},
-                               greatest("error").as(Estimate::most), 0, 2);
+                 return within(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric),
+                               {"arithmetic", "policy"}, greatest("error").as(Estimate::most), 0, 2);
              },
              own_result("set before the run: the aim of the guard")},
             {"and P is positive definite then, in most runs",
              [](Table const& t) {
-                 return everywhere(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric), "afterwards", "sound");
+                 return everywhere(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric),
+                                   "afterwards", "sound");
              },
              own_result("set before the run")},
-            {"a guard that reports leaves the filter's own bits, in every variant and most runs, but where a row is not finite",
+            {"a guard that reports leaves the filter's own bits, in every variant and most runs, but where a row is "
+             "not finite",
              [](Table const& t) {
-                 return everywhere(at_the_end(t)
-                                       .where("policy", "report")
-                                       .where("disturbance", std::vector<std::string>{"burst", "silence", "collinear", "dither", "outlier",
-                                                                                      "outliers", "change", "none"}),
-                                   "bits", "bare");
+                 return everywhere(
+                     at_the_end(t)
+                         .where("policy", "report")
+                         .where("disturbance", std::vector<std::string>{"burst", "silence", "collinear", "dither",
+                                                                        "outlier", "outliers", "change", "none"}),
+                     "bits", "bare");
              },
              verification("guard.hpp")},
             {"rows that are not finite: without a guard most runs do not survive",
              [](Table const& t) {
-                 return everywhere(at_the_end(t).where("policy", "none").where("disturbance", "not finite"), "afterwards", "not finite");
+                 return everywhere(at_the_end(t).where("policy", "none").where("disturbance", "not finite"),
+                                   "afterwards", "not finite");
              },
              own_result("set before the run")},
-            {"one outlier of 1e6 sigma, nothing done: 1e6 lambda^250 sqrt(1 - lambda^2) = 1274 times a fresh filter's error, 0.7 to 1.4 "
+            {"one outlier of 1e6 sigma, nothing done: 1e6 lambda^250 sqrt(1 - lambda^2) = 1274 times a fresh filter's "
+             "error, 0.7 to 1.4 "
              "times that",
              [](Table const& t) {
-                 return within(after(t, "outlier", watching, factors_and_symmetric), {"arithmetic", "variant"}, mean("error"), 0.7 * 1274,
-                               1.4 * 1274);
+                 return within(after(t, "outlier", watching, factors_and_symmetric), {"arithmetic", "variant"},
+                               mean("error"), 0.7 * 1274, 1.4 * 1274);
              },
              own_result("docs/theory.md 84")},
-            {"one outlier in 20, nothing done: during it the rms error is sqrt(1 + 0.05 100^2) = 22.4 times the settled one, within 20 %",
+            {"one outlier in 20, nothing done: during it the rms error is sqrt(1 + 0.05 100^2) = 22.4 times the "
+             "settled one, within 20 %",
              [](Table const& t) {
-                 return within(after(t, "outliers", watching, factors_and_symmetric), {"arithmetic", "variant"}, root_mean_square("during"),
-                               0.8 * 22.4, 1.2 * 22.4);
+                 return within(after(t, "outliers", watching, factors_and_symmetric), {"arithmetic", "variant"},
+                               root_mean_square("during"), 0.8 * 22.4, 1.2 * 22.4);
              },
              own_result("docs/theory.md 84")},
             {"with a guard that skips them at most 1.25 times",
@@ -246,27 +270,32 @@ Study const guard_policies{
                                root_mean_square("during"), 0.9, 1.25);
              },
              own_result("set before the run: a row in 20 lost, and outliers below 7 sigma taken")},
-            {"silence, nothing done: P overflows in float after ln(3.4e38 / 0.02) / -ln lambda = 4585 rows where it or D is stored, in "
+            {"silence, nothing done: P overflows in float after ln(3.4e38 / 0.02) / -ln lambda = 4585 rows where it or "
+             "D is stored, in "
              "most "
              "runs",
              [](Table const& t) {
-                 return everywhere(after(t.where("arithmetic", "float"), "silence", watching, {"conventional", "symmetric", "ud"}),
-                                   "at_its_end", "not finite");
+                 return everywhere(
+                     after(t.where("arithmetic", "float"), "silence", watching, {"conventional", "symmetric", "ud"}),
+                     "at_its_end", "not finite");
              },
              own_result("docs/theory.md 84")},
             {"and in most runs it does not where a root is",
              [](Table const& t) {
-                 return everywhere(after(t.where("arithmetic", "float"), "silence", watching, {"potter", "carlson", "inverse_qr", "qr"}),
+                 return everywhere(after(t.where("arithmetic", "float"), "silence", watching,
+                                         {"potter", "carlson", "inverse_qr", "qr"}),
                                    "at_its_end", "sound");
              },
              own_result("docs/theory.md 84")},
             {"collinear rows, nothing done: symmetric is indefinite at their end in at least half of the runs",
-             [](Table const& t) { return share_lost(after(t, "collinear", {"none"}, {"symmetric"}), "at_its_end", 0.5, 1); },
+             [](Table const& t) {
+                 return share_lost(after(t, "collinear", {"none"}, {"symmetric"}), "at_its_end", 0.5, 1);
+             },
              own_result("set before the run: u lambda^-2500 is far above 1")},
             {"dither, nothing done: theta leaves by more than 1000 sigma in most runs of the factor forms",
              [](Table const& t) {
-                 return within(after(t, "dither", watching, factors), {"arithmetic", "policy"}, least("worst").as(Estimate::most), 1e3,
-                               1e7);
+                 return within(after(t, "dither", watching, factors), {"arithmetic", "policy"},
+                               least("worst").as(Estimate::most), 1e3, 1e7);
              },
              own_result("set before the run: sqrt(4 r (1 - lambda)) 1e6 = 2e5 sigma is settled")},
             {"with P held down it stays below 5 sqrt(d 1600 lambda^-d) = 416 sigma in most runs",
@@ -275,23 +304,26 @@ Study const guard_policies{
                                greatest("worst").as(Estimate::most), 0, 416);
              },
              own_result("set before the run: five deviations of the largest P")},
-            {"theta -> -theta, nothing done: (2 |theta| / sigma) lambda^250 / 0.2 = 3.5 times a fresh filter's error, within 1.6 times",
+            {"theta -> -theta, nothing done: (2 |theta| / sigma) lambda^250 / 0.2 = 3.5 times a fresh filter's error, "
+             "within 1.6 times",
              [](Table const& t) {
-                 return within(after(t, "change", watching, factors_and_symmetric), {"arithmetic", "variant"}, mean("error"), 3.5 / 1.6,
-                               3.5 * 1.6);
+                 return within(after(t, "change", watching, factors_and_symmetric), {"arithmetic", "variant"},
+                               mean("error"), 3.5 / 1.6, 3.5 * 1.6);
              },
              own_result("docs/theory.md 84")},
-            {"good rows alone: conventional that is reset breaks down every 1053 to 1168 rows in double, every 58 to 173 in float",
+            {"good rows alone: conventional that is reset breaks down every 1053 to 1168 rows in double, every 58 to "
+             "173 in float",
              [](Table const& t) {
                  Table const mine = after(t, "none", {"reset"}, {"conventional"});
                  return within(mine.where("arithmetic", "double"), {}, rows_between("breakdowns"), 1053, 1168) &&
                         within(mine.where("arithmetic", "float"), {}, rows_between("breakdowns"), 58, 173);
              },
              own_result("docs/theory.md 84, c from 0.1 to 1")},
-            {"conventional that hands over is within 2 times a fresh filter's error after each disturbance, in most runs",
+            {"conventional that hands over is within 2 times a fresh filter's error after each disturbance, in most "
+             "runs",
              [](Table const& t) {
-                 return within(at_the_end(t).where("policy", "hand_over").where("variant", "conventional"), {"arithmetic"},
-                               greatest("error").as(Estimate::most), 0, 2);
+                 return within(at_the_end(t).where("policy", "hand_over").where("variant", "conventional"),
+                               {"arithmetic"}, greatest("error").as(Estimate::most), 0, 2);
              },
              own_result("set before the run")},
         },

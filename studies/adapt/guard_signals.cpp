@@ -21,7 +21,8 @@ constexpr double lambda = 0.98, noise = 0.1, memory = (1 + lambda) / (1 - lambda
 constexpr double root_of_relative_variance = 0.069;  // of s2: 1.9 / (2 200 - 1), 1.9 the variance of min(x^2, 9)
 constexpr Index warm = 1000, far = 10000;
 
-// --- predictions, docs/theory.md 86 ---------------------------------------------------------------------------------------------
+// --- predictions, docs/theory.md 86
+// ---------------------------------------------------------------------------------------------
 
 /// P(x > a), x normal.
 double upper_tail(double a) { return a < 0 ? 1 - upper_tail(-a) : correctly::chi_squared_tail(1, a * a) / 2; }
@@ -49,8 +50,8 @@ struct Predicted {
         }
         return sum / weights;
     }
-    /// The same where theta has moved by `step` sigma in a direction in which psi has z, normal: |psi|^2 = z^2 + chi^2 of d - 1. That sum
-    /// enters by its mean.
+    /// The same where theta has moved by `step` sigma in a direction in which psi has z, normal: |psi|^2 = z^2 + chi^2
+    /// of d - 1. That sum enters by its mean.
     double flagged_after(double c, double step) const {
         double sum = 0, weights = 0;
         for (int i = 0; i < 400; ++i) {
@@ -82,7 +83,8 @@ struct Predicted {
     }
 };
 
-// --- rows -----------------------------------------------------------------------------------------------------------------------
+// --- rows
+// ---------------------------------------------------------------------------------------------------------------------
 
 /// y = psi'1 + normal noise: Marsaglia's polar method. Seed::bell ends at 6 sigma, where false alarms begin.
 struct Rows {
@@ -145,7 +147,8 @@ void measure_signals(Trial const& trial, TrialOutput& out) {
                 double const middle = (low + high) / 2;
                 bool caught = true;
                 for (double side : {-1.0, 1.0})  // both, so that the error of theta does not help
-                    caught = caught && filter->clone()->update(probe.psi.data(), exact + side * middle * noise) == GuardSignal::outlier;
+                    caught = caught && filter->clone()->update(probe.psi.data(), exact + side * middle * noise) ==
+                                           GuardSignal::outlier;
                 (caught ? high : low) = middle;
             }
             found += correctly::log(high) / 20;
@@ -194,7 +197,8 @@ Table of(Table const& t, std::string const& signal) { return t.where("signal", s
 /// The mean of what was measured over what was predicted: a ratio of means, since a seed may have measured 0.
 Statistic const over_predicted([](Table const& t) { return mean("measured")(t) / mean("predicted")(t); });
 Judgement difference(Table const& t, std::vector<std::string> const& by, double from, double to) {
-    return within(t, by, Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }), from, to);
+    return within(t, by, Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }), from,
+                  to);
 }
 
 }  // namespace
@@ -207,11 +211,15 @@ Study const guard_signals{
     .formula = R"tex(c_{\mathrm{eff}} = c\,\frac{s}{\sigma}\sqrt{1 + \frac{\|\psi\|^2\,\mathrm{tr}P}{\lambda}} \qquad
                      \frac{s^2}{\sigma^2} = 1 - d(1-\lambda)\,\frac{1}{1+\lambda})tex",
     .interpretation =
-        "The test of a guard costs O(d) because it bounds psi'P psi by |psi|^2 tr P. That dilutes it: with c = 6 a row must be off by more "
-        "than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with a memory of 50 rows. So there are fewer "
-        "false alarms than a normal distribution's tail has, and more is missed. A change is known after 5 rows if each of them fails the "
+        "The test of a guard costs O(d) because it bounds psi'P psi by |psi|^2 tr P. That dilutes it: with c = 6 a row "
+        "must be off by more "
+        "than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with a memory of 50 rows. "
+        "So there are fewer "
+        "false alarms than a normal distribution's tail has, and more is missed. A change is known after 5 rows if "
+        "each of them fails the "
         "test; a change of 10 sigma is not, because half of its rows pass, and the noise is learnt from these. "
-        "Windup is told of when P_jj has grown from its settled value to the limit, within one turn of the coordinates.",
+        "Windup is told of when P_jj has grown from its settled value to the limit, within one turn of the "
+        "coordinates.",
     .data = "white rows, normal noise of 0.1, lambda = 0.98; d = 4, the threshold and one rate at d = 2 to 32",
     .factors =
         [](Budget budget) {
@@ -220,7 +228,10 @@ Study const guard_signals{
                                        {"size", {2.0, 4.0, 8.0, 16.0, 32.0}},
                                        {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
-    .admits = [](Trial const& t) { return t.number("size") == 4 || (t.text("variant") == "ud" && t.text("arithmetic") == "double"); },
+    .admits =
+        [](Trial const& t) {
+            return t.number("size") == 4 || (t.text("variant") == "ud" && t.text("arithmetic") == "double");
+        },
     .measures = {"signal", "at", "measured", "predicted"},
     .measure = measure_signals,
     .plots = {{.title = "An outlier of so many standard deviations is seen from here on (c = 6, lambda = 0.98)",
@@ -254,13 +265,15 @@ Study const guard_signals{
         {
             {"d = 4, c = 2.5 and 3: as many false alarms as predicted, within 25 %",
              [](Table const& t) {
-                 Table const mine = of(t, "false alarms").where("size", 4.0).where("at", [](double c) { return c <= 3; });
+                 Table const mine =
+                     of(t, "false alarms").where("size", 4.0).where("at", [](double c) { return c <= 3; });
                  return within(mine, {"at", "arithmetic", "variant"}, over_predicted, 0.75, 1.25);
              },
              own_result("docs/theory.md 86")},
             {"c = 6: fewer than one in 10^4 good rows, if rows count as independent",
              [](Table const& t) {
-                 Table const mine = of(t, "false alarms").where("at", 6.0).where("variant", "ud").where("arithmetic", "double");
+                 Table const mine =
+                     of(t, "false alarms").where("at", 6.0).where("variant", "ud").where("arithmetic", "double");
                  double hits = 0;
                  for (double x : mine.numbers("measured")) hits += x;
                  return proportion(size_t(hits + 0.5), mine.rows().size() * size_t(far), 0, 1e-4);
@@ -268,7 +281,8 @@ Study const guard_signals{
              own_result("set before the run: 2e-9 by the normal tail")},
             {"and no other signal on good rows, in most runs",
              [](Table const& t) {
-                 return within(of(t, "other signals"), {"arithmetic", "variant"}, greatest("measured").as(Estimate::most), 0, 0);
+                 return within(of(t, "other signals"), {"arithmetic", "variant"},
+                               greatest("measured").as(Estimate::most), 0, 0);
              },
              own_result("set before the run")},
             {"the threshold of c = 6 is the predicted one within 10 %, at d = 2 to 32",
@@ -277,7 +291,9 @@ Study const guard_signals{
              },
              own_result("docs/theory.md 86")},
             {"so that at d = 32 it is 22 to 34 standard deviations, not 6",
-             [](Table const& t) { return within(of(t, "threshold").where("size", 32.0), {}, mean("measured"), 22, 34); },
+             [](Table const& t) {
+                 return within(of(t, "threshold").where("size", 32.0), {}, mean("measured"), 22, 34);
+             },
              own_result("docs/theory.md 86: 28, to 20 %")},
             {"d = 4: the share of outliers of 4 to 15 sigma that is seen is the predicted one, within 0.05",
              [](Table const& t) {
@@ -296,10 +312,13 @@ Study const guard_signals{
                  return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
              own_result("docs/theory.md 86, band set before the run")},
-            {"windup is told of ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in most runs",
+            {"windup is told of ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in "
+             "most runs",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},
-                               Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); }, Estimate::most), 0, 5);
+                               Statistic([](Table const& g) { return mean("measured")(g) - mean("predicted")(g); },
+                                         Estimate::most),
+                               0, 5);
              },
              verification("docs/theory.md 86")},
         },

@@ -13,7 +13,8 @@ std::vector<std::string> const& guard_policies_by_name() {
     return names;
 }
 std::vector<std::string> const& guarded_variants() {
-    static std::vector<std::string> const names{"conventional", "symmetric", "potter", "carlson", "ud", "inverse_qr", "qr", "gentleman"};
+    static std::vector<std::string> const names{"conventional", "symmetric",  "potter", "carlson",
+                                                "ud",           "inverse_qr", "qr",     "gentleman"};
     return names;
 }
 

@@ -9,8 +9,9 @@
 
 namespace rlslab::studies {
 
-/// Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's ComposedFilter does not do: it reports no signal of a
-/// row, has no limit for the innovation, hands over from double to 113 bits, and has no counting arithmetic.
+/// Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's ComposedFilter does not do: it
+/// reports no signal of a row, has no limit for the innovation, hands over from double to 113 bits, and has no counting
+/// arithmetic.
 class Watched {
 public:
     virtual ~Watched() = default;
@@ -23,16 +24,17 @@ public:
     virtual GuardCounts counts() const = 0;  ///< zeros without a guard
 };
 
-/// The policies by name: none, report, reset, rebuild, hand_over. hand_over continues in ud in double, or in qr from ud in
-/// double. potter cannot hand over.
+/// The policies by name: none, report, reset, rebuild, hand_over. hand_over continues in ud in double, or in qr from ud
+/// in double. potter cannot hand over.
 std::vector<std::string> const& guard_policies_by_name();
 /// conventional, symmetric, potter, carlson, ud, inverse_qr, qr, gentleman.
 std::vector<std::string> const& guarded_variants();
 
 /// In "float" or "double". Null if there is no such pair of variant and policy.
-std::unique_ptr<Watched> watched(std::string_view variant, std::string_view arithmetic, std::string_view policy, Problem<double> const&,
-                                 double innovation = 6);
-/// The mean operations of a row over 20 d white rows, after a memory, with the guard armed and nothing wrong. In double.
+std::unique_ptr<Watched> watched(std::string_view variant, std::string_view arithmetic, std::string_view policy,
+                                 Problem<double> const&, double innovation = 6);
+/// The mean operations of a row over 20 d white rows, after a memory, with the guard armed and nothing wrong. In
+/// double.
 double operations_of_a_row(std::string_view variant, std::string_view policy, Index size);
 
 using MakeWatched = std::unique_ptr<Watched> (*)(Problem<double> const&, double innovation);

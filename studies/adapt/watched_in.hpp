@@ -32,7 +32,8 @@ class WatchedAs : public Watched {
     }
 
 public:
-    WatchedAs(Problem<double> const& problem, double innovation) : filter_(made(problem, innovation)), psi_(size_t(problem.size)) {}
+    WatchedAs(Problem<double> const& problem, double innovation)
+        : filter_(made(problem, innovation)), psi_(size_t(problem.size)) {}
     static std::unique_ptr<Watched> make(Problem<double> const& problem, double innovation) {
         return std::make_unique<WatchedAs>(problem, innovation);
     }
@@ -76,9 +77,10 @@ MakeWatched watched_as(std::string_view policy) {
 template <class T>
 MakeWatched watched_in(std::string_view variant, std::string_view policy) {
     MakeWatched out = nullptr;
-    for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Carlson<T>, Ud<T>, InverseQr<T>, Qr<T>, Gentleman<T>>{}, [&]<class F>() {
-        if (F::name == variant) out = watched_as<F>(policy);
-    });
+    for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Carlson<T>, Ud<T>, InverseQr<T>, Qr<T>, Gentleman<T>>{},
+             [&]<class F>() {
+                 if (F::name == variant) out = watched_as<F>(policy);
+             });
     return out;
 }
 

@@ -3,6 +3,8 @@
 
 namespace rlslab::studies {
 
-MakeWatched watched_in_float(std::string_view variant, std::string_view policy) { return detail::watched_in<float>(variant, policy); }
+MakeWatched watched_in_float(std::string_view variant, std::string_view policy) {
+    return detail::watched_in<float>(variant, policy);
+}
 
 }  // namespace rlslab::studies

@@ -1,5 +1,5 @@
-// Downdating with an alarm: how much worse than a fresh filter a window becomes, how often it is factored anew, and what else helps.
-// Longer than 150 lines: two experiments, a search and a slide, and 15 claims.
+// Downdating with an alarm: how much worse than a fresh filter a window becomes, how often it is factored anew, and
+// what else helps. Longer than 150 lines: two experiments, a search and a slide, and 15 claims.
 #include "studies/adapt/windows.hpp"
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
@@ -22,7 +22,8 @@ struct Schedule {
     Refactoring when;
 };
 constexpr double never = 1e30;  // also in float
-constexpr Schedule schedules[] = {{"alarm", {4, 0}}, {"none", {never, 0}}, {"every 100", {never, 100}}, {"every 1000", {never, 1000}}};
+constexpr Schedule schedules[] = {
+    {"alarm", {4, 0}}, {"none", {never, 0}}, {"every 100", {never, 100}}, {"every 1000", {never, 1000}}};
 
 Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = variance}};
 
@@ -31,11 +32,13 @@ Records part_of(Records const& all, Index end, Index length) {
 }
 double error_of(double digits) { return digits == digits ? correctly::pow(10, -digits) : INFINITY; }
 
-/// The error of P of a fresh filter on these rows, in their order, and the largest over four orders: a single one may be small by luck.
+/// The error of P of a fresh filter on these rows, in their order, and the largest over four orders: a single one may
+/// be small by luck.
 struct Fresh {
     double error, of_orders;
 };
-Fresh fresh_on(std::string_view variant, std::string_view arithmetic, Records const& kept, CertifiedSolution const& exact) {
+Fresh fresh_on(std::string_view variant, std::string_view arithmetic, Records const& kept,
+               CertifiedSolution const& exact) {
     Fresh out{0, 0};
     Index const W = kept.rows();
     for (int order = 0; order < 4;
@@ -89,17 +92,18 @@ void slide(Trial const& trial, TrialOutput& out) {
             for (size_t i = 0; i < std::size(steps); ++i) {
                 for (; at < steps[i]; ++at) filter->update(records.psi.col(at).data(), records.y[at]);
                 double const error = error_of(exact[i].covariance_digits(filter->stored()));
-                out({variant, name, double(steps[i]), error, error / fresh[i].error, error / fresh[i].of_orders, filter->predicted(),
-                     double(filter->refactored()), 1.0});
+                out({variant, name, double(steps[i]), error, error / fresh[i].error, error / fresh[i].of_orders,
+                     filter->predicted(), double(filter->refactored()), 1.0});
             }
         }
     }
 }
 
-// --- the search -----------------------------------------------------------------------------------------------------------------
+// --- the search
+// -----------------------------------------------------------------------------------------------------------------
 
-/// Rows that may be bad for an alarm. Column 0 loses information at each row as column 1 gains it, for `half` rows, then the other way
-/// round; so det X need not change. Beside it single rows are larger, and single columns are silent.
+/// Rows that may be bad for an alarm. Column 0 loses information at each row as column 1 gains it, for `half` rows,
+/// then the other way round; so det X need not change. Beside it single rows are larger, and single columns are silent.
 struct Recipe {
     double swap;          ///< ln of the size by which columns 0 and 1 change in a row
     double jump, jumps;   ///< log10 of how much larger a row is at most; the share of such rows
@@ -112,7 +116,8 @@ struct Recipe {
     }
     Recipe near(Seed& seed) const {
         Recipe out = *this, other = drawn(seed);
-        for (double Recipe::*x : {&Recipe::swap, &Recipe::jump, &Recipe::jumps, &Recipe::silence, &Recipe::half, &Recipe::length})
+        for (double Recipe::*x :
+             {&Recipe::swap, &Recipe::jump, &Recipe::jumps, &Recipe::silence, &Recipe::half, &Recipe::length})
             out.*x = seed.uniform() < 0.3 ? other.*x : this->*x * (0.8 + 0.4 * seed.uniform());
         out.half = std::max(out.half, 5.0);
         out.length = std::clamp(out.length, 8.0, 80.0);
@@ -122,7 +127,8 @@ struct Recipe {
         Records out{.psi = Matrix<double>(d, count), .y = Vector<double>(count), .names = {}};
         double const most = std::min(swap * half, 14.0);  // a swing of information of 1e12
         for (Index k = 0; k < count; ++k) {
-            double const phase = double(k) / half - 2 * std::floor(double(k) / half / 2), up = phase < 1 ? phase : 2 - phase;
+            double const phase = double(k) / half - 2 * std::floor(double(k) / half / 2),
+                         up = phase < 1 ? phase : 2 - phase;
             double const larger = seed.uniform() < jumps ? correctly::pow(10, jump * seed.uniform()) : 1;
             for (Index i = 0; i < d; ++i) {
                 double x = larger * seed.bell();
@@ -137,8 +143,8 @@ struct Recipe {
     }
 };
 
-/// One line a variant: the worst window that a hill climb over recipes found. A recipe of 24 is drawn, or one near the best so far.
-/// Windows of which the fresh filter's P has an error above 0.01 are left out: there is nothing to lose.
+/// One line a variant: the worst window that a hill climb over recipes found. A recipe of 24 is drawn, or one near the
+/// best so far. Windows of which the fresh filter's P has an error above 0.01 are left out: there is nothing to lose.
 void search(Trial const& trial, TrialOutput& out) {
     std::string const& arithmetic = trial.text("arithmetic");
     Seed seed = trial.seed({"model", "arithmetic", "replicate"});
@@ -148,7 +154,8 @@ void search(Trial const& trial, TrialOutput& out) {
         for (int i = 0; i < (trial.full() ? 24 : 6); ++i) {
             Recipe const recipe = worst > 0 && seed.uniform() < 0.6 ? best.near(seed) : Recipe::drawn(seed);
             Index const W = Index(recipe.length), count = 200;
-            Records const records = as_stored(recipe.records(Seed{seed.next()}, count), *trial.entry("qr", arithmetic).arithmetic);
+            Records const records =
+                as_stored(recipe.records(Seed{seed.next()}, count), *trial.entry("qr", arithmetic).arithmetic);
             auto const filter = sliding(variant, arithmetic, problem, W, {4, 0});
             for (Index k = 0; k < count; ++k) {
                 filter->update(records.psi.col(k).data(), records.y[k]);
@@ -167,10 +174,11 @@ void search(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- what claims ask ------------------------------------------------------------------------------------------------------------
+// --- what claims ask
+// ------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const plain{"conventional", "symmetric"}, factors{"potter", "carlson", "ud", "qr", "gentleman"},
-    triangular{"carlson", "ud", "qr", "gentleman"};
+std::vector<std::string> const plain{"conventional", "symmetric"},
+    factors{"potter", "carlson", "ud", "qr", "gentleman"}, triangular{"carlson", "ud", "qr", "gentleman"};
 Table slid(Table const& t, std::string const& schedule) {
     return t.where("model", {"outlier", "burst", "ill"}).where("schedule", schedule);
 }
@@ -200,16 +208,24 @@ Study const window_downdating{
     .name = "window_downdating",
     .question = "Is a window with an alarm never worse than ten times a fresh filter?",
     .source = "derived (docs/theory.md 47, 59, 60, 85); Björck, Park & Eldén 1994 (cited, not read)",
-    .formula = R"tex(V \to \gamma^2 V + 1, \qquad V \to \frac{V + \nu^2}{\alpha^4}, \qquad \text{factored anew where } V > 16\,V_0)tex",
+    .formula =
+        R"tex(V \to \gamma^2 V + 1, \qquad V \to \frac{V + \nu^2}{\alpha^4}, \qquad \text{factored anew where } V >
+              16\,V_0)tex",
     .interpretation =
-        "A window of 50 rows over 2000. A row 10^q times too large comes at 120 and leaves at 170. \"Nothing done\" still factors anew "
-        "where a removal is refused. Without an alarm what it leaves is kept until the rows are factored anew (how it grows with q: study "
-        "sliding_window), so that a schedule bounds how long the damage lasts and not how large it is. The alarm is the determinant's: it "
-        "is right where one direction loses information and the others keep theirs. The search looks for rows where it is not, such as "
+        "A window of 50 rows over 2000. A row 10^q times too large comes at 120 and leaves at 170. \"Nothing done\" "
+        "still factors anew "
+        "where a removal is refused. Without an alarm what it leaves is kept until the rows are factored anew (how it "
+        "grows with q: study "
+        "sliding_window), so that a schedule bounds how long the damage lasts and not how large it is. The alarm is "
+        "the determinant's: it "
+        "is right where one direction loses information and the others keep theirs. The search looks for rows where it "
+        "is not, such as "
         "where one direction gains what another loses, and finds worse windows: ten times is no bound. Corrected "
-        "semi-normal equations take q and alpha from the rows that are at hand, and leave nothing of the outlier, for 3 W d a row.",
+        "semi-normal equations take q and alpha from the rows that are at hand, and leave nothing of the outlier, for "
+        "3 W d a row.",
     .data =
-        "white rows, d = 4; the same with condition 1000; one row 10^q times too large, or ten; 24 recipes a seed of rows that swing, jump "
+        "white rows, d = 4; the same with condition 1000; one row 10^q times too large, or ten; 24 recipes a seed of "
+        "rows that swing, jump "
         "and fall silent",
     .factors =
         [](Budget budget) {
@@ -224,38 +240,43 @@ Study const window_downdating{
             std::string const& model = trial.text("model");
             return model == "outlier" || (model == "burst" && (q == 2 || q == 4 || q == 6)) || q == 0;
         },
-    .measures = {"variant", "schedule", "step", "error", "over_fresh", "over_orders", "predicted", "refactored", "windows"},
-    .measure = [](Trial const& trial, TrialOutput& out) { trial.text("model") == "search" ? search(trial, out) : slide(trial, out); },
-    .plots = {{.title = "Ten rows after the outlier has left, nothing done, double",
-               .x = "q",
-               .y = "error",
-               .log = "y",
-               .x_label = "outlier of size 10^q: q",
-               .y_label = "relative error of P",
-               .where = {{"model", {"outlier"}}, {"arithmetic", {"double"}}, {"schedule", {"none"}}, {"step", {"180"}}},
-               .guides = {{"u 10^{2q}", [](double q) { return 0x1p-53 * correctly::pow(10, 2 * q); }},
-                          {"u 10^{q}", [](double q) { return 0x1p-53 * correctly::pow(10, q); }}}},
-              {.title = "ud in double, one row or ten 10^4 times too large: how long the damage lasts",
-               .x = "step",
-               .y = "over_fresh",
-               .series = "schedule",
-               .panel = "model",
-               .x_label = "rows seen",
-               .y_label = "error of P over a fresh filter's",
-               .where = {{"model", {"outlier", "burst"}}, {"arithmetic", {"double"}}, {"variant", {"ud"}}, {"q", {"4"}}}},
-              {.title = "What V expects, and what is measured: nothing done, ten rows after the outlier has left, double",
-               .x = "predicted",
-               .y = "over_fresh",
-               .x_label = "sqrt(V / V0)",
-               .y_label = "error of P over a fresh filter's",
-               .where = {{"model", {"outlier"}}, {"arithmetic", {"double"}}, {"schedule", {"none"}}, {"step", {"180"}}},
-               .guides = {{"equal", [](double x) { return x; }}}}},
+    .measures = {"variant", "schedule", "step", "error", "over_fresh", "over_orders", "predicted", "refactored",
+                 "windows"},
+    .measure = [](Trial const& trial,
+                  TrialOutput& out) { trial.text("model") == "search" ? search(trial, out) : slide(trial, out); },
+    .plots =
+        {{.title = "Ten rows after the outlier has left, nothing done, double",
+          .x = "q",
+          .y = "error",
+          .log = "y",
+          .x_label = "outlier of size 10^q: q",
+          .y_label = "relative error of P",
+          .where = {{"model", {"outlier"}}, {"arithmetic", {"double"}}, {"schedule", {"none"}}, {"step", {"180"}}},
+          .guides = {{"u 10^{2q}", [](double q) { return 0x1p-53 * correctly::pow(10, 2 * q); }},
+                     {"u 10^{q}", [](double q) { return 0x1p-53 * correctly::pow(10, q); }}}},
+         {.title = "ud in double, one row or ten 10^4 times too large: how long the damage lasts",
+          .x = "step",
+          .y = "over_fresh",
+          .series = "schedule",
+          .panel = "model",
+          .x_label = "rows seen",
+          .y_label = "error of P over a fresh filter's",
+          .where = {{"model", {"outlier", "burst"}}, {"arithmetic", {"double"}}, {"variant", {"ud"}}, {"q", {"4"}}}},
+         {.title = "What V expects, and what is measured: nothing done, ten rows after the outlier has left, double",
+          .x = "predicted",
+          .y = "over_fresh",
+          .x_label = "sqrt(V / V0)",
+          .y_label = "error of P over a fresh filter's",
+          .where = {{"model", {"outlier"}}, {"arithmetic", {"double"}}, {"schedule", {"none"}}, {"step", {"180"}}},
+          .guides = {{"equal", [](double x) { return x; }}}}},
     .claims =
         {
-            {"with its alarm on a window is at most 10 times worse than a fresh filter on the same rows in their order, at every "
+            {"with its alarm on a window is at most 10 times worse than a fresh filter on the same rows in their "
+             "order, at every "
              "step looked at, in most runs",
              [](Table const& t) {
-                 return within(slid(t, "alarm"), {"arithmetic", "model", "variant"}, greatest("over_fresh").as(Estimate::most), 0, 10);
+                 return within(slid(t, "alarm"), {"arithmetic", "model", "variant"},
+                               greatest("over_fresh").as(Estimate::most), 0, 10);
              },
              own_result("set before the run: the aim of the window")},
             {"than the worst of four orders of these rows, triangular forms, in most runs",
@@ -278,17 +299,21 @@ Study const window_downdating{
              own_result("the same band; the measure set after a quick run, where lucky fresh filters decided")},
             {"nor does a search over recipes of rows find a window that is, in most runs",
              [](Table const& t) {
-                 return within(t.where("model", "search"), {"arithmetic", "variant"}, greatest("over_orders").as(Estimate::most), 0, 10);
+                 return within(t.where("model", "search"), {"arithmetic", "variant"},
+                               greatest("over_orders").as(Estimate::most), 0, 10);
              },
              own_result("set before the run: the aim of the window")},
             {"white rows, double: it is factored anew every 15 W / (4 d + 2) = 41.7 rows, within 30 %",
              [](Table const& t) {
-                 Table const mine = slid(t, "alarm").where("arithmetic", "double").where("q", 0.0).where("model", "outlier");
-                 Statistic const interval([](Table const& g) { return 2000 / g.where("step", 2000.0).number("refactored"); });
+                 Table const mine =
+                     slid(t, "alarm").where("arithmetic", "double").where("q", 0.0).where("model", "outlier");
+                 Statistic const interval(
+                     [](Table const& g) { return 2000 / g.where("step", 2000.0).number("refactored"); });
                  return within(mine, {"variant"}, interval, 0.7 * 41.7, 1.3 * 41.7);
              },
              own_result("docs/theory.md 85")},
-            {"nothing done, double, factor forms, q = 2 ... 6: ten rows after an outlier has left its error is 1/3 to 3 times what "
+            {"nothing done, double, factor forms, q = 2 ... 6: ten rows after an outlier has left its error is 1/3 to "
+             "3 times what "
              "sqrt(V / V0) expects",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 6), "none").where("arithmetic", "double").where("step", 180.0);
@@ -301,23 +326,29 @@ Study const window_downdating{
                  return within(mine.where("variant", plain), {"variant"}, of_prediction, 1.0 / 3, 3);
              },
              own_result("docs/theory.md 60, an order-of-magnitude law to a factor of 3")},
-            {"a schedule of 100 rows alone, q = 4, double: ten rows after the outlier has left at least 1e4 times a fresh filter's error",
+            {"a schedule of 100 rows alone, q = 4, double: ten rows after the outlier has left at least 1e4 times a "
+             "fresh filter's error",
              [](Table const& t) {
-                 Table const mine = slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 180.0);
+                 Table const mine =
+                     slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 180.0);
                  return within(mine, {"variant"}, median("over_fresh"), 1e4, 1e30);
              },
              own_result("docs/theory.md 47: 10^8 times d / W is 1e7")},
             {"and 40 rows after it was factored anew at row 200 below 10 times",
              [](Table const& t) {
-                 Table const mine = slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 240.0);
+                 Table const mine =
+                     slid(between(t, 4, 4), "every 100").where("arithmetic", "double").where("step", 240.0);
                  return within(mine, {"variant"}, median("over_fresh"), 0, 10);
              },
              own_result("set before the run")},
-            {"a schedule of 1000 rows keeps the damage: at row 900 at least a tenth of what it was at row 180, factor forms",
+            {"a schedule of 1000 rows keeps the damage: at row 900 at least a tenth of what it was at row 180, factor "
+             "forms",
              [](Table const& t) {
-                 Table const mine = slid(between(t, 4, 6), "every 1000").where("arithmetic", "double").where("variant", factors);
-                 Statistic const kept(
-                     [](Table const& g) { return median("error")(g.where("step", 900.0)) / median("error")(g.where("step", 180.0)); });
+                 Table const mine =
+                     slid(between(t, 4, 6), "every 1000").where("arithmetic", "double").where("variant", factors);
+                 Statistic const kept([](Table const& g) {
+                     return median("error")(g.where("step", 900.0)) / median("error")(g.where("step", 180.0));
+                 });
                  return within(mine, {"variant"}, kept, 0.1, 10);
              },
              own_result("docs/theory.md 47: lambda = 1")},
@@ -334,16 +365,21 @@ Study const window_downdating{
                  return within(mine.where("variant", "corrected"), {}, power, -0.1, 0.1);
              },
              own_result("docs/theory.md 85 as corrected after a quick run")},
-            {"double: never factored anew they stay within 10 times the worst of four orders, in most runs of white rows and one outlier",
+            {"double: never factored anew they stay within 10 times the worst of four orders, in most runs of white "
+             "rows and one outlier",
              [](Table const& t) {
-                 Table const mine = slid(t, "none").where("model", "outlier").where("arithmetic", "double").where("variant", "corrected");
+                 Table const mine = slid(t, "none")
+                                        .where("model", "outlier")
+                                        .where("arithmetic", "double")
+                                        .where("variant", "corrected");
                  return within(mine, {"q"}, greatest("over_orders").as(Estimate::most), 0, 10);
              },
              own_result("set after a quick run")},
             {"so that of an outlier of 10^6 they leave an error below 1e-8, where qr leaves 1e-6 and more",
              [](Table const& t) {
                  Table const mine = slid(between(t, 6, 6), "none").where("arithmetic", "double").where("step", 180.0);
-                 return labelled("corrected", within(mine.where("variant", "corrected"), {}, median("error"), 0, 1e-8)) &&
+                 return labelled("corrected",
+                                 within(mine.where("variant", "corrected"), {}, median("error"), 0, 1e-8)) &&
                         labelled("qr", within(mine.where("variant", "qr"), {}, median("error"), 1e-6, 1e3));
              },
              own_result("docs/theory.md 85")},

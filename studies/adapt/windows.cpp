@@ -67,9 +67,10 @@ template <class T>
 std::unique_ptr<SlidingFilter> sliding_in(std::string_view variant, Problem<double> const& problem, Index rows,
                                           Refactoring const& refactoring) {
     std::unique_ptr<SlidingFilter> out;
-    for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Carlson<T>, Ud<T>, Qr<T>, Gentleman<T>>{}, [&]<class F>() {
-        if (F::name == variant) out = std::make_unique<SlidingAs<F>>(problem, rows, refactoring);
-    });
+    for_each(TypeList<Conventional<T>, Symmetric<T>, Potter<T>, Carlson<T>, Ud<T>, Qr<T>, Gentleman<T>>{},
+             [&]<class F>() {
+                 if (F::name == variant) out = std::make_unique<SlidingAs<F>>(problem, rows, refactoring);
+             });
     if (variant == "corrected") out = std::make_unique<SlidingCorrected<T>>(problem, rows);
     if (!out) throw std::logic_error("no such window");
     return out;
@@ -78,11 +79,12 @@ std::unique_ptr<SlidingFilter> sliding_in(std::string_view variant, Problem<doub
 }  // namespace
 
 std::vector<std::string> const& windowed_variants() {
-    static std::vector<std::string> const names{"conventional", "symmetric", "potter", "carlson", "ud", "qr", "gentleman"};
+    static std::vector<std::string> const names{"conventional", "symmetric", "potter",   "carlson",
+                                                "ud",           "qr",        "gentleman"};
     return names;
 }
-std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic, Problem<double> const& problem, Index rows,
-                                       Refactoring const& refactoring) {
+std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic,
+                                       Problem<double> const& problem, Index rows, Refactoring const& refactoring) {
     if (arithmetic == "float") return sliding_in<float>(variant, problem, rows, refactoring);
     return sliding_in<double>(variant, problem, rows, refactoring);
 }

@@ -10,8 +10,8 @@
 
 namespace rlslab::studies {
 
-/// A window's variant and arithmetic are names. Data are binary64 and are rounded once to the filter's arithmetic. The catalogue's
-/// ComposedFilter does not do: it has no schedule of refactoring and no predicted error.
+/// A window's variant and arithmetic are names. Data are binary64 and are rounded once to the filter's arithmetic. The
+/// catalogue's ComposedFilter does not do: it has no schedule of refactoring and no predicted error.
 class SlidingFilter {
 public:
     virtual ~SlidingFilter() = default;
@@ -23,7 +23,8 @@ public:
     virtual double predicted() const = 0;
 };
 
-/// When a window is factored anew: on alarm, at the error expected to be `worse` times a fresh filter's, and every so many rows (0: never).
+/// When a window is factored anew: on alarm, at the error expected to be `worse` times a fresh filter's, and every so
+/// many rows (0: never).
 struct Refactoring {
     double worse;
     Index every;
@@ -33,7 +34,7 @@ struct Refactoring {
 std::vector<std::string> const& windowed_variants();
 /// Of the last `rows` rows, in "float" or "double". Fed no more than `rows` rows it is a fresh filter on them.
 /// Variant "corrected": see CorrectedDowndate. Throws std::logic_error for another name.
-std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic, Problem<double> const&, Index rows,
-                                       Refactoring const& refactoring);
+std::unique_ptr<SlidingFilter> sliding(std::string_view variant, std::string_view arithmetic, Problem<double> const&,
+                                       Index rows, Refactoring const& refactoring);
 
 }  // namespace rlslab::studies

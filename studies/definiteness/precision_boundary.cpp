@@ -19,10 +19,12 @@ constexpr Index size = 4;
 constexpr int shortest = 4, longest = 53, draws = 3;
 
 CatalogueEntry const& of_any_length(std::string const& variant) {
-    return *find_entry(variable_precision_catalogue(), variant, variable_precision_catalogue().front().arithmetic->name);
+    return *find_entry(variable_precision_catalogue(), variant,
+                       variable_precision_catalogue().front().arithmetic->name);
 }
 
-/// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the stored bits.
+/// gamma in (0, 1] at every step, P positive definite at 200 of them, and at the end within half of the exact P for the
+/// stored bits.
 bool survives(CatalogueEntry const& entry, int bits, double lambda, Records const& given) {
     PrecisionScope const precision(bits);
     Problem<double> const problem =
@@ -38,9 +40,12 @@ bool survives(CatalogueEntry const& entry, int bits, double lambda, Records cons
     return errors(*filter, certified(problem, records, {rows}, 10).front()).covariance < 0.5;
 }
 
-/// kappa_2 of the stationary covariance a^|i-j| of four taps: it splits into a symmetric and an antisymmetric 2 x 2 block.
+/// kappa_2 of the stationary covariance a^|i-j| of four taps: it splits into a symmetric and an antisymmetric 2 x 2
+/// block.
 double kappa_of_delay_line(double a) {
-    auto const eigenvalue = [](double p, double q, double r, int sign) { return (p + r) / 2 + sign * correctly::hypot((p - r) / 2, q); };
+    auto const eigenvalue = [](double p, double q, double r, int sign) {
+        return (p + r) / 2 + sign * correctly::hypot((p - r) / 2, q);
+    };
     return eigenvalue(1 + a * a * a, a + a * a, 1 + a, 1) / eigenvalue(1 - a * a * a, a - a * a, 1 - a, -1);
 }
 
@@ -56,16 +61,18 @@ void measure(Trial const& trial, TrialOutput& out) {
     double needed = INFINITY, relapses = 0;
     // Beyond 30 bits in larger steps: a variant that fails there fails for another reason than coarse rounding.
     for (int p = shortest; p <= longest && p <= needed + 2; p += p < 30 ? 1 : p < 50 ? 10 : 3) {
-        bool const alive = std::ranges::all_of(data, [&](Records const& records) { return survives(entry, p, lambda, records); });
+        bool const alive =
+            std::ranges::all_of(data, [&](Records const& records) { return survives(entry, p, lambda, records); });
         if (alive && !std::isfinite(needed)) needed = p;
         if (!alive && std::isfinite(needed)) ++relapses;
     }
-    out({needed, relapses, correctly::log2(1 / (1 - lambda)), correctly::log2(kappa_of_delay_line(trial.number("pole")))});
+    out({needed, relapses, correctly::log2(1 / (1 - lambda)),
+         correctly::log2(kappa_of_delay_line(trial.number("pole")))});
 }
 
 /// The bits of `variant` less what `law` says of the same rows, on average.
-Judgement off(Table const& t, std::vector<std::string> const& variants, std::function<double(Table const&)> const& law, double from,
-              double to) {
+Judgement off(Table const& t, std::vector<std::string> const& variants, std::function<double(Table const&)> const& law,
+              double from, double to) {
     Statistic const excess = [=](Table const& rows) {
         double sum = 0;
         auto const each = rows.groups({"replicate"});
@@ -91,27 +98,37 @@ Study const precision_boundary{
     .name = "precision_boundary",
     .question = "How many bits does it take to survive?",
     .source =
-        "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); docs/theory.md 48; the "
+        "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); "
+        "docs/theory.md 48; the "
         "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
-    .formula = R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
+    .formula =
+        R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
         p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
     .interpretation =
-        "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at each of 200 "
-        "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor forms only "
-        "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The conventional form "
-        "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are more than ln "
-        "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: which bit is "
+        "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at "
+        "each of 200 "
+        "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor "
+        "forms only "
+        "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The "
+        "conventional form "
+        "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are "
+        "more than ln "
+        "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: "
+        "which bit is "
         "the first depends on the data and on the order of operations.",
     .data = "delay lines of poles 0, 0.9, 0.99, d = 4; three draws each",
     .factors =
         [](Budget budget) {
             if (budget == Budget::quick)
-                return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}},
-                                           {"lambda", {0.9, 0.97, 0.99}},
-                                           {"variant", {"conventional", "symmetric", "joseph", "joseph_rank_two", "carlson", "ud"}},
-                                           {"replicate", counted(11)}};
-            return std::vector<Factor>{
-                {"pole", {0.0, 0.9, 0.99}}, {"lambda", {0.9, 0.97, 0.99, 0.997}}, {"variant", row_forms()}, {"replicate", counted(20)}};
+                return std::vector<Factor>{
+                    {"pole", {0.0, 0.9, 0.99}},
+                    {"lambda", {0.9, 0.97, 0.99}},
+                    {"variant", {"conventional", "symmetric", "joseph", "joseph_rank_two", "carlson", "ud"}},
+                    {"replicate", counted(11)}};
+            return std::vector<Factor>{{"pole", {0.0, 0.9, 0.99}},
+                                       {"lambda", {0.9, 0.97, 0.99, 0.997}},
+                                       {"variant", row_forms()},
+                                       {"replicate", counted(20)}};
         },
     .measures = {"bits", "relapses", "log2_memory", "log2_kappa_P"},
     .measure = measure,
@@ -137,7 +154,8 @@ Study const precision_boundary{
             {"symmetric: within 2 bits of max(log2(1/(1 - lambda)) + 1, log2 kappa_P + 4)",
              [](Table const& t) {
                  return off(
-                     t, {"symmetric"}, [](Table const& r) { return std::max(r.number("log2_memory") + 1, r.number("log2_kappa_P") + 4); },
+                     t, {"symmetric"},
+                     [](Table const& r) { return std::max(r.number("log2_memory") + 1, r.number("log2_kappa_P") + 4); },
                      -2, 2);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.9")},
@@ -167,17 +185,21 @@ Study const precision_boundary{
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.9")},
             {"joseph on coloured input: 0 to 3 bits more than symmetric",
-             [](Table const& t) { return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3); },
+             [](Table const& t) {
+                 return off(t.where("pole", [](double a) { return a > 0; }), {"joseph"}, needs(t, "symmetric"), 0, 3);
+             },
              own_result("first edition, set after its run")},
             {"joseph_rank_two: within 1 bit of symmetric",
              [](Table const& t) { return off(t, {"joseph_rank_two"}, needs(t, "symmetric"), -1, 1); },
              own_result("first edition, set after its run")},
             {"conventional fails in most runs at every length tried: 4 to 30, 40, 50 and 53 bits",
              [](Table const& t) {
-                 return within(t.where("variant", "conventional"), {"pole", "lambda"}, least("bits"), INFINITY, INFINITY);
+                 return within(t.where("variant", "conventional"), {"pole", "lambda"}, least("bits"), INFINITY,
+                               INFINITY);
              },
              reproduction("earlier experiment, docs/literature.md 3.9")},
-            {"survival is monotone but for the luck of single bits: in most runs at most one of the two lengths beyond the first that "
+            {"survival is monotone but for the luck of single bits: in most runs at most one of the two lengths beyond "
+             "the first that "
              "survives fails",
              [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); },
              own_result("first edition, set after its run")},

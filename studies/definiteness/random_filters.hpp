@@ -7,8 +7,8 @@
 
 namespace rlslab::studies {
 
-/// symmetric, joseph, joseph_rank_two, ud, carlson, inverse_qr, qr, with the rounding of the calling thread's RandomRoundingScope
-/// while the filter is made and fed. Throws std::logic_error for another variant.
+/// symmetric, joseph, joseph_rank_two, ud, carlson, inverse_qr, qr, with the rounding of the calling thread's
+/// RandomRoundingScope while the filter is made and fed. Throws std::logic_error for another variant.
 CatalogueEntry const& randomly_rounded(std::string_view variant);
 
 }  // namespace rlslab::studies

@@ -9,8 +9,8 @@
 
 namespace rlslab::studies {
 
-/// How the exact result x of an operation becomes one of its two neighbours of p bits. f in [0, 1): the fraction of the way to the outer
-/// one. With r random bits the outer one is taken with probability
+/// How the exact result x of an operation becomes one of its two neighbours of p bits. f in [0, 1): the fraction of the
+/// way to the outer one. With r random bits the outer one is taken with probability
 ///   truncate    2^-r floor(2^r f)             the bits of f behind the r-th are surplus, and dropped
 ///   half        2^-r floor(2^r f + 1/2)       half of the last random bit is added to them first
 struct RandomRounding {
@@ -20,23 +20,25 @@ struct RandomRounding {
     Surplus surplus = Surplus::truncate;
 };
 
-/// Rounds the exact value head + tail by the rule. head: the double nearest to it, tail: of the sign of the exact value less head.
-/// draw() returns 64 random bits, of which the first r are used; a number of p bits draws nothing, nor does one whose probability is 0.
-/// Exponents are double's. Infinities stay, every NaN becomes one.
+/// Rounds the exact value head + tail by the rule. head: the double nearest to it, tail: of the sign of the exact value
+/// less head. draw() returns 64 random bits, of which the first r are used; a number of p bits draws nothing, nor does
+/// one whose probability is 0. Exponents are double's. Infinities stay, every NaN becomes one.
 template <class Draw>
 constexpr double round_at_random(double head, double tail, RandomRounding const& rule, Draw&& draw) {
     using namespace rlslab::detail;
     if (!is_number(head)) return not_a_number(head);
     int const surplus = 53 - rule.digits - rule.random_bits;
-    std::uint64_t const ulp = std::uint64_t{1} << (53 - rule.digits), size = bits_of(floor_of(head, tail)), rest = size & (ulp - 1);
-    std::uint64_t const half = rule.surplus == RandomRounding::Surplus::half && surplus > 0 ? std::uint64_t{1} << (surplus - 1) : 0;
+    std::uint64_t const ulp = std::uint64_t{1} << (53 - rule.digits), size = bits_of(floor_of(head, tail)),
+                        rest = size & (ulp - 1);
+    std::uint64_t const half =
+        rule.surplus == RandomRounding::Surplus::half && surplus > 0 ? std::uint64_t{1} << (surplus - 1) : 0;
     std::uint64_t const of_all = (rest + half) >> surplus;  // the probability, in units of 2^-r
     bool const up = of_all != 0 && (draw() >> (64 - rule.random_bits)) < of_all;
     return with_sign_of(head, from_bits(size - rest + (up ? ulp : 0)));
 }
 
-/// Sets the rule by which RandomlyRounded rounds in this thread until this object is destroyed. Throws std::invalid_argument for a
-/// rule whose numbers are out of range.
+/// Sets the rule by which RandomlyRounded rounds in this thread until this object is destroyed. Throws
+/// std::invalid_argument for a rule whose numbers are out of range.
 class [[nodiscard]] RandomRoundingScope {
     static inline constinit thread_local RandomRounding current_{};
     RandomRounding previous_;
@@ -53,8 +55,8 @@ public:
     static RandomRounding const& rule() { return current_; }
 };
 
-/// A number whose operations round by the thread's RandomRoundingScope. Where that is at random they draw from its StochasticStream.
-/// Made from a double it is rounded to nearest, as data are.
+/// A number whose operations round by the thread's RandomRoundingScope. Where that is at random they draw from its
+/// StochasticStream. Made from a double it is rounded to nearest, as data are.
 class RandomlyRounded {
     double value_ = 0;
     struct AlreadyRounded {};
@@ -125,7 +127,8 @@ struct Encoding<studies::RandomlyRounded> : EncodingInDouble<studies::RandomlyRo
 }  // namespace rlslab
 
 template <>
-struct Eigen::NumTraits<rlslab::studies::RandomlyRounded> : rlslab::detail::StorageTraits<rlslab::studies::RandomlyRounded> {
+struct Eigen::NumTraits<rlslab::studies::RandomlyRounded>
+    : rlslab::detail::StorageTraits<rlslab::studies::RandomlyRounded> {
     using Number = rlslab::studies::RandomlyRounded;
     static Number highest() { return Number(std::numeric_limits<double>::max()); }
     static Number lowest() { return -highest(); }

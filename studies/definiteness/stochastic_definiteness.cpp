@@ -56,7 +56,8 @@ struct InDouble {
     }
 };
 
-/// One run. A filter that has lost definiteness is made anew from P = I at the next row. Its first 2/(1 - lambda) rows do not count.
+/// One run. A filter that has lost definiteness is made anew from P = I at the next row. Its first 2/(1 - lambda) rows
+/// do not count.
 void measure(Trial const& trial, TrialOutput& out) {
     int const p = int(trial.number("digits"));
     std::string const& rounding = trial.text("rounding");
@@ -68,11 +69,12 @@ void measure(Trial const& trial, TrialOutput& out) {
                                 : int(rounding[0] - '0'),
          .surplus = rounding.ends_with("half") ? RandomRounding::Surplus::half : RandomRounding::Surplus::truncate});
     CatalogueEntry const& entry = randomly_rounded(trial.text("variant"));
-    Problem<double> const problem =
-        as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
+    Problem<double> const problem = as_stored(
+        {.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     double const lambda = problem.forgetting, u = std::ldexp(1.0, -p), c = nearest ? 0.3 : 0.42;
     Index const rows = trial.full() ? 20000 : 4000, start = Index(2 / (1 - lambda));
-    Records const records = as_stored(delay_line(size, rows, trial.number("pole"), trial.seed({"pole", "replicate"})), *entry.arithmetic);
+    Records const records =
+        as_stored(delay_line(size, rows, trial.number("pole"), trial.seed({"pole", "replicate"})), *entry.arithmetic);
     Seed seed = trial.seed({"pole", "replicate", "lambda", "digits", "rounding", "variant"});
     InDouble exact{lambda};
     auto filter = entry.make(problem, Seed{seed.next()});
@@ -98,15 +100,18 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({counted, lost, early, lost / counted, hazard / looks, kappa / looks - p});
 }
 
-// --- rates --------------------------------------------------------------------------------------------------------------
+// --- rates
+// --------------------------------------------------------------------------------------------------------------
 
-/// Losses per step over all runs of a table, with limits at claim_risk: exact for a Poisson number of losses, and of fewer losses
-/// where they come in bursts: their number and the steps are divided by D, the variance over the mean of the losses of one run.
+/// Losses per step over all runs of a table, with limits at claim_risk: exact for a Poisson number of losses, and of
+/// fewer losses where they come in bursts: their number and the steps are divided by D, the variance over the mean of
+/// the losses of one run.
 struct Hazard {
     double lost = 0, steps = 0, predicted = 0, bursts = 1;
 
     explicit Hazard(Table const& t) {
-        std::vector<double> const events = t.numbers("lost"), exposure = t.numbers("steps"), law = t.numbers("predicted");
+        std::vector<double> const events = t.numbers("lost"), exposure = t.numbers("steps"),
+                                  law = t.numbers("predicted");
         for (double const n : events) lost += n;
         for (double const n : exposure) steps += n;
         for (double const n : law) predicted += n / double(law.size());
@@ -131,7 +136,9 @@ Judgement judged(double point, Interval const& shown, double from, double to, st
 }
 constexpr double quantile = 3.2905;  // of the normal distribution, for claim_risk on both sides
 
-Table of(Table const& t, char const* variant, char const* rounding) { return t.where("variant", variant).where("rounding", rounding); }
+Table of(Table const& t, char const* variant, char const* rounding) {
+    return t.where("variant", variant).where("rounding", rounding);
+}
 std::vector<std::string> const cell{"pole", "lambda", "digits"};
 
 /// Losses over the law's, in every cell where the law expects at least ten.
@@ -141,7 +148,8 @@ Judgement against_the_law(Table const& t, char const* rounding) {
         Hazard const h(runs);
         if (h.predicted * h.steps < 10) continue;
         Interval const limits = h.limits();
-        out.push_back(judged(h.rate() / h.predicted, {limits.low / h.predicted, limits.high / h.predicted}, 1 / 3.0, 3, name));
+        out.push_back(
+            judged(h.rate() / h.predicted, {limits.low / h.predicted, limits.high / h.predicted}, 1 / 3.0, 3, name));
     }
     return together(out);
 }
@@ -169,17 +177,22 @@ Study const stochastic_definiteness{
     .name = "stochastic_definiteness",
     .question = "Does stochastic rounding save the definiteness of P, or kill it?",
     .source =
-        "Connolly, Higham & Mary 2021 (abstract read: errors of mean zero, variance twice that to nearest); the hazard is derived "
+        "Connolly, Higham & Mary 2021 (abstract read: errors of mean zero, variance twice that to nearest); the hazard "
+        "is derived "
         "(docs/theory.md 76)",
     .formula = R"tex(h = \overline{(1-\lambda)\frac{a_t}{\sqrt{2\pi}}\, e^{-a_t^2/2}}, \qquad
                  a_t = \frac{\lambda_{\min}(P_t)\sqrt{1-\lambda^2}}{c\,u\,\lambda_{\max}(P_t)}, \quad
                  c = 0.3 \text{ (nearest)},\ 0.42 \text{ (stochastic)})tex",
     .interpretation =
-        "It does neither much: it costs half a bit to a bit. A step of the symmetric form loses definiteness about with the "
-        "probability that the law says, over two forgetting factors and three poles, with one constant for rounding to nearest and "
-        "its sqrt(2) for stochastic rounding. At 6 bits it loses twice as often stochastically as the law says: there the deviation "
+        "It does neither much: it costs half a bit to a bit. A step of the symmetric form loses definiteness about "
+        "with the "
+        "probability that the law says, over two forgetting factors and three poles, with one constant for rounding to "
+        "nearest and "
+        "its sqrt(2) for stochastic rounding. At 6 bits it loses twice as often stochastically as the law says: there "
+        "the deviation "
         "is no longer small beside P. Four random bits do as well as all. The triangular, UD and QR forms "
-        "never lose it, rounded in whatever way. One form is killed: joseph_rank_two rounds an entry and its mirror image apart, so "
+        "never lose it, rounded in whatever way. One form is killed: joseph_rank_two rounds an entry and its mirror "
+        "image apart, so "
         "that the antisymmetric part, which is exactly zero to nearest, grows as lambda^-k (docs/theory.md 79).",
     .data = "delay lines of 3 taps with poles 0.9, 0.99 and 0.999",
     .factors =
@@ -187,19 +200,21 @@ Study const stochastic_definiteness{
             bool const full = budget == Budget::full;
             std::vector<Cell> digits;
             for (double p = 6; p <= (full ? 21 : 9); ++p) digits.emplace_back(p);
-            return std::vector<Factor>{{"variant", {"symmetric", "joseph", "joseph_rank_two", "ud", "carlson", "inverse_qr", "qr"}},
-                                       {"pole", full ? std::vector<Cell>{0.9, 0.99, 0.999} : std::vector<Cell>{0.9}},
-                                       {"lambda", {0.97, 0.9}},
-                                       {"digits", digits},
-                                       {"rounding", {"nearest", "stochastic", "2 bits", "4 bits", "4 bits and half"}},
-                                       {"replicate", counted(full ? 40 : 20)}};
+            return std::vector<Factor>{
+                {"variant", {"symmetric", "joseph", "joseph_rank_two", "ud", "carlson", "inverse_qr", "qr"}},
+                {"pole", full ? std::vector<Cell>{0.9, 0.99, 0.999} : std::vector<Cell>{0.9}},
+                {"lambda", {0.97, 0.9}},
+                {"digits", digits},
+                {"rounding", {"nearest", "stochastic", "2 bits", "4 bits", "4 bits and half"}},
+                {"replicate", counted(full ? 40 : 20)}};
         },
     .admits =
         [](Trial const& trial) {
             double const p = trial.number("digits"), pole = trial.number("pole");
             std::string const &variant = trial.text("variant"), &rounding = trial.text("rounding");
             bool const whole = rounding == "nearest" || rounding == "stochastic";
-            if (variant == "symmetric" && whole) return pole == 0.9 ? p <= 10 : pole == 0.99 ? p >= 11 && p <= 15 : p >= 17;
+            if (variant == "symmetric" && whole)
+                return pole == 0.9 ? p <= 10 : pole == 0.99 ? p >= 11 && p <= 15 : p >= 17;
             bool const few = trial.full() || trial.number("replicate") <= 5;
             if (variant == "symmetric") return pole == 0.9 && p == 8 && few;
             bool const josephs = variant == "joseph" || variant == "joseph_rank_two";
@@ -227,41 +242,52 @@ Study const stochastic_definiteness{
                .where = {{"digits", {"8"}}, {"pole", {"0.9"}}, {"rounding", {"nearest", "stochastic"}}}}},
     .claims =
         {
-            {"S4: to nearest the hazard of symmetric is the law's with c = 0.3, within a factor of 3, where ten losses are expected",
-             [](Table const& t) { return against_the_law(t, "nearest"); }, own_result("docs/theory.md 76, its c fitted after pilot runs")},
-            {"S4: stochastic with c = 0.42, within a factor of 3", [](Table const& t) { return against_the_law(t, "stochastic"); },
+            {"S4: to nearest the hazard of symmetric is the law's with c = 0.3, within a factor of 3, where ten losses "
+             "are expected",
+             [](Table const& t) { return against_the_law(t, "nearest"); },
+             own_result("docs/theory.md 76, its c fitted after pilot runs")},
+            {"S4: stochastic with c = 0.42, within a factor of 3",
+             [](Table const& t) { return against_the_law(t, "stochastic"); },
              own_result("docs/theory.md 76, its c fitted after pilot runs")},
             {"S4: a bit more multiplies |ln h| by 1.2 to 1.6, not by 4",
              [](Table const& t) {
-                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const& s0,
-                                       auto const& s1) {
+                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1,
+                                       auto const& s0, auto const& s1) {
                      auto const growth = [&](char const* name, Hazard const& before, Hazard const& here) {
                          if (before.lost < enough || here.lost < enough) return;
-                         double const x = -correctly::log(before.rate()), y = -correctly::log(here.rate()), ratio = y / x;
-                         double const error = quantile * std::sqrt(here.scatter() / (x * x) + ratio * ratio * before.scatter() / (x * x));
+                         double const x = -correctly::log(before.rate()), y = -correctly::log(here.rate()),
+                                      ratio = y / x;
+                         double const error = quantile * std::sqrt(here.scatter() / (x * x) +
+                                                                   ratio * ratio * before.scatter() / (x * x));
                          out.push_back(judged(ratio, {ratio - error, ratio + error}, 1.2, 1.6, label + ", " + name));
                      };
                      growth("nearest", n0, n1), growth("stochastic", s0, s1);
                  });
              },
              own_result("docs/theory.md 76, set before the run")},
-            {"S5: stochastic rounding costs half a bit, to a quarter: h(p) is that to nearest of p - x bits, ln h linear between",
+            {"S5: stochastic rounding costs half a bit, to a quarter: h(p) is that to nearest of p - x bits, ln h "
+             "linear between",
              [](Table const& t) {
-                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const&, auto const& s1) {
+                 return each_bit(t, [](auto& out, std::string const& label, auto const& n0, auto const& n1, auto const&,
+                                       auto const& s1) {
                      if (n0.lost < enough || n1.lost < enough || s1.lost < enough) return;
-                     double const bit = correctly::log(n0.rate() / n1.rate()), x = correctly::log(s1.rate() / n1.rate()) / bit;
+                     double const bit = correctly::log(n0.rate() / n1.rate()),
+                                  x = correctly::log(s1.rate() / n1.rate()) / bit;
                      double const error =
-                         quantile * std::sqrt(s1.scatter() + x * x * n0.scatter() + (1 - x) * (1 - x) * n1.scatter()) / bit;
+                         quantile * std::sqrt(s1.scatter() + x * x * n0.scatter() + (1 - x) * (1 - x) * n1.scatter()) /
+                         bit;
                      out.push_back(judged(x, {x - error, x + error}, 0.25, 0.75, label));
                  });
              },
-             own_result("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and 1 as well")},
+             own_result("docs/theory.md 76; in bits after a full run, whose band, a factor of 3 of h, held 0 bits and "
+                        "1 as well")},
             {"S6: ud, carlson, inverse_qr, qr never lose it, to nearest and stochastically, in 6 and 8 bits",
              [](Table const& t) {
                  Table const roots = t.where("variant", std::vector<std::string>{"ud", "carlson", "inverse_qr", "qr"});
                  double steps = 0;
                  for (double const n : roots.numbers("steps")) steps += n;
-                 Judgement out = everywhere(roots, "lost", 0.0, Estimate::proven) && everywhere(roots, "early", 0.0, Estimate::proven);
+                 Judgement out = everywhere(roots, "lost", 0.0, Estimate::proven) &&
+                                 everywhere(roots, "early", 0.0, Estimate::proven);
                  out.measured += fmt::format("; {:.3g} steps", steps);
                  return out;
              },
@@ -269,17 +295,21 @@ Study const stochastic_definiteness{
             {"joseph_rank_two in 8 bits loses it at least ten times as often stochastically as to nearest",
              [](Table const& t) {
                  std::vector<Judgement> out;
-                 for (auto const& [name, runs] : of(t, "joseph_rank_two", "stochastic").where("digits", 8.0).groups({"lambda"})) {
+                 for (auto const& [name, runs] :
+                      of(t, "joseph_rank_two", "stochastic").where("digits", 8.0).groups({"lambda"})) {
                      Table const nearest = of(t, "joseph_rank_two", "nearest").where("digits", 8.0);
                      Interval const at_random = Hazard(runs).limits(),
                                     before = Hazard(nearest.where("lambda", runs.distinct("lambda").front())).limits();
-                     double const least = at_random.low / before.high, most = before.low > 0 ? at_random.high / before.low : INFINITY;
-                     out.push_back(judged(Hazard(runs).rate(), {least, most}, 10, INFINITY, name + ": a step, and the ratio"));
+                     double const least = at_random.low / before.high,
+                                  most = before.low > 0 ? at_random.high / before.low : INFINITY;
+                     out.push_back(
+                         judged(Hazard(runs).rate(), {least, most}, 10, INFINITY, name + ": a step, and the ratio"));
                  }
                  return together(out);
              },
              own_result("docs/theory.md 79; set after a pilot at the quick budget")},
-            {"4 random bits lose it as often as all: symmetric in 8 bits, within a factor of 1.5, truncated and with half added",
+            {"4 random bits lose it as often as all: symmetric in 8 bits, within a factor of 1.5, truncated and with "
+             "half added",
              [](Table const& t) {
                  std::vector<Judgement> out;
                  for (char const* few : {"4 bits", "4 bits and half"})
@@ -288,7 +318,8 @@ Study const stochastic_definiteness{
                                                        .where("pole", 0.9)
                                                        .where("digits", 8.0)
                                                        .where("lambda", runs.distinct("lambda").front()));
-                         double const ratio = h.rate() / all.rate(), by = correctly::exp(quantile * std::sqrt(h.scatter() + all.scatter()));
+                         double const ratio = h.rate() / all.rate(),
+                                      by = correctly::exp(quantile * std::sqrt(h.scatter() + all.scatter()));
                          out.push_back(judged(ratio, {ratio / by, ratio * by}, 1 / 1.5, 1.5, name + ", " + few));
                      }
                  return together(out);

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double prior = 0x1p40;
 
-/// Two columns with the same numbers, each number rounded on its own to p bits; then qr in double, which is exact beside that.
+/// Two columns with the same numbers, each number rounded on its own to p bits; then qr in double, which is exact
+/// beside that.
 void measure(Trial const& trial, TrialOutput& out) {
     int const p = int(trial.number("digits"));
     bool const nearest = trial.text("rounding") == "nearest";
@@ -31,7 +32,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
     Matrix<Reference> const P = covariance_of(filter->stored());
     Reference const half = (P(0, 0) + P(1, 1)) / 2, difference = (P(0, 0) - P(1, 1)) / 2;
-    double const greatest = static_cast<double>(Reference(half + sqrt(Reference(difference * difference + P(0, 1) * P(0, 1))))),
+    double const greatest = static_cast<double>(
+                     Reference(half + sqrt(Reference(difference * difference + P(0, 1) * P(0, 1))))),
                  u = std::ldexp(1.0, -p);
     out({u, greatest, greatest * units / 6, greatest * trial.number("rows") * u * u * largest, greatest / prior});
 }
@@ -45,21 +47,25 @@ Study const stochastic_rows{
     .name = "stochastic_rows",
     .question = "Does stochastic rounding of the rows regularise collinear columns?",
     .source =
-        "Dexter et al. 2024 (abstract read: it lifts the smallest singular value of a tall matrix); the constant is derived "
+        "Dexter et al. 2024 (abstract read: it lifts the smallest singular value of a tall matrix); the constant is "
+        "derived "
         "(docs/theory.md 77)",
-    .formula = R"tex(\lambda_{\max}(P_N) \approx \frac{6}{\sum_k \mathrm{ulp}(x_k)^2} \le \frac{6}{u^2 \sum_k x_k^2})tex",
+    .formula =
+        R"tex(\lambda_{\max}(P_N) \approx \frac{6}{\sum_k \mathrm{ulp}(x_k)^2} \le \frac{6}{u^2 \sum_k x_k^2})tex",
     .interpretation =
-        "Two equal columns stay equal to nearest, and P keeps the variance of the prior in the direction that they do not excite. "
-        "Rounded stochastically they differ by noise, and the variance falls as 1/(N u^2). That is a regularisation by the data's "
+        "Two equal columns stay equal to nearest, and P keeps the variance of the prior in the direction that they do "
+        "not excite. "
+        "Rounded stochastically they differ by noise, and the variance falls as 1/(N u^2). That is a regularisation by "
+        "the data's "
         "word length: the filter takes the rounding for information, as it would take noise in its regressors.",
     .data = "two equal columns of nearly normal numbers",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{
-                {"rounding", {"nearest", "stochastic"}},
-                {"digits", {6.0, 8.0, 11.0, 16.0}},
-                {"rows", budget == Budget::full ? std::vector<Cell>{100.0, 1000.0, 10000.0} : std::vector<Cell>{100.0, 1000.0}},
-                {"replicate", counted(100)}};
+            return std::vector<Factor>{{"rounding", {"nearest", "stochastic"}},
+                                       {"digits", {6.0, 8.0, 11.0, 16.0}},
+                                       {"rows", budget == Budget::full ? std::vector<Cell>{100.0, 1000.0, 10000.0}
+                                                                       : std::vector<Cell>{100.0, 1000.0}},
+                                       {"replicate", counted(100)}};
         },
     .measures = {"u", "greatest_P", "of_law", "of_bound", "of_prior"},
     .measure = measure,
@@ -75,8 +81,8 @@ Study const stochastic_rows{
         {
             {"to nearest the columns stay equal: the largest eigenvalue is that of the prior, to 1e-6",
              [](Table const& t) {
-                 return within(t.where("rounding", "nearest"), {"digits", "rows"}, mean("of_prior").as(Estimate::proven), 1 - 1e-6,
-                               1 + 1e-6);
+                 return within(t.where("rounding", "nearest"), {"digits", "rows"},
+                               mean("of_prior").as(Estimate::proven), 1 - 1e-6, 1 + 1e-6);
              },
              verification("docs/theory.md 77").by("docs/theory.md 77")},
             {"S7: stochastic: it is 6 / (sum of ulp^2), within a factor of 1.25",

@@ -16,7 +16,8 @@ template <class F>
 void watch(Trial const& trial, TrialOutput& out) {
     Q const lambda = tenths(trial.number("lambda"));
     bool const spherical = trial.text("prior") == "c^2 I";
-    M const P0 = spherical ? M(M::Identity(d, d) * Q(5)) : M{{Q(4), Q(1), Q(0)}, {Q(1), Q(3), Q(1)}, {Q(0), Q(1), Q(2)}};
+    M const P0 =
+        spherical ? M(M::Identity(d, d) * Q(5)) : M{{Q(4), Q(1), Q(0)}, {Q(1), Q(3), Q(1)}, {Q(0), Q(1), Q(2)}};
     V const v{{1, 2, 3}}, normal = trial.text("rows") == "psi'v = 0" ? v : V(P0.lazyProduct(v));
     int const cases = trial.full() ? 100 : 10, steps = 12;
     std::vector<int> holds(steps + 1);
@@ -57,17 +58,22 @@ Study const unexcited_direction{
     .formula = R"tex(\psi_i^\top P_0 v = 0 \text{ for all } i \;\Longrightarrow\;
 P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
     .interpretation =
-        "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no information "
-        "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, which is how "
-        "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the prior's "
+        "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no "
+        "information "
+        "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, "
+        "which is how "
+        "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the "
+        "prior's "
         "correlations, and the law fails at once.",
     .data = "random integer rows, d = 3",
     .factors =
         [](Budget) {
             std::vector<Cell> names;
             for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
-            return std::vector<Factor>{
-                {"lambda", {1.0, 0.9}}, {"prior", {"c^2 I", "full"}}, {"rows", {"psi'v = 0", "psi'P0 v = 0"}}, {"variant", names}};
+            return std::vector<Factor>{{"lambda", {1.0, 0.9}},
+                                       {"prior", {"c^2 I", "full"}},
+                                       {"rows", {"psi'v = 0", "psi'P0 v = 0"}},
+                                       {"variant", names}};
         },
     .measures = {"steps", "share", "variance"},
     .measure = measure,

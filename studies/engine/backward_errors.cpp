@@ -44,7 +44,9 @@ std::optional<Numbers> root(Numbers const& X) {
         }
     return R;
 }
-Numbers inverse_of_triangle(Numbers const& R) { return R.triangularView<Eigen::Upper>().solve(Numbers::Identity(R.rows(), R.cols())); }
+Numbers inverse_of_triangle(Numbers const& R) {
+    return R.triangularView<Eigen::Upper>().solve(Numbers::Identity(R.rows(), R.cols()));
+}
 Numbers symmetric_part(Numbers const& X) { return (X + X.transpose()) / Reference(2); }
 
 }  // namespace
@@ -103,7 +105,9 @@ Matrix<Reference> GivenProblem::covariance() const {
     return P;
 }
 
-double GivenProblem::condition() const { return static_cast<double>(sqrt(Reference(squares_[0] / squares_[size() - 1]))); }
+double GivenProblem::condition() const {
+    return static_cast<double>(sqrt(Reference(squares_[0] / squares_[size() - 1])));
+}
 
 double GivenProblem::row_condition() const {
     Numbers const inverse = inverse_of_triangle(R_);
@@ -128,7 +132,8 @@ double GivenProblem::covariance_condition() const {  // 2 |A|_F/(sigma_d^3 |P|_F
 
 double GivenProblem::theta_error(Vector<Reference> const& theta) const {
     expects(theta.size() == size(), "theta of the problem's size");
-    double const error = static_cast<double>(sqrt(Reference(square(Vector<Reference>(scaled(theta) - theta_)) / square(theta_))));
+    double const error =
+        static_cast<double>(sqrt(Reference(square(Vector<Reference>(scaled(theta) - theta_)) / square(theta_))));
     return std::isfinite(error) ? error : INFINITY;
 }
 

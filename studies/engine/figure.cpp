@@ -23,7 +23,8 @@ Curve curve(std::string name, Look look, Table const& rows, Plot const& plot, bo
     std::map<double, std::vector<double>> at;
     std::vector<double> const x = rows.numbers(plot.x), y = rows.numbers(plot.y);
     for (size_t i = 0; i < x.size(); ++i)
-        if (shown(x[i], log_x) && shown(y[i], log_y) && !(y[i] < plot.floor && plot.floor > 0)) at[x[i]].push_back(y[i]);
+        if (shown(x[i], log_x) && shown(y[i], log_y) && !(y[i] < plot.floor && plot.floor > 0))
+            at[x[i]].push_back(y[i]);
     for (auto const& [place, values] : at) {
         out.x.push_back(place);
         out.y.push_back(median(values));
@@ -53,7 +54,12 @@ Curve cells(Table const& rows, Plot const& plot) {
 /// Over the panel's x, which is where the curves are.
 Curve guide(Guide const& of, std::vector<Curve> const& curves, size_t place, bool log_x, bool log_y, double floor) {
     constexpr std::array dashes{"#555555", "#999999", "#bbbbbb"};
-    Curve out{.name = of.label, .look = {dashes[place % dashes.size()], true, ""}, .x = {}, .y = {}, .lower = {}, .upper = {}};
+    Curve out{.name = of.label,
+              .look = {dashes[place % dashes.size()], true, ""},
+              .x = {},
+              .y = {},
+              .lower = {},
+              .upper = {}};
     double from = INFINITY, to = -INFINITY;
     for (Curve const& c : curves)
         for (double const x : c.x) from = std::min(from, x), to = std::max(to, x);
@@ -97,8 +103,8 @@ std::vector<Figure> figures(Study const& study, Table const& table) {
                     if (one.empty()) continue;
                     bool const word = std::holds_alternative<std::string>(all_series[place]);
                     std::string const series = as_text(all_series[place]);
-                    panel.curves.push_back(curve(word ? series : plot.series + " " + series, look_of(family_of_variant(series), place), one,
-                                                 plot, log_x, log_y));
+                    panel.curves.push_back(curve(word ? series : plot.series + " " + series,
+                                                 look_of(family_of_variant(series), place), one, plot, log_x, log_y));
                 }
             for (size_t place = 0; place < plot.guides.size(); ++place)
                 panel.guides.push_back(guide(plot.guides[place], panel.curves, place, log_x, log_y, plot.floor));

@@ -61,7 +61,8 @@ Interval square_interval(std::vector<double> const& x, double risk) {
     if (!(variance > 0)) return {0, infinity};
     double const n = double(x.size()), mean = mean_of(x), f = 2 * mean * mean / variance;
     double const t = quantile(std::max(1.0, std::floor((n - 1) * f / (f + n))), risk);
-    double const middle = 1 - 2 / (9 * f), half = t * std::sqrt(2 / (9 * f)), least = middle - half, most = middle + half;
+    double const middle = 1 - 2 / (9 * f), half = t * std::sqrt(2 / (9 * f)), least = middle - half,
+                 most = middle + half;
     return {mean / (most * most * most), least > 0 ? mean / (least * least * least) : infinity};
 }
 
@@ -82,7 +83,8 @@ Interval median_interval(std::vector<double> x, double risk) {
 
 Interval proportion_interval(double hits, double of, double risk) {
     if (of == 0) return {0, 1};
-    thread_local std::map<std::tuple<double, double, double>, Interval> known;  // 100 balls each, and groups ask the same
+    thread_local std::map<std::tuple<double, double, double>, Interval>
+        known;  // 100 balls each, and groups ask the same
     auto const [at, fresh] = known.try_emplace({hits, of, risk});
     if (!fresh) return at->second;
     // The p at which the tail that starts at `from` is `wanted`: it rises with p.

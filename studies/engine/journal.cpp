@@ -84,7 +84,8 @@ int locked(std::filesystem::path const& path, int how) {
 
 std::string name_of(Part part) { return fmt::format("{}-of-{}", part.number, part.of); }
 
-FolderLock::FolderLock(std::filesystem::path const& folder, Part part) : file_(locked(folder / ".lock", part.whole() ? LOCK_EX : LOCK_SH)) {
+FolderLock::FolderLock(std::filesystem::path const& folder, Part part)
+    : file_(locked(folder / ".lock", part.whole() ? LOCK_EX : LOCK_SH)) {
     if (file_ >= 0 && !part.whole()) {
         own_ = locked(folder / (".lock." + name_of(part)), LOCK_EX);
         if (own_ < 0) ::close(std::exchange(file_, -1));
@@ -121,16 +122,17 @@ void Journal::add(size_t trial, std::vector<std::string> const& lines) {
     if (!file_) cannot_write(path_);
 }
 
-std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
-                                                           std::string const& key) {
+std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
+                                                           std::string const& name, std::string const& key) {
     Trials out;
     for (auto const& folder : folders)
         for (auto const& path : journals(folder)) {
             if (study_of(path) != name) continue;
             Trials finished;
             if (read_file(path, finished) != head_of(key))
-                throw InputError(fmt::format("{}: expected trials of this program, of the budget and the seed that the parts have",
-                                             printable(path.string(), 200)));
+                throw InputError(
+                    fmt::format("{}: expected trials of this program, of the budget and the seed that the parts have",
+                                printable(path.string(), 200)));
             out.merge(std::move(finished));
         }
     return out;

@@ -26,32 +26,35 @@ struct Part {
 /// "2-of-8", as in the names of files
 std::string name_of(Part part);
 
-/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, or FOLDER/NAME.2-of-8 for a part.
-/// A file with another key is ignored: the program, the study, its budget or the seed has changed.
+/// The lines of CSV of each finished trial of one study, by the trial's number. The file is FOLDER/NAME, or
+/// FOLDER/NAME.2-of-8 for a part. A file with another key is ignored: the program, the study, its budget or the seed
+/// has changed.
 class Journal {
     std::filesystem::path path_;
     std::ofstream file_;
     std::map<size_t, std::vector<std::string>> finished_;
 
 public:
-    /// Reads the finished trials of the whole and of every part. A part rewrites its own file alone. The whole copies the files of the
-    /// parts into its own and removes them. Files of another key stay, except its own. Throws InputError if a file cannot be written.
+    /// Reads the finished trials of the whole and of every part. A part rewrites its own file alone. The whole copies
+    /// the files of the parts into its own and removes them. Files of another key stay, except its own. Throws
+    /// InputError if a file cannot be written.
     Journal(std::filesystem::path const& folder, std::string const& name, std::string const& key, Part part = {});
 
     std::map<size_t, std::vector<std::string>> const& finished() const { return finished_; }
-    /// Appends one line. If the process is killed meanwhile, the line is complete or its checksum is wrong. Throws InputError.
+    /// Appends one line. If the process is killed meanwhile, the line is complete or its checksum is wrong. Throws
+    /// InputError.
     void add(size_t trial, std::vector<std::string> const& lines);
 };
 
 /// The finished trials in the folders' journals of one study. Throws InputError for a journal with another key.
-std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders, std::string const& name,
-                                                           std::string const& key);
+std::map<size_t, std::vector<std::string>> finished_trials(std::vector<std::filesystem::path> const& folders,
+                                                           std::string const& name, std::string const& key);
 /// Writes the journal of a whole run. Throws InputError.
 void write_journal(std::filesystem::path const& folder, std::string const& name, std::string const& key,
                    std::map<size_t, std::vector<std::string>> const& finished);
 
-/// A lock that allows one whole run at a time in a folder, or any number of parts that differ. It is released when this object is destroyed
-/// or the process ends in any way. On a file system without locks it has no effect.
+/// A lock that allows one whole run at a time in a folder, or any number of parts that differ. It is released when this
+/// object is destroyed or the process ends in any way. On a file system without locks it has no effect.
 class FolderLock {
     int file_, own_ = -1;
 

@@ -16,7 +16,8 @@ double fitted(std::vector<double> const& x, std::vector<double> const& y) {
     if (x.size() < 2) return std::nan("");
     double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
     for (size_t i = 0; i < x.size(); ++i) mean_x += x[i] / n, mean_y += y[i] / n;
-    for (size_t i = 0; i < x.size(); ++i) xx += (x[i] - mean_x) * (x[i] - mean_x), xy += (x[i] - mean_x) * (y[i] - mean_y);
+    for (size_t i = 0; i < x.size(); ++i)
+        xx += (x[i] - mean_x) * (x[i] - mean_x), xy += (x[i] - mean_x) * (y[i] - mean_y);
     return xy / xx;
 }
 
@@ -31,7 +32,8 @@ constexpr Interval anywhere{-infinity, infinity};
 struct Line {
     std::vector<double> x, y;
 
-    Line(Table const& table, std::string const& of_x, double (*scale_x)(double), std::string const& of_y, double (*scale_y)(double)) {
+    Line(Table const& table, std::string const& of_x, double (*scale_x)(double), std::string const& of_y,
+         double (*scale_y)(double)) {
         std::vector<double> const all_x = table.numbers(of_x), all_y = table.numbers(of_y);
         for (size_t i = 0; i < all_x.size(); ++i) {
             if (!std::isfinite(scale_x(all_x[i]))) continue;
@@ -46,7 +48,8 @@ struct Line {
             if (std::isfinite(y[i])) kept_x.push_back(x[i]), kept_y.push_back(y[i]);
         return fitted(kept_x, kept_y);
     }
-    /// A row at infinity lies at `greatest` or above, one at minus infinity at `least` or below. The slope is linear in each.
+    /// A row at infinity lies at `greatest` or above, one at minus infinity at `least` or below. The slope is linear in
+    /// each.
     Interval bounds() const {
         double least = infinity, greatest = -infinity, mean = 0;
         for (double const v : y)
@@ -102,12 +105,14 @@ Statistic mean(std::string column) {
 Statistic median(std::string column) { return of_column(std::move(column), &median, Estimate::middle); }
 Statistic least(std::string column) {
     return of_column(
-        std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
+        std::move(column),
+        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::min_element(v); },
         Estimate::most);
 }
 Statistic greatest(std::string column) {
     return of_column(
-        std::move(column), [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
+        std::move(column),
+        [](std::vector<double> v) { return v.empty() || has_nan(v) ? std::nan("") : *std::ranges::max_element(v); },
         Estimate::most);
 }
 Statistic ratio_of_errors(std::string variant, std::string other) {
@@ -180,7 +185,9 @@ Interval estimated(std::vector<Interval> const& seeds, Estimate estimate, double
     }
 }
 
-bool of_each_seed(Estimate estimate) { return estimate == Estimate::most || estimate == Estimate::every || estimate == Estimate::proven; }
+bool of_each_seed(Estimate estimate) {
+    return estimate == Estimate::most || estimate == Estimate::every || estimate == Estimate::proven;
+}
 
 /// The seeds' numbers in one, on the scale on which their interval is; NaN only where each of them is.
 double in_one(std::vector<double> x, Estimate estimate) {
@@ -255,7 +262,8 @@ Part part(Table const& rows, Statistic const& number, Interval const& band, size
 
 std::string text_of(Part const& part, std::string const& name, Estimate estimate) {
     std::string said = fmt::format("{:.4g}", part.point);
-    if (of_each_seed(estimate) && part.shown.low < part.shown.high) said = fmt::format("{:.4g} to {:.4g}", part.shown.low, part.shown.high);
+    if (of_each_seed(estimate) && part.shown.low < part.shown.high)
+        said = fmt::format("{:.4g} to {:.4g}", part.shown.low, part.shown.high);
     else if (!of_each_seed(estimate) && part.seeds >= fewest_seeds)
         said += fmt::format(" [{:.4g}, {:.4g}]", part.shown.low, part.shown.high);
     return name.empty() ? said : said + " (" + name + ")";
@@ -273,13 +281,15 @@ std::string seeds_text(size_t fewest, size_t most) {
 
 }  // namespace
 
-Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from, double to) {
+Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from,
+                 double to) {
     auto const groups = table.groups(by);
     if (groups.empty()) return {Verdict::fails, "nothing was measured"};
     std::vector<std::pair<Part, std::string>> parts;
     for (auto const& [name, rows] : groups) parts.emplace_back(part(rows, number, {from, to}, groups.size()), name);
     for (auto const& [part, name] : parts)
-        if (part.point != part.point) return {Verdict::fails, fmt::format("not a number{}", name.empty() ? "" : " (" + name + ")")};
+        if (part.point != part.point)
+            return {Verdict::fails, fmt::format("not a number{}", name.empty() ? "" : " (" + name + ")")};
     Estimate const estimate = number.estimate();
     auto const point = [](auto const& p) { return p.first.point; };
     auto const [smallest, largest] = std::ranges::minmax_element(parts, {}, point);
@@ -294,8 +304,9 @@ Judgement within(Table const& table, std::vector<std::string> const& by, Statist
         said += fmt::format("; {}: {}", verdict == Verdict::fails ? "fails" : "undecided", text(*worst));
     size_t const seeds = most.first.seeds;
     if ((estimate == Estimate::most || estimate == Estimate::every) && seeds > 0) {
-        auto const farthest = std::ranges::max_element(
-            parts, {}, [](auto const& p) { return p.first.seeds == 0 ? 1.0 : (double(p.first.outside) + 1) / double(p.first.seeds); });
+        auto const farthest = std::ranges::max_element(parts, {}, [](auto const& p) {
+            return p.first.seeds == 0 ? 1.0 : (double(p.first.outside) + 1) / double(p.first.seeds);
+        });
         said += outside_text(farthest->first.outside, farthest->first.seeds);
     } else said += seeds_text(fewest.first.seeds, seeds);
     bool const random = seeds >= fewest_seeds && estimate != Estimate::proven && estimate != Estimate::every;

@@ -8,8 +8,8 @@
 
 namespace rlslab::studies {
 
-/// What is estimated from x_1 ... x_n, where x_i is computed from the rows of seed i. interval.hpp names the distributions for which
-/// each interval is valid.
+/// What is estimated from x_1 ... x_n, where x_i is computed from the rows of seed i. interval.hpp names the
+/// distributions for which each interval is valid.
 enum class Estimate {
     middle,     ///< the median, for any distribution: errors, ratios, slopes
     mean,       ///< the mean: of normal numbers, or of averages of many
@@ -22,8 +22,8 @@ enum class Estimate {
     fixed       ///< nothing: the statistic of all rows does not depend on a seed
 };
 
-/// A number computed from a table. If the table has a column of replicates (which change only the seed), it is computed from the rows of
-/// each seed and estimated over the seeds.
+/// A number computed from a table. If the table has a column of replicates (which change only the seed), it is computed
+/// from the rows of each seed and estimated over the seeds.
 class Statistic {
     std::function<double(Table const&)> of_;
     std::function<Interval(Table const&)> bounds_;  // empty: the number itself
@@ -49,9 +49,9 @@ public:
     Statistic over(std::string replicate) const;
 };
 
-/// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than two. A row that
-/// broke down (y infinite or NaN) counts as censored: the slope lies where any y not below the greatest finite one can put it, and
-/// likewise for y = 0.
+/// The least-squares slope of log10 y against log10 x over rows where both are positive and finite; NaN for fewer than
+/// two. A row that broke down (y infinite or NaN) counts as censored: the slope lies where any y not below the greatest
+/// finite one can put it, and likewise for y = 0.
 Statistic slope(std::string x, std::string y);
 /// The same of ln y against x: the rate of an exponential.
 Statistic rate(std::string x, std::string y);
@@ -63,27 +63,31 @@ Statistic median(std::string column);
 Statistic least(std::string column);
 Statistic greatest(std::string column);
 Statistic root_mean_square(std::string column);
-/// The geometric mean over a seed's rows of (error of one variant) / (error of another on the same data). The table has the columns
-/// "variant" and "error".
+/// The geometric mean over a seed's rows of (error of one variant) / (error of another on the same data). The table has
+/// the columns "variant" and "error".
 Statistic ratio_of_errors(std::string variant, std::string other);
 
 double median(std::vector<double> values);
 
-/// Judges that the statistic of every group lies in [from, to]: "0.99 [0.98, 1.00] (joseph, lambda 0.9) ... 1.01 [1.00, 1.02] (symmetric,
-/// lambda 1), 20 seeds, each by itself". Fewer than 11 seeds give no interval.
-///   holds       each group's interval of risk 0.001 lies inside the band (a false claim does so with probability 0.001 at most)
+/// Judges that the statistic of every group lies in [from, to]: "0.99 [0.98, 1.00] (joseph, lambda 0.9) ... 1.01 [1.00,
+/// 1.02] (symmetric, lambda 1), 20 seeds, each by itself". Fewer than 11 seeds give no interval.
+///   holds       each group's interval of risk 0.001 lies inside the band (a false claim does so with probability 0.001
+///               at most)
 ///   fails       some group's interval of risk 0.001 / groups lies outside of it (a true claim: 0.001 at most)
 ///   undecided   otherwise
-/// `most` holds if in each group fewer than half of all seeds lie outside, at a risk of 0.001: 10 seeds suffice if none lies outside. It
-/// fails if in some group more than half do. `every` fails if one seed lies outside, and is undecided otherwise. `proven` holds unless one
-/// seed lies outside. The interval of `fixed` is the number itself. NaN fails. A table without rows fails too.
-Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from, double to);
+/// `most` holds if in each group fewer than half of all seeds lie outside, at a risk of 0.001: 10 seeds suffice if none
+/// lies outside. It fails if in some group more than half do. `every` fails if one seed lies outside, and is undecided
+/// otherwise. `proven` holds unless one seed lies outside. The interval of `fixed` is the number itself. NaN fails. A
+/// table without rows fails too.
+Judgement within(Table const& table, std::vector<std::string> const& by, Statistic const& number, double from,
+                 double to);
 
-/// Judges that every cell of the column is the value: for claims such as "never indefinite". `seeds` is most, every or proven, as in
-/// `within`. A table without a column of replicates is judged by its rows alone.
+/// Judges that every cell of the column is the value: for claims such as "never indefinite". `seeds` is most, every or
+/// proven, as in `within`. A table without a column of replicates is judged by its rows alone.
 Judgement everywhere(Table const& table, std::string const& column, Cell const& value, Estimate seeds = Estimate::most);
 
-/// Judges that a probability lies in [from, to], from `hits` hits in independent `runs`, by the interval of Clopper & Pearson.
+/// Judges that a probability lies in [from, to], from `hits` hits in independent `runs`, by the interval of Clopper &
+/// Pearson.
 Judgement proportion(size_t hits, size_t runs, double from, double to);
 
 }  // namespace rlslab::studies

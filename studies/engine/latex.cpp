@@ -81,7 +81,8 @@ std::string latex(std::string_view text) {
 std::string table_tex(Outcome const& outcome, RunOptions const& options) {
     std::string out = head(options) + "% needs \\usepackage{booktabs,longtable}\n";
     out += "\\begin{longtable}{p{0.45\\linewidth}p{0.37\\linewidth}l}\n";
-    out += fmt::format("\\caption{{\\texttt{{{}}}: {}}}\\\\\n", latex(outcome.study->name), latex(outcome.study->question));
+    out += fmt::format("\\caption{{\\texttt{{{}}}: {}}}\\\\\n", latex(outcome.study->name),
+                       latex(outcome.study->question));
     out += "\\toprule\nclaim & measured & verdict\\\\\n\\midrule\\endhead\n";
     for (size_t i = 0; i < outcome.judgements.size(); ++i) {
         Claim const& claim = outcome.study->claims[i];
@@ -100,8 +101,9 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
         "\\newcommand{\\verdict}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@v@#1@#2\\endcsname}}\n"
         "\\newcommand{\\claimed}[3]{\\@ifundefined{rls@#1@#2}{\\textbf{??}}{\\csname rls@c@#1@#2\\endcsname}}\n"
         "\\newcommand{\\runcount}[2]{\\csname rls@count@#1@#2\\endcsname}\n";
-    out += fmt::format("\\newcommand{{\\runbudget}}{{{}}}\n\\newcommand{{\\runseed}}{{{}}}\n\\newcommand{{\\runrevision}}{{{}}}\n",
-                       name_of(options.budget), options.seed, latex(revision));
+    out += fmt::format(
+        "\\newcommand{{\\runbudget}}{{{}}}\n\\newcommand{{\\runseed}}{{{}}}\n\\newcommand{{\\runrevision}}{{{}}}\n",
+        name_of(options.budget), options.seed, latex(revision));
     out += fmt::format("\\newcommand{{\\runstudies}}{{{}}}\n", outcomes.size());
     auto const counts = counted(outcomes);
     for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
@@ -119,8 +121,8 @@ std::string numbers_tex(std::vector<Outcome> const& outcomes, RunOptions const& 
                 "\\expandafter\\def\\csname rls@{0}@{1}\\endcsname{{{2}}}\n"
                 "\\expandafter\\def\\csname rls@v@{0}@{1}\\endcsname{{{3}}}\n"
                 "\\expandafter\\def\\csname rls@c@{0}@{1}\\endcsname{{{4}}}\n",
-                outcome.study->name, i + 1, latex(outcome.judgements[i].measured), name_of(outcome.judgements[i].verdict),
-                latex(outcome.study->claims[i].text));
+                outcome.study->name, i + 1, latex(outcome.judgements[i].measured),
+                name_of(outcome.judgements[i].verdict), latex(outcome.study->claims[i].text));
     return out + "\\makeatother\n";
 }
 

@@ -32,7 +32,8 @@ std::string claim_html(Study const& study, size_t i, Judgement const& judgement,
     std::string out = fmt::format("<li class=\"{0}\"><b>{0}</b> ", name_of(judgement.verdict));
     if (named) out += fmt::format("<a href=\"#{0}\">{0}</a>: ", study.name);
     out += fmt::format("{}<span class=\"measured\">{}</span>", escaped(claim.text), escaped(judgement.measured));
-    out += fmt::format("<span class=\"soft\">{}; band: {}{}{}</span></li>\n", name_of(claim.basis.kind), escaped(claim.basis.band),
+    out += fmt::format("<span class=\"soft\">{}; band: {}{}{}</span></li>\n", name_of(claim.basis.kind),
+                       escaped(claim.basis.band),
                        claim.basis.proof.empty() ? "" : "; proof: " + escaped(claim.basis.proof),
                        data.empty() ? "" : "; data: " + escaped(data));
     return out;
@@ -43,7 +44,8 @@ std::string list_of(std::vector<Outcome> const& outcomes, Verdict verdict) {
     std::string out;
     for (Outcome const& outcome : outcomes)
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
-            if (outcome.judgements[i].verdict == verdict) out += claim_html(*outcome.study, i, outcome.judgements[i], true);
+            if (outcome.judgements[i].verdict == verdict)
+                out += claim_html(*outcome.study, i, outcome.judgements[i], true);
     return out.empty() ? "<p>None.</p>\n" : "<ul class=\"claims\">\n" + out + "</ul>\n";
 }
 
@@ -53,7 +55,8 @@ std::string summary(std::vector<Outcome> const& outcomes) {
     auto const counts = counted(outcomes);
     for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
         Count const& c = counts[size_t(kind)];
-        rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", name_of(kind), c.holds, c.fails, c.undecided);
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", name_of(kind), c.holds, c.fails,
+                            c.undecided);
     }
     size_t before = 0, after = 0, unsaid = 0;
     for (Outcome const& outcome : outcomes)
@@ -63,27 +66,40 @@ std::string summary(std::vector<Outcome> const& outcomes) {
             if (basis.kind == Kind::own_result) ++(says("after") ? after : says("before") ? before : unsaid);
         }
     return fmt::format(
-        "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose interval reaches over an "
+        "<section id=\"fails\"><h2>What fails</h2>\n{}<h2>What is undecided</h2>\n<details><summary>Claims whose "
+        "interval reaches over an "
         "end of the band, or that have fewer than {} seeds</summary>{}</details>\n<h2>How many claims</h2>\n"
-        "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n{}</tbody></table>\n"
-        "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction repeats an earlier number: "
-        "published, a textbook's, or the project's own earlier experiment's, as its band says. Of the findings {} say that the band was "
-        "set before the run, {} that a result had been seen by then, and {} name a formula and no time. A claim that is estimated from "
-        "seeds holds when its interval lies inside the band, fails when it lies outside, and is undecided otherwise. Each interval misses "
-        "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are expected to be "
-        "wrong, as far as their bands were set beforehand. Where a line shows several groups, each interval is its own. A claim about "
-        "most runs holds when, but for that risk, fewer than half of all seeds are outside; one about every run holds by a proof "
-        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a mean of normal "
-        "numbers or averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root mean square; "
-        "Clopper and Pearson's of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} seeds have "
+        "<table><thead><tr><th>kind</th><th>hold</th><th>fail</th><th>undecided</th></tr></thead><tbody>\n{}</tbody></"
+        "table>\n"
+        "<p>A verification asks whether the code does what the formula says; it is no finding. A reproduction repeats "
+        "an earlier number: "
+        "published, a textbook's, or the project's own earlier experiment's, as its band says. Of the findings {} say "
+        "that the band was "
+        "set before the run, {} that a result had been seen by then, and {} name a formula and no time. A claim that "
+        "is estimated from "
+        "seeds holds when its interval lies inside the band, fails when it lies outside, and is undecided otherwise. "
+        "Each interval misses "
+        "its number with probability {} at most, so that at most {:.2f} of the verdicts that rest on an interval are "
+        "expected to be "
+        "wrong, as far as their bands were set beforehand. Where a line shows several groups, each interval is its "
+        "own. A claim about "
+        "most runs holds when, but for that risk, fewer than half of all seeds are outside; one about every run holds "
+        "by a proof "
+        "that it names, and fails by one counterexample. Intervals: order statistics of a median; Student's t of a "
+        "mean of normal "
+        "numbers or averages, on logarithms where it is a size; chi-squared with Satterthwaite's freedom of a root "
+        "mean square; "
+        "Clopper and Pearson's of a share. Runs that broke down leave a slope between bounds, and count. Fewer than {} "
+        "seeds have "
         "none.</p></section>\n",
-        list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after, unsaid, claim_risk,
-        expected_errors(outcomes), fewest_seeds);
+        list_of(outcomes, Verdict::fails), fewest_seeds, list_of(outcomes, Verdict::undecided), rows, before, after,
+        unsaid, claim_risk, expected_errors(outcomes), fewest_seeds);
 }
 
 std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
     Study const& study = *outcome.study;
-    std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name, escaped(study.question));
+    std::string out = fmt::format("<section id=\"{0}\"><h2>{0}</h2>\n<p class=\"question\">{1}</p>\n", study.name,
+                                  escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
     out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
@@ -91,8 +107,9 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
             if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
     out += "</ul>\n";
     for (Figure const& figure : drawn) out += figure_html(figure);
-    out += fmt::format("<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n", study.name,
-                       outcome.table.rows().size(), beginning(outcome.table));
+    out += fmt::format(
+        "<details><summary>The table: {1} rows, all in <a href=\"{0}.csv\">{0}.csv</a></summary>{2}</details>\n",
+        study.name, outcome.table.rows().size(), beginning(outcome.table));
     out += "<details><summary>Provenance, and how to run it again</summary><pre>";
     for (std::string const& line : outcome.provenance) out += escaped(line) + '\n';
     return out + "</pre></details></section>\n";
@@ -108,15 +125,19 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
         sections += section(outcome, figures(*outcome.study, outcome.table));
         auto const worst = std::ranges::min_element(outcome.judgements, {}, &Judgement::verdict);
         contents += fmt::format("<li class=\"{0}\"><a href=\"#{1}\">{1}</a> {2}</li>\n",
-                                name_of(worst == outcome.judgements.end() ? Verdict::holds : worst->verdict), outcome.study->name,
-                                escaped(outcome.study->question));
+                                name_of(worst == outcome.judgements.end() ? Verdict::holds : worst->verdict),
+                                outcome.study->name, escaped(outcome.study->question));
     }
-    return page("rlslab: studies",
-                fmt::format("<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} {}. "
-                            "Every error is measured against the exact minimiser for the bits the variant was given, with a proven bound. "
-                            "<span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
-                            held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-                            name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
+    return page(
+        "rlslab: studies",
+        fmt::format(
+            "<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} "
+            "{}. "
+            "Every error is measured against the exact minimiser for the bits the variant was given, with a proven "
+            "bound. "
+            "<span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
+            held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
+            name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
 }
 
 }  // namespace rlslab::studies

@@ -60,7 +60,8 @@ std::vector<std::string> provenance(Study const& study, RunOptions const& option
             fmt::format("source: {}", study.source),
             fmt::format("revision: {} {}", RLSLAB_VERSION, revision),
             fmt::format("compiler: {}", compiler),
-            fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget), options.seed)};
+            fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget),
+                        options.seed)};
 }
 
 /// The trials of one study and their results.
@@ -99,7 +100,8 @@ std::string prepare(Running& run, RunOptions const& options) {
     }
     run.lines.resize(run.trials.size());
     run.done.assign(run.trials.size(), false);
-    std::string key = fmt::format("{} {} {:016x}", run.trials.size(), fmt::join(provenance(study, options), "\n"), identity());
+    std::string key =
+        fmt::format("{} {} {:016x}", run.trials.size(), fmt::join(provenance(study, options), "\n"), identity());
     for (CatalogueEntry const& e : *options.entries) key += fmt::format(" {}/{}", e.variant, e.arithmetic->name);
     return key;
 }
@@ -134,7 +136,8 @@ Outcome finish(Running const& run, RunOptions const& options) {
         out.judgements.push_back(claim.judge(out.table));
         Judgement const& judgement = out.judgements.back();
         if (judgement.proven == claim.basis.proof.empty() && (judgement.proven || judgement.verdict != Verdict::fails))
-            throw std::logic_error(fmt::format("study {}: a proof is used or named, not both: {}", study.name, claim.text));
+            throw std::logic_error(
+                fmt::format("study {}: a proof is used or named, not both: {}", study.name, claim.text));
     }
     return out;
 }
@@ -165,7 +168,8 @@ std::vector<Work> unfinished(std::vector<Work> work) {
 }
 std::vector<Work> dealt(std::vector<Work> work, Part part) {
     std::ranges::sort(work, {}, [](Work const& w) {
-        return std::tuple(Seed{hash(w.first->study->name) + w.second}.next(), std::string_view(w.first->study->name), w.second);
+        return std::tuple(Seed{hash(w.first->study->name) + w.second}.next(), std::string_view(w.first->study->name),
+                          w.second);
     });
     std::vector<Work> out;
     for (size_t i = size_t(part.number - 1); i < work.size(); i += size_t(part.of)) out.push_back(work[i]);
@@ -183,8 +187,8 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
             try {
                 run->study->measure(run->trials[k], measured);
             } catch (std::exception const& failure) {
-                throw std::runtime_error(
-                    fmt::format("study {}, trial {}: {}", run->study->name, csv_line(run->trials[k].values()), failure.what()));
+                throw std::runtime_error(fmt::format("study {}, trial {}: {}", run->study->name,
+                                                     csv_line(run->trials[k].values()), failure.what()));
             }
             std::lock_guard const lock(one_at_a_time);
             run->lines[k] = measured.lines();
@@ -196,7 +200,8 @@ void run_trials(std::vector<Work> const& work, RunOptions const& options, Progre
 
 }  // namespace
 
-std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, Progress const& progress) {
+std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
+                                 Progress const& progress) {
     std::vector<Running> running = started(chosen, options, {});
     run_trials(unfinished(all_trials(running)), options, progress);
     std::vector<Outcome> out;
@@ -204,14 +209,16 @@ std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOpt
     return out;
 }
 
-Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, Progress const& progress) {
+Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part,
+               Progress const& progress) {
     std::vector<Running> running = started(chosen, options, part);
     std::vector<Work> const all = all_trials(running), own = dealt(all, part), work = unfinished(own);
     run_trials(work, options, progress);
     return {all.size(), own.size(), own.size() - work.size()};
 }
 
-void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders) {
+void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options,
+                 std::vector<std::filesystem::path> const& folders) {
     struct Merged {
         std::string name, key;
         std::map<size_t, std::vector<std::string>> finished;
@@ -235,7 +242,8 @@ void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& opti
         missing += run.trials.size() - found;
         if (first.empty() && found < run.trials.size()) first = study->name;
     }
-    if (missing > 0) throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
+    if (missing > 0)
+        throw InputError(fmt::format("merge: {} of {} trials are missing, the first of {}", missing, trials, first));
     create_folder(options.out / ".trials");
     if (!lock) lock.emplace(options.out);
     for (Merged const& merged : all) write_journal(options.out / ".trials", merged.name, merged.key, merged.finished);

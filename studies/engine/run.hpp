@@ -1,4 +1,5 @@
-// Runs studies: trials on all cores. The results do not depend on the number of cores. A run that is killed can be continued.
+// Runs studies: trials on all cores. The results do not depend on the number of cores. A run that is killed can be
+// continued.
 #pragma once
 
 #include <rlslab/catalogue/catalogue.hpp>
@@ -27,23 +28,28 @@ struct Outcome {
     bool holds() const;                   ///< every claim
 };
 
-/// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the table in the order of
-/// its factors). Finished trials are stored in out/.trials, and the same program uses them again for the same study, budget and seed.
-/// Throws InputError if a file cannot be written. An exception of a trial is thrown again with the trial's name.
-std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options, report::Progress const& progress);
+/// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the
+/// table in the order of its factors). Finished trials are stored in out/.trials, and the same program uses them again
+/// for the same study, budget and seed. Throws InputError if a file cannot be written. An exception of a trial is
+/// thrown again with the trial's name.
+std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
+                                 report::Progress const& progress);
 
 /// The numbers of all trials, of a part's own, and of those among its own that were finished already.
 struct Share {
     size_t all = 0, own = 0, resumed = 0;
 };
-/// Runs the trials of one part and writes its journals in out/.trials, nothing else. Parts may run at the same time, on any machines that
-/// share the folder, or in folders that are merged later. The part of a trial depends on the chosen studies alone: all trials are sorted
-/// by a hash of study and number, and dealt in turn. So the parts differ by one trial at most, and long trials spread over the parts.
-Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part, report::Progress const& progress);
+/// Runs the trials of one part and writes its journals in out/.trials, nothing else. Parts may run at the same time, on
+/// any machines that share the folder, or in folders that are merged later. The part of a trial depends on the chosen
+/// studies alone: all trials are sorted by a hash of study and number, and dealt in turn. So the parts differ by one
+/// trial at most, and long trials spread over the parts.
+Share run_part(std::vector<Study const*> const& chosen, RunOptions const& options, Part part,
+               report::Progress const& progress);
 
-/// Copies the finished trials of the parts in these folders and in options.out into options.out, where run_studies then finds them.
-/// Throws InputError before it writes anything if a trial is missing, if a folder's trials have another program, budget or seed, or if
-/// another run is writing into options.out.
-void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options, std::vector<std::filesystem::path> const& folders);
+/// Copies the finished trials of the parts in these folders and in options.out into options.out, where run_studies then
+/// finds them. Throws InputError before it writes anything if a trial is missing, if a folder's trials have another
+/// program, budget or seed, or if another run is writing into options.out.
+void merge_parts(std::vector<Study const*> const& chosen, RunOptions const& options,
+                 std::vector<std::filesystem::path> const& folders);
 
 }  // namespace rlslab::studies

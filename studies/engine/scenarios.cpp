@@ -44,8 +44,9 @@ std::vector<Cell> corrected_forms() {
     return joined(without(covariance_forms(), {"conventional"}), without(factors, {"extended_qr"}));  // it adds eta v
 }
 std::vector<Cell> row_forms() {
-    return joined(joined(covariance_forms(), factor_forms()),
-                  forms([](VariantForm const& f) { return f.quantity == Quantity::information && f.form == Form::plain; }));
+    return joined(joined(covariance_forms(), factor_forms()), forms([](VariantForm const& f) {
+                      return f.quantity == Quantity::information && f.form == Form::plain;
+                  }));
 }
 
 std::vector<Cell> gain_forms() {
@@ -72,7 +73,8 @@ std::vector<std::string> words(std::vector<Cell> const& cells) {
 std::vector<Cell> powers(double base, double first, double last, double step) {
     std::vector<Cell> out;
     int const n = int(std::floor(std::abs(last - first) / std::abs(step) + 0.5));
-    for (int i = 0; i <= n; ++i) out.emplace_back(correctly::pow(base, first + i * (last < first ? -std::abs(step) : std::abs(step))));
+    for (int i = 0; i <= n; ++i)
+        out.emplace_back(correctly::pow(base, first + i * (last < first ? -std::abs(step) : std::abs(step))));
     return out;
 }
 
@@ -102,7 +104,8 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise)
 
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise) {
     std::vector<double> sigma;
-    for (Index j = 0; j < size; ++j) sigma.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
+    for (Index j = 0; j < size; ++j)
+        sigma.push_back(size > 1 ? correctly::pow(kappa, -double(j) / double(size - 1)) : 1);
     return with_singular_values(sigma, rows, seed, noise);
 }
 
@@ -111,11 +114,14 @@ Errors errors(AnyFilter const& filter, CertifiedSolution const& exact) {
     return {error(exact.theta_digits(filter.theta())), error(exact.covariance_digits(filter.stored()))};
 }
 
-void process_rows(AnyFilter& filter, Records const& records, Index first, Index last) { filter.update_block(records, first, last); }
+void process_rows(AnyFilter& filter, Records const& records, Index first, Index last) {
+    filter.update_block(records, first, last);
+}
 
 Matrix<Reference> covariance_of(Stored<Reference> const& stored) {
-    return covariance_of(
-        stored, [](Matrix<Reference> const& X) { return X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval(); });
+    return covariance_of(stored, [](Matrix<Reference> const& X) {
+        return X.householderQr().solve(Matrix<Reference>::Identity(X.rows(), X.cols())).eval();
+    });
 }
 
 double frobenius(Matrix<Reference> const& A) {

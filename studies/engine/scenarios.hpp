@@ -7,9 +7,10 @@
 
 namespace rlslab::studies {
 
-// --- families of variants ---------------------------------------------------------------------------------------------
-// Dense variants that take one row at a time, by what they store, in the order of the list: a new variant takes part in the studies of
-// its family. Without `kalman`: its random walk aside it is `conventional`.
+// --- families of variants
+// --------------------------------------------------------------------------------------------- Dense variants that
+// take one row at a time, by what they store, in the order of the list: a new variant takes part in the studies of its
+// family. Without `kalman`: its random walk aside it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
@@ -19,12 +20,13 @@ std::vector<Cell> subtracting_forms();
 std::vector<Cell> factor_forms();
 /// The variants whose factor is a triangle; Potter's is full.
 std::vector<Cell> triangular_forms();
-/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose asymmetry has a study
-/// of its own.
+/// The variants that correct theta by K e: all that propagate P or a factor of it, without `conventional`, whose
+/// asymmetry has a study of its own.
 std::vector<Cell> corrected_forms();
 /// Covariance forms, factor forms, and `information`.
 std::vector<Cell> row_forms();
-/// The variants whose update of P uses a gain that a study can perturb: K in the first six, v or a running gain in the others.
+/// The variants whose update of P uses a gain that a study can perturb: K in the first six, v or a running gain in the
+/// others.
 std::vector<Cell> gain_forms();
 /// a, then b.
 std::vector<Cell> joined(std::vector<Cell> a, std::vector<Cell> const& b);
@@ -38,19 +40,24 @@ std::vector<Cell> powers(double base, double first, double last, double step = 1
 /// 1 ... n: replicates, which only change the seed.
 std::vector<Cell> counted(int n);
 
-// --- data -------------------------------------------------------------------------------------------------------------
-// y = psi'theta + noise v, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell).
+// --- data
+// ------------------------------------------------------------------------------------------------------------- y =
+// psi'theta + noise v, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell).
 
 /// Regressors of independent numbers of variance 1.
 Records white(Index size, Index rows, Seed seed, double noise = 1e-3);
-/// A tapped delay line of x_k = pole x_{k-1} + w_k, w of variance 1 - pole^2, so that x has variance 1; past its transient.
+/// A tapped delay line of x_k = pole x_{k-1} + w_k, w of variance 1 - pole^2, so that x has variance 1; past its
+/// transient.
 Records delay_line(Index size, Index rows, double pole, Seed seed, double noise = 1e-3);
-/// rows x size with singular values kappa^(-i/(size-1)) and random orthonormal factors: kappa_2 = kappa, but for the rounding to double.
+/// rows x size with singular values kappa^(-i/(size-1)) and random orthonormal factors: kappa_2 = kappa, but for the
+/// rounding to double.
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1e-10);
 
-// --- answers ----------------------------------------------------------------------------------------------------------
+// --- answers
+// ----------------------------------------------------------------------------------------------------------
 
-/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a NaN.
+/// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a
+/// NaN.
 struct Errors {
     double theta, covariance;
 };

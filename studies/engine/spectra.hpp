@@ -12,10 +12,12 @@ namespace rlslab::studies {
 /// y_k = psi_k'theta + noise v_k, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell). psi is d x N.
 Records answered(Matrix<double> psi, Seed seed, double noise);
 
-/// The d singular values of condition kappa, largest first and 1: "geometric", or all equal but "one small" or "one large".
+/// The d singular values of condition kappa, largest first and 1: "geometric", or all equal but "one small" or "one
+/// large".
 std::vector<double> singular_values(std::string_view shape, Index size, double kappa);
 
-/// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for the rounding to double.
+/// N rows whose matrix has these d singular values, d <= N, and random orthonormal factors; exact but for the rounding
+/// to double.
 Records with_singular_values(std::vector<double> const& sigma, Index rows, Seed seed, double noise);
 
 }  // namespace rlslab::studies

@@ -16,8 +16,8 @@ struct Factor {
     std::vector<Cell> values;
 };
 
-/// One combination of the factors' values: the unit of work, of parallelism and of resuming. Its results depend only on the study's name,
-/// the run's seed, the budget and its own values, so that it may run on any thread and at any time.
+/// One combination of the factors' values: the unit of work, of parallelism and of resuming. Its results depend only on
+/// the study's name, the run's seed, the budget and its own values, so that it may run on any thread and at any time.
 class Trial {
     std::string_view study_;
     std::vector<Factor> const* factors_;
@@ -29,7 +29,8 @@ class Trial {
 public:
     Trial(std::string_view study, std::vector<Factor> const& factors, std::vector<Cell> values, std::uint64_t seed,
           std::vector<CatalogueEntry> const& entries, Budget budget)
-        : study_(study), factors_(&factors), values_(std::move(values)), seed_(seed), entries_(&entries), budget_(budget) {}
+        : study_(study), factors_(&factors), values_(std::move(values)), seed_(seed), entries_(&entries),
+          budget_(budget) {}
 
     std::vector<Cell> const& values() const { return values_; }
     Cell const& value(std::string_view factor) const;
@@ -64,8 +65,8 @@ struct Guide {
     std::function<double(double x)> y;
 };
 
-/// How a table is drawn: y against x, one line for each value of `series`, one picture for each value of `panel`. Several rows of the same
-/// x, series and panel are drawn as their median, with a band from the least to the greatest.
+/// How a table is drawn: y against x, one line for each value of `series`, one picture for each value of `panel`.
+/// Several rows of the same x, series and panel are drawn as their median, with a band from the least to the greatest.
 struct Plot {
     std::string title, x, y;
     std::string series = "variant", panel = {};
@@ -81,19 +82,22 @@ struct Plot {
 /// The kinds of claims. Files and printed text call an own result "finding".
 enum class Kind {
     verification,  ///< the code does what the formula says; no result of ours
-    reproduction,  ///< an earlier number comes out again: published, a textbook's, or the project's own earlier experiment's
+    reproduction,  ///< an earlier number comes out again: published, a textbook's, or the project's own earlier
+                   ///< experiment's
     own_result     ///< ours
 };
 
 /// The origin of a claim's band. Every claim has one.
 struct Basis {
     Kind kind;
-    std::string band;  ///< the source of its band: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3", "set before the run";
-                       ///< an own result has the word "after" if a result had been seen, and "before" if not
-    std::string data;  ///< the data of the claim; the study's if empty
+    std::string band;  ///< the source of its band: "docs/theory.md 28", "Bierman 1977, as in docs/literature.md 3.3",
+                       ///< "set before the run";
+    ///< an own result has the word "after" if a result had been seen, and "before" if not
+    std::string data;        ///< the data of the claim; the study's if empty
     std::string proof = {};  ///< of a claim about every run: the theorem, "docs/theory.md 34", or "exact arithmetic"
 
-    Basis(Kind kind_, std::string band_, std::string data_ = {}) : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
+    Basis(Kind kind_, std::string band_, std::string data_ = {})
+        : kind(kind_), band(std::move(band_)), data(std::move(data_)) {}
     /// The same with a proof.
     Basis by(std::string proof_) const {
         Basis out = *this;
@@ -101,9 +105,15 @@ struct Basis {
         return out;
     }
 };
-inline Basis verification(std::string band, std::string data = {}) { return {Kind::verification, std::move(band), std::move(data)}; }
-inline Basis reproduction(std::string band, std::string data = {}) { return {Kind::reproduction, std::move(band), std::move(data)}; }
-inline Basis own_result(std::string band, std::string data = {}) { return {Kind::own_result, std::move(band), std::move(data)}; }
+inline Basis verification(std::string band, std::string data = {}) {
+    return {Kind::verification, std::move(band), std::move(data)};
+}
+inline Basis reproduction(std::string band, std::string data = {}) {
+    return {Kind::reproduction, std::move(band), std::move(data)};
+}
+inline Basis own_result(std::string band, std::string data = {}) {
+    return {Kind::own_result, std::move(band), std::move(data)};
+}
 
 enum class Verdict { fails, undecided, holds };
 
@@ -111,12 +121,15 @@ enum class Verdict { fails, undecided, holds };
 struct Judgement {
     Verdict verdict;
     std::string measured;
-    double risk = 0;      ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
+    double risk =
+        0;  ///< probability that the verdict errs, from the intervals behind it; 0: nothing random was estimated
     bool proven = false;  ///< by a proof, which the claim names
 
-    Judgement(Verdict verdict_, std::string measured_, double risk_ = 0) : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
+    Judgement(Verdict verdict_, std::string measured_, double risk_ = 0)
+        : verdict(verdict_), measured(std::move(measured_)), risk(risk_) {}
     /// A judgement without an interval.
-    Judgement(bool holds_, std::string measured_) : Judgement(holds_ ? Verdict::holds : Verdict::fails, std::move(measured_)) {}
+    Judgement(bool holds_, std::string measured_)
+        : Judgement(holds_ ? Verdict::holds : Verdict::fails, std::move(measured_)) {}
     bool holds() const { return verdict == Verdict::holds; }
 };
 /// Both: the worse of the two verdicts, both measurements.

@@ -64,7 +64,8 @@ Table Table::where(std::string_view column, std::function<bool(double)> const& h
     });
 }
 Table Table::where(std::string_view column, std::vector<std::string> const& words) const {
-    return kept(*this, column, [&](Cell const& cell) { return std::ranges::find(words, as_text(cell)) != words.end(); });
+    return kept(*this, column,
+                [&](Cell const& cell) { return std::ranges::find(words, as_text(cell)) != words.end(); });
 }
 
 std::vector<double> Table::numbers(std::string_view column) const {
@@ -72,7 +73,8 @@ std::vector<double> Table::numbers(std::string_view column) const {
     std::vector<double> out;
     for (auto const& row : rows_) {
         auto const* const number = std::get_if<double>(&row[at]);
-        if (!number) throw std::logic_error(fmt::format("\"{}\" in column \"{}\" is no number", as_text(row[at]), column));
+        if (!number)
+            throw std::logic_error(fmt::format("\"{}\" in column \"{}\" is no number", as_text(row[at]), column));
         out.push_back(*number);
     }
     return out;
@@ -87,7 +89,8 @@ std::vector<Cell> Table::distinct(std::string_view column) const {
 }
 
 double Table::number(std::string_view column) const {
-    if (rows_.size() != 1) throw std::logic_error(fmt::format("{} rows where one was asked for its {}", rows_.size(), column));
+    if (rows_.size() != 1)
+        throw std::logic_error(fmt::format("{} rows where one was asked for its {}", rows_.size(), column));
     return numbers(column).front();
 }
 

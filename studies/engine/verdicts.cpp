@@ -31,7 +31,8 @@ namespace {
 template <class F>
 void for_each_claim(std::span<Outcome const> outcomes, F f) {
     for (Outcome const& outcome : outcomes)
-        for (size_t i = 0; i < outcome.judgements.size(); ++i) f(*outcome.study, outcome.study->claims[i], outcome.judgements[i]);
+        for (size_t i = 0; i < outcome.judgements.size(); ++i)
+            f(*outcome.study, outcome.study->claims[i], outcome.judgements[i]);
 }
 using Json = nlohmann::ordered_json;
 Json json_of(Count const& c) { return {{"hold", c.holds}, {"fail", c.fails}, {"undecided", c.undecided}}; }
@@ -50,7 +51,8 @@ std::array<Count, 3> counted(std::span<Outcome const> outcomes) {
 std::string count_lines(std::span<Outcome const> outcomes) {
     auto const [verified, reproduced, found] = counted(outcomes);
     auto const line = [](std::string_view what, Count const& c) {
-        return fmt::format("{:<11} {:>3}: {} hold, {} fail, {} undecided\n", what, c.claims(), c.holds, c.fails, c.undecided);
+        return fmt::format("{:<11} {:>3}: {} hold, {} fail, {} undecided\n", what, c.claims(), c.holds, c.fails,
+                           c.undecided);
     };
     return line("verified", verified) + line("reproduced", reproduced) + line("found", found);
 }
@@ -75,19 +77,20 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
         std::string const verdict = judgement.verdict == Verdict::fails ? painted("FAILS    ", 31)
                                     : judgement.holds()                 ? painted("holds    ", 32)
                                                                         : painted("undecided", 33);
-        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text, judgement.measured,
-                           claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
+        out += fmt::format("  {}  {:<12}  {}: {}{}\n", verdict, name_of(claim.basis.kind), claim.text,
+                           judgement.measured, claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof);
     }
     return out;
 }
 
 std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const& options) {
     auto const [verified, reproduced, found] = counted(outcomes);
-    Json out = {{"version", RLSLAB_VERSION},         {"revision", revision},
-                {"budget", name_of(options.budget)}, {"seed", options.seed},
-                {"verification", json_of(verified)}, {"reproduction", json_of(reproduced)},
-                {"finding", json_of(found)},         {"expected_errors", std::round(1000 * expected_errors(outcomes)) / 1000},
-                {"studies", Json::array()}};
+    Json out = {
+        {"version", RLSLAB_VERSION},         {"revision", revision},
+        {"budget", name_of(options.budget)}, {"seed", options.seed},
+        {"verification", json_of(verified)}, {"reproduction", json_of(reproduced)},
+        {"finding", json_of(found)},         {"expected_errors", std::round(1000 * expected_errors(outcomes)) / 1000},
+        {"studies", Json::array()}};
     for (Outcome const& outcome : outcomes) {
         Json claims = Json::array();
         for (size_t i = 0; i < outcome.judgements.size(); ++i) {
@@ -115,7 +118,8 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes) {
         auto const counts = counted({&outcome, 1});
         for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result})
             if (Count const& c = counts[size_t(kind)]; c.claims() > 0)
-                out += fmt::format("{},{},{},{},{}\n", outcome.study->name, name_of(kind), c.holds, c.fails, c.undecided);
+                out +=
+                    fmt::format("{},{},{},{},{}\n", outcome.study->name, name_of(kind), c.holds, c.fails, c.undecided);
     }
     return out;
 }
@@ -132,8 +136,8 @@ Record record_from(std::string const& json) {
                 else if (said == "fails") at = Verdict::fails;
                 else if (said == "undecided") at = Verdict::undecided;
                 else
-                    throw InputError(
-                        fmt::format("a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
+                    throw InputError(fmt::format(
+                        "a record of verdicts: expected holds, fails or undecided, found \"{}\"", printable(said)));
             }
     } catch (nlohmann::json::exception const& error) {
         throw InputError(fmt::format("a record of verdicts: {}", error.what()));
@@ -154,7 +158,8 @@ std::string record_json(std::vector<Outcome> const& outcomes, Record const& old)
         for (size_t i = 0; i < study->claims.size(); ++i) {
             std::string const& text = study->claims[i].text;
             if (run != outcomes.end()) claims[text] = name_of(run->judgements[i].verdict);
-            else if (old.contains(study->name) && old.at(study->name).contains(text)) claims[text] = name_of(old.at(study->name).at(text));
+            else if (old.contains(study->name) && old.at(study->name).contains(text))
+                claims[text] = name_of(old.at(study->name).at(text));
         }
         if (!claims.empty()) out[study->name] = claims;
     }
@@ -168,7 +173,8 @@ std::vector<std::string> changes(std::vector<Outcome> const& outcomes, Record co
         if (known == record.end()) return;
         auto const was = known->second.find(claim.text);
         if (was != known->second.end() && was->second != f.verdict)
-            out.push_back(fmt::format("{}: {}: {}, {} in the record", study.name, claim.text, name_of(f.verdict), name_of(was->second)));
+            out.push_back(fmt::format("{}: {}: {}, {} in the record", study.name, claim.text, name_of(f.verdict),
+                                      name_of(was->second)));
     });
     return out;
 }
@@ -182,7 +188,8 @@ std::vector<std::string> unrecorded(std::vector<Outcome> const& outcomes, Record
         if (known != record.end()) left = known->second;
         for (Claim const& claim : outcome.study->claims)
             if (left.erase(claim.text) == 0) out.push_back(fmt::format("{}: {}: not in the record", name, claim.text));
-        for (auto const& [text, verdict] : left) out.push_back(fmt::format("{}: {}: in the record, no longer claimed", name, text));
+        for (auto const& [text, verdict] : left)
+            out.push_back(fmt::format("{}: {}: in the record, no longer claimed", name, text));
     }
     return out;
 }

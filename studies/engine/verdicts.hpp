@@ -31,9 +31,11 @@ std::string verdicts_csv(std::vector<Outcome> const& outcomes);
 
 /// Verdicts by study and by claim.
 using Record = std::map<std::string, std::map<std::string, Verdict>>;
-/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json, as they were when the program was built.
+/// The verdicts of seed 1 in studies/verdicts.json or studies/verdicts-full.json, as they were when the program was
+/// built.
 Record const& recorded(Budget budget);
-/// The text of the record: the claims of each study in their order. Studies that were not run keep their claims in `old`.
+/// The text of the record: the claims of each study in their order. Studies that were not run keep their claims in
+/// `old`.
 std::string record_json(std::vector<Outcome> const& outcomes, Record const& old);
 /// Throws InputError for a text that is no record.
 Record record_from(std::string const& json);

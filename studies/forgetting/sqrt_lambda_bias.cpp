@@ -23,12 +23,13 @@ double predicted(double lambda, Arithmetic const& arithmetic) {
 /// The mean of (tr P - tr P_exact) / tr P_exact over samples a memory apart, after ten memories.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
-    Problem<double> const problem =
-        as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
+    Problem<double> const problem = as_stored(
+        {.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     double const lambda = problem.forgetting, u = entry.arithmetic->unit_roundoff();
     std::vector<Index> steps;
     for (int i = 0; i < samples; ++i) steps.push_back(Index(std::lround((10 + i) / (1 - lambda))));
-    Records const records = as_stored(white(size, steps.back(), trial.seed({"lambda", "replicate"})), *entry.arithmetic);
+    Records const records =
+        as_stored(white(size, steps.back(), trial.seed({"lambda", "replicate"})), *entry.arithmetic);
     auto const filter = entry.make(problem, Seed{1});
     Reference bias = 0;
     at_each(certified(problem, records, steps), *filter, records, [&](CertifiedSolution const& exact) {
@@ -65,26 +66,34 @@ Study const sqrt_lambda_bias{
     .name = "sqrt_lambda_bias",
     .question = "What does the rounding of sqrt(lambda) do to the forms that use it?",
     .source =
-        "derived (docs/theory.md 39); measured in an earlier experiment (docs/literature.md 3.7); no published text that mentions "
+        "derived (docs/theory.md 39); measured in an earlier experiment (docs/literature.md 3.7); no published text "
+        "that mentions "
         "it was found",
-    .formula = R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
+    .formula =
+        R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
 \frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
     .interpretation =
-        "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it 1/(1 - lambda) "
-        "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and inverse_qr have "
-        "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging removes, and "
-        "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has none. ud, "
-        "gentleman and the forms of P and P^-1 use lambda itself. extended_qr carries the inverse factor without correction, and "
-        "drifts around the law. In float carlson and inverse_qr have a drift of their own on top (study inverse_qr_drift).",
+        "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it "
+        "1/(1 - lambda) "
+        "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and "
+        "inverse_qr have "
+        "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging "
+        "removes, and "
+        "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has "
+        "none. ud, "
+        "gentleman and the forms of P and P^-1 use lambda itself. extended_qr carries the inverse factor without "
+        "correction, and "
+        "drifts around the law. In float carlson and inverse_qr have a drift of their own on top (study "
+        "inverse_qr_drift).",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{
-                {"arithmetic", {"float", "double"}},
-                {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
-                {"variant",
-                 {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman", "symmetric", "joseph", "information"}},
-                {"replicate", counted(budget == Budget::full ? 20 : 11)}};
+            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
+                                       {"lambda", {0.99, 0.995, 0.997, 0.998, 0.999, exact_root, 0.9995}},
+                                       {"variant",
+                                        {"potter", "carlson", "inverse_qr", "qr", "extended_qr", "ud", "gentleman",
+                                         "symmetric", "joseph", "information"}},
+                                       {"replicate", counted(budget == Budget::full ? 20 : 11)}};
         },
     .measures = {"memory", "predicted", "bias", "excess"},
     .measure = measure,
@@ -100,22 +109,26 @@ Study const sqrt_lambda_bias{
         {
             {"double, predicted bias beyond 100 u: potter, carlson, inverse_qr and qr have it to 10 %",
              [](Table const& t) {
-                 return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9, 1.1);
+                 return within(large(in_double(t), true).where("variant", roots), {"lambda", "variant"}, ratio(), 0.9,
+                               1.1);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.7")},
             {"double, predicted bias of 27 u (lambda = 0.99): the same within 10 % of it, 2.7 u",
              [](Table const& t) {
-                 return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"}, mean_of("excess"), -2.7, 2.7);
+                 return within(in_double(t).where("lambda", 0.99).where("variant", roots), {"variant"},
+                               mean_of("excess"), -2.7, 2.7);
              },
              own_result("docs/theory.md 39, and 10 % of it; in place of a band set after its run")},
             {"lambda = (1 - 2^-11)^2, whose root is exact: at most 20 u in double",
              [](Table const& t) {
-                 return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"}, mean_of("bias"), -20, 20);
+                 return within(in_double(t).where("lambda", exact_root).where("variant", roots), {"variant"},
+                               mean_of("bias"), -20, 20);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.7")},
             {"forms that use lambda itself: at most 15 u at every lambda in double",
              [](Table const& t) {
-                 Table const others = in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
+                 Table const others =
+                     in_double(t).where("variant", {"ud", "gentleman", "symmetric", "joseph", "information"});
                  return within(others, {"lambda", "variant"}, mean_of("bias"), -15, 15);
              },
              own_result("first edition, set after its run")},
@@ -125,9 +138,12 @@ Study const sqrt_lambda_bias{
                  return within(rows, {"lambda", "variant"}, ratio(), 0.9, 1.1);
              },
              own_result("docs/theory.md 39, and 10 % of it")},
-            {"extended_qr strays from the law: in most runs by more than 40 u in double, where the four others stay within 40",
+            {"extended_qr strays from the law: in most runs by more than 40 u in double, where the four others stay "
+             "within 40",
              [](Table const& t) {
-                 Statistic const stray = [](Table const& at) { return std::max(greatest("excess")(at), -least("excess")(at)); };
+                 Statistic const stray = [](Table const& at) {
+                     return std::max(greatest("excess")(at), -least("excess")(at));
+                 };
                  auto const in_most = [&](std::vector<std::string> const& variants, double from, double to) {
                      return within(in_double(t).where("variant", variants), {}, stray.as(Estimate::most), from, to);
                  };

@@ -25,7 +25,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     V const seen = covariance_of({S::Quantity::information, S::Form::plain, P0}).lazyProduct(error);  // P0^-1 dtheta
     for (int k = 0; k <= last; ++k) {
         if (k > 0)
-            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
+            for (auto const* filter : {&wrong, &right})
+                (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
         if (k % 25 != 0) continue;
         V const now = wrong->theta() - right->theta();
         V const law = pow(Reference(lambda), k) * covariance_of(right->stored()).lazyProduct(seen);
@@ -43,8 +44,10 @@ Study const estimate_error_memory{
     .source = "Ljung & Ljung 1985 (cited, not read); derived (docs/theory.md 28, law iv)",
     .formula = R"tex(\delta\theta_k = \lambda^k P_k P_0^{-1}\, \delta\theta_0)tex",
     .interpretation =
-        "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with lambda = 1 as "
-        "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in the estimate "
+        "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with "
+        "lambda = 1 as "
+        "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in "
+        "the estimate "
         "they differ by their rounding and by nothing else.",
     .data = "white rows, d = 4",
     .factors =
@@ -68,15 +71,17 @@ Study const estimate_error_memory{
                  return within(t, {"variant", "lambda"}, greatest("from_law").as(Estimate::proven), 0, 1e-60);
              },
              verification("docs/theory.md 28, law iv").by("docs/theory.md 28")},
-            {"after 400 steps with lambda = 0.98 it is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most runs",
+            {"after 400 steps with lambda = 0.98 it is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most "
+             "runs",
              [](Table const& t) {
-                 return within(t.where("lambda", 0.98).where("steps", 400.0), {}, median("size").as(Estimate::most), 3.1e-4 / 3,
-                               3.1e-4 * 3);
+                 return within(t.where("lambda", 0.98).where("steps", 400.0), {}, median("size").as(Estimate::most),
+                               3.1e-4 / 3, 3.1e-4 * 3);
              },
              own_result("docs/theory.md 28, law iv, with P as it was; in place of a band set after its run")},
             {"with lambda = 1 it is 200/600 of what it was, to 25 %, in most runs",
              [](Table const& t) {
-                 return within(t.where("lambda", 1.0).where("steps", 400.0), {}, median("size").as(Estimate::most), 0.25, 0.42);
+                 return within(t.where("lambda", 1.0).where("steps", 400.0), {}, median("size").as(Estimate::most),
+                               0.25, 0.42);
              },
              own_result("docs/theory.md 28, law iv, with P as 1/k")},
         },

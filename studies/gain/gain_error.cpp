@@ -1,4 +1,5 @@
-// Errors in every gain: of which order what reaches the covariance is, over twelve decades, and on which floor of rounding it ends.
+// Errors in every gain: of which order what reaches the covariance is, over twelve decades, and on which floor of
+// rounding it ends.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -7,12 +8,12 @@ namespace {
 
 constexpr Index size = 5;
 
-/// At every step K_i (1 + eps r_i), in the sweeps wherever the running gain is used, r nearly normal; against the exact P of the same
-/// data. The same rows and the same r at every eps: what differs along a line is eps alone.
+/// At every step K_i (1 + eps r_i), in the sweeps wherever the running gain is used, r nearly normal; against the exact
+/// P of the same data. The same rows and the same r at every eps: what differs along a line is eps alone.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
-    Problem<double> const problem =
-        as_stored({.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
+    Problem<double> const problem = as_stored(
+        {.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     Index const rows = trial.full() ? 300 : 100;
     Records const records = as_stored(white(size, rows, trial.seed({"replicate"})), *entry.arithmetic);
     CertifiedSolution const exact = std::move(certified(problem, records, {rows}, 60).front());
@@ -45,20 +46,30 @@ Study const gain_error{
     .name = "gain_error",
     .question = "What does an error in the gain do to the covariance?",
     .source =
-        "Bucy & Joseph 1968 (cited, not read); the laws of one step are derived (docs/theory.md 16, 17, 32, 33) and exact (study "
+        "Bucy & Joseph 1968 (cited, not read); the laws of one step are derived (docs/theory.md 16, 17, 32, 33) and "
+        "exact (study "
         "gain_identities)",
     .formula =
-        R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P = O(\delta K) \\
+        R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P =
+              O(\delta K) \\
               \text{Joseph's forms: } & \delta P = O(\delta K^2) \\
-              \text{where a factor is stored: } & \delta P = O(\delta v), \quad v \text{ what plays the gain} \end{aligned})tex",
+              \text{where a factor is stored: } & \delta P = O(\delta v), \quad v \text{ what plays the gain}
+              \end{aligned})tex",
     .interpretation =
-        "At every step the vector that plays the gain in the update of P is wrong by a random relative error of size epsilon: K where P "
-        "is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in first order but Joseph's forms, which "
-        "pass it on in second. The forms that propagate a factor are no exception: what they keep is definiteness (study "
-        "gain_error_definiteness), not P. They see nothing of an error only in the K that they report and do not use. In float and double "
-        "the lines end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With forgetting the "
-        "conventional form's asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the number of steps (study "
-        "gain_error_growth): beyond epsilon N of about 1 it has broken down. How large these errors are: study gain_error_size.",
+        "At every step the vector that plays the gain in the update of P is wrong by a random relative error of size "
+        "epsilon: K where P "
+        "is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in first order but "
+        "Joseph's forms, which "
+        "pass it on in second. The forms that propagate a factor are no exception: what they keep is definiteness "
+        "(study "
+        "gain_error_definiteness), not P. They see nothing of an error only in the K that they report and do not use. "
+        "In float and double "
+        "the lines end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "
+        "forgetting the "
+        "conventional form's asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the "
+        "number of steps (study "
+        "gain_error_growth): beyond epsilon N of about 1 it has broken down. How large these errors are: study "
+        "gain_error_size.",
     .data = "white rows, d = 5",
     .factors =
         [](Budget budget) {
@@ -81,25 +92,32 @@ Study const gain_error{
     .claims =
         {
             {"forms that propagate a factor, v or the running gain in error: slope 1.00 +- 0.01 over twelve decades",
-             [](Table const& t) { return order(t, factors, 0.99, 1.01); }, own_result("derived beforehand: docs/theory.md 32, 33 (G1)")},
+             [](Table const& t) { return order(t, factors, 0.99, 1.01); },
+             own_result("derived beforehand: docs/theory.md 32, 33 (G1)")},
             {"forms that subtract K psi'P and keep P symmetric, or compute psi'P apart: slope 1.00 +- 0.01",
-             [](Table const& t) { return order(t, one_gain, 0.99, 1.01); }, own_result("derived beforehand: docs/theory.md 16")},
+             [](Table const& t) { return order(t, one_gain, 0.99, 1.01); },
+             own_result("derived beforehand: docs/theory.md 16")},
             {"conventional and kalman, where nothing is forgotten and epsilon N stays below 0.1: slope 1.00 +- 0.01",
              [](Table const& t) { return order(t.where("lambda", 1.0), growing, 0.99, 1.01, 2e-4); },
              own_result("derived beforehand: docs/theory.md 16, 36")},
-            {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at least 5 times "
+            {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at "
+             "least 5 times "
              "symmetric's",
              [](Table const& t) {
-                 return within(
-                     t.where("arithmetic", "reference").where("lambda", 0.98).where("epsilon", [](double e) { return e < 2e-13; }), {},
-                     ratio_of_errors("conventional", "symmetric"), 5, 1e6);
+                 return within(t.where("arithmetic", "reference")
+                                   .where("lambda", 0.98)
+                                   .where("epsilon", [](double e) { return e < 2e-13; }),
+                               {}, ratio_of_errors("conventional", "symmetric"), 5, 1e6);
              },
              own_result("first edition, set after its run (docs/theory.md 28, law ii)")},
-            {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades", [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
+            {"Joseph's forms: slope 2.00 +- 0.01 over twelve decades",
+             [](Table const& t) { return order(t, josephs, 1.99, 2.01); },
              own_result("derived beforehand: docs/theory.md 17")},
-            {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most runs",
+            {"in double Joseph's form stands on the floor of rounding, below 1e-14, from an error of 1e-8 on, in most "
+             "runs",
              [](Table const& t) {
-                 Table const small = t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
+                 Table const small =
+                     t.where("arithmetic", "double").where("epsilon", [](double e) { return e < 2e-8; });
                  return within(small.where("variant", josephs), {"variant", "lambda"}, greatest("error"), 1e-17, 1e-14);
              },
              own_result("first edition, set after its run")},

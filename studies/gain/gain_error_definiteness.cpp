@@ -11,21 +11,24 @@ namespace {
 
 constexpr Index rows = 60, in_a_row = 3;
 
-/// At every row of a run without errors a copy takes three rows with errors K_i (1 + size r_i), or the same of what plays the gain;
-/// after each of them its P is judged for exactly the bits stored. Few in a row: errors ten times the gain overflow soon.
+/// At every row of a run without errors a copy takes three rows with errors K_i (1 + size r_i), or the same of what
+/// plays the gain; after each of them its P is judged for exactly the bits stored. Few in a row: errors ten times the
+/// gain overflow soon.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     Index const d = Index(trial.number("size"));
     double const magnitude = trial.number("error");
-    Problem<double> const problem =
-        as_stored({.size = d, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
+    Problem<double> const problem = as_stored(
+        {.size = d, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}}, *entry.arithmetic);
     Seed of_rows = trial.seed({"rows", "size", "replicate"});
-    Records const drawn = trial.text("rows") == "white" ? white(d, rows + in_a_row, of_rows) : delay_line(d, rows + in_a_row, 0.9, of_rows);
+    Records const drawn = trial.text("rows") == "white" ? white(d, rows + in_a_row, of_rows)
+                                                        : delay_line(d, rows + in_a_row, 0.9, of_rows);
     Records const records = as_stored(drawn, *entry.arithmetic);
     bool const whole = trial.text("enters") == "wherever used";
     Seed noise = trial.seed({"rows", "size", "replicate", "error", "enters"});
     auto const honest = entry.make(problem, Seed{1});
-    double const in_double = entry.arithmetic->digits > 53 ? 0x1p-53 : 0;  // how far from what is stored its numbers are in double
+    double const in_double =
+        entry.arithmetic->digits > 53 ? 0x1p-53 : 0;  // how far from what is stored its numbers are in double
     double judged = 0, lost = 0, overflowed = 0;
     for (Index k = 0; k < rows; ++k) {
         auto const wrong = honest->clone();
@@ -77,11 +80,16 @@ Study const gain_error_definiteness{
 \text{Joseph: } P_k + \tfrac{s}{\lambda}\, \delta K\, \delta K^\top > 0, \qquad
 \text{symmetric: } P_k - \tfrac{s}{2\lambda} (\delta K\, K^\top + K\, \delta K^\top) \text{ need not be})tex",
     .interpretation =
-        "Random errors of a tenth of the gain, of its size, and of ten times its size, three rows in a row, from every state of a run. "
-        "What a factor keeps of a wrong gain is not P but its definiteness. In the triangular and UD forms the diagonal of the new factor "
-        "does not contain the running gain at all: the sums s_j that it is made of only grow, also when rounded. Potter's root is singular "
-        "for errors on one hyperplane and nowhere else (tests/variants/gain_laws.cpp). Joseph's forms keep definiteness as formulas; in "
-        "float nothing promises it, and Joseph's form by products has lost it in one of 480 runs of the full budget. The forms that "
+        "Random errors of a tenth of the gain, of its size, and of ten times its size, three rows in a row, from every "
+        "state of a run. "
+        "What a factor keeps of a wrong gain is not P but its definiteness. In the triangular and UD forms the "
+        "diagonal of the new factor "
+        "does not contain the running gain at all: the sums s_j that it is made of only grow, also when rounded. "
+        "Potter's root is singular "
+        "for errors on one hyperplane and nowhere else (tests/variants/gain_laws.cpp). Joseph's forms keep "
+        "definiteness as formulas; in "
+        "float nothing promises it, and Joseph's form by products has lost it in one of 480 runs of the full budget. "
+        "The forms that "
         "subtract K psi'P lose it often: one P in 30 to three in 4 after errors of the size of the gain.",
     .data = "white rows and a delay line of an autoregression, pole 0.9; d = 3 and 8; lambda = 1 and 0.9; P_0 = I",
     .factors =
@@ -98,7 +106,8 @@ Study const gain_error_definiteness{
     .admits =
         [](Trial const& trial) {
             std::string const& variant = trial.text("variant");
-            bool const sweep = variant == "carlson" || variant == "ud" || variant == "inverse_qr" || variant == "extended_qr";
+            bool const sweep =
+                variant == "carlson" || variant == "ud" || variant == "inverse_qr" || variant == "extended_qr";
             bool const quick = !trial.full() && (trial.text("arithmetic") == "double" || trial.number("size") != 3);
             return (sweep || trial.text("enters") == "wherever used") && !quick;
         },
@@ -114,7 +123,8 @@ Study const gain_error_definiteness{
                .where = {{"size", {"3"}}, {"rows", {"white"}}, {"lambda", {"1"}}, {"enters", {"wherever used"}}}}},
     .claims =
         {
-            {"carlson, ud, inverse_qr, extended_qr: never, with errors of up to ten times the gain and more, in any of the arithmetics",
+            {"carlson, ud, inverse_qr, extended_qr: never, with errors of up to ten times the gain and more, in any of "
+             "the arithmetics",
              [](Table const& t) { return never_lost(t.where("variant", triangles), Estimate::proven); },
              own_result("docs/theory.md 34, set before the run (G6)").by("docs/theory.md 34")},
             {"potter: in most runs never, in any of the arithmetics",
@@ -122,25 +132,28 @@ Study const gain_error_definiteness{
              own_result("docs/theory.md 32, set before the run (G6)")},
             {"Joseph's forms, 257 bits: never",
              [](Table const& t) {
-                 return never_lost(in(t, "reference").where("variant", {"joseph", "joseph_rank_two"}), Estimate::proven);
+                 return never_lost(in(t, "reference").where("variant", {"joseph", "joseph_rank_two"}),
+                                   Estimate::proven);
              },
              own_result("docs/theory.md 30, set before the run").by("docs/theory.md 30")},
             {"Joseph's form by products, float: never",
              [](Table const& t) { return never_lost(in(t, "float").where("variant", "joseph"), Estimate::every); },
              own_result("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
             {"joseph_rank_two, float: never",
-             [](Table const& t) { return never_lost(in(t, "float").where("variant", "joseph_rank_two"), Estimate::every); },
+             [](Table const& t) {
+                 return never_lost(in(t, "float").where("variant", "joseph_rank_two"), Estimate::every);
+             },
              own_result("docs/theory.md 30 promises it for exact arithmetic alone; set before the run")},
             {"forms that subtract K psi'P, 257 bits: of errors of the gain's size they lose at least one P in ten",
              [](Table const& t) {
-                 return within(in(t, "reference").where("variant", subtracting).where("error", 1.0), {"variant", "rows", "size", "lambda"},
-                               share, 0.1, 1);
+                 return within(in(t, "reference").where("variant", subtracting).where("error", 1.0),
+                               {"variant", "rows", "size", "lambda"}, share, 0.1, 1);
              },
              own_result("set after a pilot")},
             {"of errors of ten times the gain, too",
              [](Table const& t) {
-                 return within(in(t, "reference").where("variant", subtracting).where("error", 10.0), {"variant", "rows", "size", "lambda"},
-                               share, 0.1, 1);
+                 return within(in(t, "reference").where("variant", subtracting).where("error", 10.0),
+                               {"variant", "rows", "size", "lambda"}, share, 0.1, 1);
              },
              own_result("set after a pilot of 5 seeds")},
         },

@@ -11,8 +11,9 @@ namespace {
 constexpr double epsilon = 1e-6;  // conventional breaks down near epsilon N = 1
 constexpr Index most = 8000;
 
-/// Errors of every gain from a first row on, beside a twin without; looked at after 250, 500 ... 8000 rows with errors. With
-/// forgetting they begin in the stationary regime, so that what happens then is not mixed with what the first rows left.
+/// Errors of every gain from a first row on, beside a twin without; looked at after 250, 500 ... 8000 rows with errors.
+/// With forgetting they begin in the stationary regime, so that what happens then is not mixed with what the first rows
+/// left.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"));
     Index const d = Index(trial.number("size"));
@@ -37,7 +38,9 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-Table of(Table const& t, char const* variant, double lambda) { return t.where("variant", variant).where("lambda", lambda); }
+Table of(Table const& t, char const* variant, double lambda) {
+    return t.where("variant", variant).where("lambda", lambda);
+}
 Judgement grows(Table const& rows, double exponent) {
     return within(rows, {"variant", "size"}, slope("rows", "error"), exponent - 0.1, exponent + 0.1);
 }
@@ -55,7 +58,8 @@ Statistic over(std::function<double(double d, double lambda, double n)> law) {
             },
             Estimate::quadratic};
 }
-Statistic const walk = over([](double d, double lambda, double n) { return epsilon * (1 - lambda) * std::sqrt((d - 1) * n); });
+Statistic const walk =
+    over([](double d, double lambda, double n) { return epsilon * (1 - lambda) * std::sqrt((d - 1) * n); });
 Statistic const per_row = over([](double, double, double n) { return epsilon * n; });
 
 }  // namespace
@@ -71,25 +75,33 @@ Study const gain_error_growth{
 \lambda < 1: &\quad \text{symmetric } N^0, \quad \text{extended QR: } \;
 \varepsilon (1-\lambda) \sqrt{(d-1) N} \end{aligned})tex",
     .interpretation =
-        "Independent relative errors of 1e-6 at every step. Where an error is forgotten as P itself is (law i) the errors average out: as "
-        "N^-1/2 where nothing is forgotten. Joseph's bias does not. In the conventional form the antisymmetric part of every error stays "
-        "as it is (law ii) while P shrinks as 1/N: in relative size it grows as N. Extended QR keeps its errors in W = R^-T as they are, "
-        "relative to W (law v): with lambda = 1 the errors of the first rows, the largest, are never averaged out, and with forgetting "
-        "the error of P walks at random without end. So it is the one factor form that errors of its gain spoil in the long run, though "
-        "its P, too, stays definite. With lambda = 1 the first rows add to the error of the others, the more the fewer there are: the "
+        "Independent relative errors of 1e-6 at every step. Where an error is forgotten as P itself is (law i) the "
+        "errors average out: as "
+        "N^-1/2 where nothing is forgotten. Joseph's bias does not. In the conventional form the antisymmetric part of "
+        "every error stays "
+        "as it is (law ii) while P shrinks as 1/N: in relative size it grows as N. Extended QR keeps its errors in W = "
+        "R^-T as they are, "
+        "relative to W (law v): with lambda = 1 the errors of the first rows, the largest, are never averaged out, and "
+        "with forgetting "
+        "the error of P walks at random without end. So it is the one factor form that errors of its gain spoil in the "
+        "long run, though "
+        "its P, too, stays definite. With lambda = 1 the first rows add to the error of the others, the more the fewer "
+        "there are: the "
         "exponents of symmetric and of Joseph's form lie below their limits.",
     .data = "white rows, d = 3 and 5; with forgetting after 1000 rows without errors",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{{"size", {3.0, 5.0}},
-                                       {"lambda", {1.0, 0.99}},
-                                       {"variant", {"conventional", "kalman", "symmetric", "joseph", "potter", "ud", "extended_qr"}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 11)}};
+            return std::vector<Factor>{
+                {"size", {3.0, 5.0}},
+                {"lambda", {1.0, 0.99}},
+                {"variant", {"conventional", "kalman", "symmetric", "joseph", "potter", "ud", "extended_qr"}},
+                {"replicate", counted(budget == Budget::full ? 100 : 11)}};
         },
     .admits =
         [](Trial const& trial) {
             // With forgetting the antisymmetric part grows as lambda^-k besides (study asymmetry_explosion).
-            return trial.number("lambda") == 1 || (trial.text("variant") != "conventional" && trial.text("variant") != "kalman");
+            return trial.number("lambda") == 1 ||
+                   (trial.text("variant") != "conventional" && trial.text("variant") != "kalman");
         },
     .measures = {"rows", "error"},
     .measure = measure,
@@ -117,9 +129,11 @@ Study const gain_error_growth{
                  return grows(t.where("variant", {"symmetric", "potter", "ud"}).where("lambda", 1.0), -0.5);
              },
              own_result("docs/theory.md 36, set before the run (G5)")},
-            {"joseph, lambda = 1: it stays, exponent 0.0 +- 0.1", [](Table const& t) { return grows(of(t, "joseph", 1), 0); },
+            {"joseph, lambda = 1: it stays, exponent 0.0 +- 0.1",
+             [](Table const& t) { return grows(of(t, "joseph", 1), 0); },
              own_result("docs/theory.md 36, set before the run")},
-            {"extended_qr, lambda = 1: it stays, exponent 0.0 +- 0.1", [](Table const& t) { return grows(of(t, "extended_qr", 1), 0); },
+            {"extended_qr, lambda = 1: it stays, exponent 0.0 +- 0.1",
+             [](Table const& t) { return grows(of(t, "extended_qr", 1), 0); },
              own_result("docs/theory.md 28, law v, and 36; set after a pilot of 20 seeds")},
             {"lambda = 0.99: in symmetric, potter, ud and joseph it stays, exponent 0.0 +- 0.1",
              [](Table const& t) {

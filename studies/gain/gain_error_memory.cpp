@@ -12,8 +12,12 @@ namespace {
 constexpr Index size = 4, start = 200;  // P has long forgotten its prior's shape by the step of the error
 
 using M = Matrix<Reference>;
-M part(M const& A, std::string_view which) { return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2); }
-M inverse(M const& A) { return covariance_of({Stored<Reference>::Quantity::information, Stored<Reference>::Form::plain, A}); }
+M part(M const& A, std::string_view which) {
+    return (which == "symmetric" ? M(A + A.transpose()) : M(A - A.transpose())) / Reference(2);
+}
+M inverse(M const& A) {
+    return covariance_of({Stored<Reference>::Quantity::information, Stored<Reference>::Form::plain, A});
+}
 
 /// A filter and an undisturbed copy of it, in 257 bits: the difference comes from the recursion, not from rounding.
 void measure(Trial const& trial, TrialOutput& out) {
@@ -32,10 +36,12 @@ void measure(Trial const& trial, TrialOutput& out) {
     wrong->update(records.sample(start - 1), records.y[start - 1], relative);
     right->update(records.sample(start - 1), records.y[start - 1]);
 
-    M const X = inverse(covariance_of(right->stored())), E = covariance_of(wrong->stored()) - covariance_of(right->stored());
+    M const X = inverse(covariance_of(right->stored())),
+            E = covariance_of(wrong->stored()) - covariance_of(right->stored());
     for (int k = 0; k <= last; ++k) {
         if (k > 0)
-            for (auto const* filter : {&wrong, &right}) (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
+            for (auto const* filter : {&wrong, &right})
+                (*filter)->update(records.sample(start + k - 1), records.y[start + k - 1]);
         if (k % 25 != 0) continue;
         M const P = covariance_of(right->stored()), now = covariance_of(wrong->stored()) - P;
         for (char const* which : {"symmetric", "antisymmetric"}) {
@@ -51,7 +57,9 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 std::vector<std::string> const obedient = words(without(covariance_forms(), {"conventional"}));
-Table antisymmetric(Table const& t, char const* variant) { return t.where("part", "antisymmetric").where("variant", variant); }
+Table antisymmetric(Table const& t, char const* variant) {
+    return t.where("part", "antisymmetric").where("variant", variant);
+}
 
 }  // namespace
 
@@ -61,13 +69,19 @@ Study const gain_error_memory{
     .question = "How long does the covariance remember one error in the gain?",
     .source = "Ljung & Ljung 1985, Verhaegen 1989 (cited, not read); derived (docs/theory.md 28, laws i and ii)",
     .formula = R"tex(\begin{aligned} \text{i.} &\quad \delta P_k = \lambda^k P_k P_0^{-1}\, \delta P_0\, P_0^{-1} P_k \\
-\text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad \text{(conventional)} \end{aligned})tex",
+\text{ii.} &\quad \delta P_k - \delta P_k^\top = \lambda^{-k} (\delta P_0 - \delta P_0^\top) \quad
+\text{(conventional)} \end{aligned})tex",
     .interpretation =
-        "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, shows what "
-        "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as lambda^k), and "
-        "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the antisymmetric "
-        "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not know: that is "
-        "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of 1e-40 from "
+        "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, "
+        "shows what "
+        "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as "
+        "lambda^k), and "
+        "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the "
+        "antisymmetric "
+        "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not "
+        "know: that is "
+        "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of "
+        "1e-40 from "
         "the same gain, and no antisymmetric part.",
     .data = "white rows, d = 4",
     .factors =
@@ -106,23 +120,27 @@ Study const gain_error_memory{
              verification("docs/theory.md 28, law i").by("docs/theory.md 28")},
             {"indeed to 1e-12, and for errors in any direction, in all forms but the conventional",
              [](Table const& t) {
-                 return within(t.where("variant", obedient), {"variant", "lambda"}, greatest("from_law").as(Estimate::proven), 0, 1e-12);
+                 return within(t.where("variant", obedient), {"variant", "lambda"},
+                               greatest("from_law").as(Estimate::proven), 0, 1e-12);
              },
              verification("docs/theory.md 28, law i").by("docs/theory.md 28")},
             {"conventional: the antisymmetric part follows lambda^-k to 5 %, indeed to 1e-12",
              [](Table const& t) {
-                 return within(antisymmetric(t, "conventional"), {"lambda"}, greatest("from_growth").as(Estimate::proven), 0, 1e-12);
+                 return within(antisymmetric(t, "conventional"), {"lambda"},
+                               greatest("from_growth").as(Estimate::proven), 0, 1e-12);
              },
              verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
             {"so that after 400 steps with lambda = 0.98 it has grown to 3233 times",
              [](Table const& t) {
-                 return within(antisymmetric(t, "conventional").where("lambda", 0.98).where("steps", 400.0), {}, median("size"), 3232,
-                               3234);
+                 return within(antisymmetric(t, "conventional").where("lambda", 0.98).where("steps", 400.0), {},
+                               median("size"), 3232, 3234);
              },
              verification("docs/theory.md 28, law ii")},
-            {"while that of conventional_two_sided is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most runs",
+            {"while that of conventional_two_sided is lambda^400 = 3.1e-4 of what it was, to a factor of 3, in most "
+             "runs",
              [](Table const& t) {
-                 Table const rows = antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
+                 Table const rows =
+                     antisymmetric(t, "conventional_two_sided").where("lambda", 0.98).where("steps", 400.0);
                  return within(rows, {}, greatest("size"), 3.1e-4 / 3, 3.1e-4 * 3);
              },
              own_result("docs/theory.md 28, law i, with P as it was; in place of a band set after its run")},
@@ -132,7 +150,8 @@ Study const gain_error_memory{
                  return within(rows, {}, greatest("from_growth").as(Estimate::proven), 0, 1e-12);
              },
              verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
-            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it is off by 100 "
+            {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it "
+             "is off by 100 "
              "times, in most runs",
              [](Table const& t) {
                  return within(t.where("part", "symmetric")

@@ -28,11 +28,12 @@ double first_order(std::string const& variant, std::string const& errors, Index 
     double const n = double(d), j = double(column_of(errors, d));
     double c = n + 2;
     if (variant == "potter") c = (n + 5) / 2;
-    if (sweeps(variant)) c = errors == "wherever used" ? n - 1 : errors == "after every column" ? (n * n - 1) / 3 : 2 * j * (n - j) / n;
+    if (sweeps(variant))
+        c = errors == "wherever used" ? n - 1 : errors == "after every column" ? (n * n - 1) / 3 : 2 * j * (n - j) / n;
     return std::sqrt(c / effective(lambda));
 }
-/// The same of the forms with the law of symmetric for rows of an autoregression: the mean of (psi'P^2 psi)^2, P = (1 - lambda) X^-1,
-/// X_ij = pole^|i-j|, whose inverse has three diagonals.
+/// The same of the forms with the law of symmetric for rows of an autoregression: the mean of (psi'P^2 psi)^2, P = (1 -
+/// lambda) X^-1, X_ij = pole^|i-j|, whose inverse has three diagonals.
 double first_order(Records const& records, double pole, double lambda) {
     Index const d = records.psi.rows();
     double const scale = 1 / (1 - pole * pole);
@@ -111,9 +112,12 @@ std::vector<std::string> const one_gain{"conventional_two_sided", "symmetric"}, 
     triangles{"carlson", "ud", "inverse_qr"};
 
 /// G2: 15 % about the prediction.
-Judgement constant(Table const& t, Statistic const& number) { return within(t, {"variant", "size", "lambda"}, number, 0.85, 1.15); }
+Judgement constant(Table const& t, Statistic const& number) {
+    return within(t, {"variant", "size", "lambda"}, number, 0.85, 1.15);
+}
 Judgement by_rows(Table const& t, std::vector<std::string> const& variants, char const* rows, double from, double to) {
-    return within(of(t, variants).where("rows", std::string(rows)), {"variant", "size", "lambda"}, root_mean_square("over"), from, to);
+    return within(of(t, variants).where("rows", std::string(rows)), {"variant", "size", "lambda"},
+                  root_mean_square("over"), from, to);
 }
 /// Joseph's error over symmetric's, seed by seed.
 Judgement against_symmetric(Table const& t, double times, double from, double to) {
@@ -134,24 +138,38 @@ Study const gain_error_size{
 \text{after column } j\ 2 j (d - j) / d \\
 \text{Joseph: } \quad & \varepsilon^2 \lVert \operatorname{diag} P \rVert / \lVert P \rVert \end{aligned})tex",
     .interpretation =
-        "Independent relative errors epsilon r_i of the gain at every step, epsilon = 1e-3, against a twin without them. N_eff is N where "
-        "nothing is forgotten, else (1 + lambda)/(1 - lambda). In the forms of first order the errors of the steps are noise: they average "
-        "out. Potter's form and the sweeps pass on less than symmetric, by a constant factor; an error that enters a sweep early or late "
-        "less than one in the middle, and after the last column nothing. Joseph's error is no noise but a bias, epsilon^2 diag P: it does "
-        "not average out. So from epsilon = sqrt((d+2)/N_eff) on, where the two laws cross, Joseph's form is the less accurate one, for as "
-        "long as symmetric is definite. Of errors that large symmetric loses definiteness: in a few runs where nothing is forgotten, in "
-        "most with lambda = 0.99 and d = 8, where its P has then diverged. There the prediction that symmetric is the better one fails. "
-        "Joseph's form stays definite. The laws are of leading order in 1/N_eff: with lambda = 1 the first rows, of which P is not yet "
-        "near a multiple of I, add some per cent. They are of the root mean square: the median of an error with few components lies below.",
-    .data = "white rows, d = 3, 5, 8, lambda = 1 (2000 rows) and 0.99; delay line of an autoregression, pole 0.9, d = 5, lambda = 0.998",
+        "Independent relative errors epsilon r_i of the gain at every step, epsilon = 1e-3, against a twin without "
+        "them. N_eff is N where "
+        "nothing is forgotten, else (1 + lambda)/(1 - lambda). In the forms of first order the errors of the steps are "
+        "noise: they average "
+        "out. Potter's form and the sweeps pass on less than symmetric, by a constant factor; an error that enters a "
+        "sweep early or late "
+        "less than one in the middle, and after the last column nothing. Joseph's error is no noise but a bias, "
+        "epsilon^2 diag P: it does "
+        "not average out. So from epsilon = sqrt((d+2)/N_eff) on, where the two laws cross, Joseph's form is the less "
+        "accurate one, for as "
+        "long as symmetric is definite. Of errors that large symmetric loses definiteness: in a few runs where nothing "
+        "is forgotten, in "
+        "most with lambda = 0.99 and d = 8, where its P has then diverged. There the prediction that symmetric is the "
+        "better one fails. "
+        "Joseph's form stays definite. The laws are of leading order in 1/N_eff: with lambda = 1 the first rows, of "
+        "which P is not yet "
+        "near a multiple of I, add some per cent. They are of the root mean square: the median of an error with few "
+        "components lies below.",
+    .data =
+        "white rows, d = 3, 5, 8, lambda = 1 (2000 rows) and 0.99; delay line of an autoregression, pole 0.9, d = 5, "
+        "lambda = 0.998",
     .factors =
         [](Budget) {
             return std::vector<Factor>{
                 {"rows", {"white", "pole 0.9"}},
                 {"size", {3.0, 5.0, 8.0}},
                 {"lambda", {1.0, 0.99, 0.998}},
-                {"errors", {"wherever used", "after every column", "after column 1", "after column d/2", "after column d"}},
-                {"variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud", "inverse_qr"}},
+                {"errors",
+                 {"wherever used", "after every column", "after column 1", "after column d/2", "after column d"}},
+                {"variant",
+                 {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two", "potter", "carlson", "ud",
+                  "inverse_qr"}},
                 {"of crossing", {0.0, 0.25, 0.5, 1.0, 2.0}}};
         },
     .admits = admits,
@@ -171,7 +189,10 @@ Study const gain_error_size{
                .panel = "size",
                .x_label = "relative error of the gain",
                .y_label = "relative error of P",
-               .where = {{"rows", {"white"}}, {"lambda", {"1"}}, {"variant", {"symmetric", "joseph"}}, {"errors", {"wherever used"}}}}},
+               .where = {{"rows", {"white"}},
+                         {"lambda", {"1"}},
+                         {"variant", {"symmetric", "joseph"}},
+                         {"errors", {"wherever used"}}}}},
     .claims =
         {
             {"symmetric and conventional_two_sided, white rows: the root mean square is the prediction to 15 %",
@@ -196,14 +217,16 @@ Study const gain_error_size{
             {"the sweeps, an error after the first column or in the middle alone: the prediction to 25 %",
              [](Table const& t) {
                  auto const at = [&t](char const* errors) {
-                     return within(of(t, triangles, errors), {"variant", "size", "lambda"}, root_mean_square("over"), 0.8, 1.25);
+                     return within(of(t, triangles, errors), {"variant", "size", "lambda"}, root_mean_square("over"),
+                                   0.8, 1.25);
                  };
                  return labelled("first", at("after column 1")) && labelled("middle", at("after column d/2"));
              },
              own_result("a factor of 1.25 about docs/theory.md 36, set before the run (G8)")},
             {"after the last column alone: exactly 0",
              [](Table const& t) {
-                 return within(of(t, triangles, "after column d"), {"variant"}, greatest("error").as(Estimate::proven), 0, 0);
+                 return within(of(t, triangles, "after column d"), {"variant"}, greatest("error").as(Estimate::proven),
+                               0, 0);
              },
              verification("docs/theory.md 33 (G8)").by("docs/theory.md 33")},
             {"Joseph's forms, white rows: the error is epsilon^2 |diag P| / |P| times 0.95 to 1.25",
@@ -217,20 +240,27 @@ Study const gain_error_size{
              own_result("docs/theory.md 36, set before the run (G3)")},
             {"at a quarter and at half of epsilon = sqrt((d+2)/N_eff) Joseph's form is the more accurate one",
              [](Table const& t) {
-                 return labelled("1/4", against_symmetric(t, 0.25, 0, 1)) && labelled("1/2", against_symmetric(t, 0.5, 0, 1));
+                 return labelled("1/4", against_symmetric(t, 0.25, 0, 1)) &&
+                        labelled("1/2", against_symmetric(t, 0.5, 0, 1));
              },
              own_result("docs/theory.md 36, set before the run (G4)")},
-            {"at twice that epsilon symmetric is: in the median", [](Table const& t) { return against_symmetric(t, 2, 1, 1e300); },
+            {"at twice that epsilon symmetric is: in the median",
+             [](Table const& t) { return against_symmetric(t, 2, 1, 1e300); },
              own_result("docs/theory.md 36, set before the run (G4)")},
             {"Joseph's form is definite at the end of most runs, at all four",
              [](Table const& t) {
-                 return everywhere(t.where("of crossing", [](double x) { return x > 0; }).where("variant", "joseph"), "definite", "yes");
+                 return everywhere(t.where("of crossing", [](double x) { return x > 0; }).where("variant", "joseph"),
+                                   "definite", "yes");
              },
              own_result("docs/theory.md 30, set before the run")},
             {"symmetric is not, at twice the crossing with lambda = 1: in some run it has lost definiteness",
              [](Table const& t) {
-                 Table const lost = t.where("of crossing", 2.0).where("variant", "symmetric").where("lambda", 1.0).where("definite", "no");
-                 size_t const runs = t.where("of crossing", 2.0).where("variant", "symmetric").where("lambda", 1.0).rows().size();
+                 Table const lost = t.where("of crossing", 2.0)
+                                        .where("variant", "symmetric")
+                                        .where("lambda", 1.0)
+                                        .where("definite", "no");
+                 size_t const runs =
+                     t.where("of crossing", 2.0).where("variant", "symmetric").where("lambda", 1.0).rows().size();
                  return Judgement(lost.empty() ? Verdict::undecided : Verdict::holds,
                                   as_text(double(lost.rows().size())) + " of " + as_text(double(runs)) + " runs");
              },

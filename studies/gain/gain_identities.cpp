@@ -60,8 +60,8 @@ double order(std::function<M(Q const&)> const& change) {
     return correctly::log2(size(0x1p-20) / size(0x1p-30)) / 10;
 }
 
-/// P of F's formula from an f and an s that are wrong, and the K they make. Joseph's form has neither but in K: its own text, with
-/// that K. joseph_rank_two has them in (4) too, before its page lets K be changed: (4) and (5) of that page.
+/// P of F's formula from an f and an s that are wrong, and the K they make. Joseph's form has neither but in K: its own
+/// text, with that K. joseph_rank_two has them in (4) too, before its page lets K be changed: (4) and (5) of that page.
 template <class F>
 M from_wrong(F const& before, V const& psi, Q const& lambda, V const& f, Q const& s) {
     V const K = f / s;
@@ -106,8 +106,11 @@ void examine(Trial const& trial, TrialOutput& out) {
             same_formula += from_wrong(before, psi, lambda, f, s) == exact;
             std::array const orders{
                 order([&](Q const& t) { return M(from_wrong(before, psi, lambda, f, s * (1 + t)) - exact); }),
-                order([&](Q const& t) { return M(from_wrong(before, psi, lambda, f + t * deltaK, s + t * dot(psi, deltaK)) - exact); })};
-            for (size_t i = 0; i < 2; ++i) least[i] = std::min(least[i], orders[i]), greatest[i] = std::max(greatest[i], orders[i]);
+                order([&](Q const& t) {
+                    return M(from_wrong(before, psi, lambda, f + t * deltaK, s + t * dot(psi, deltaK)) - exact);
+                })};
+            for (size_t i = 0; i < 2; ++i)
+                least[i] = std::min(least[i], orders[i]), greatest[i] = std::max(greatest[i], orders[i]);
         }
         for (size_t r = 0; r < ratios.size(); ++r) {
             Q const eps = Q(std::lround(ratios[r] * 1000)) / 1000 * lambda / excitation;
@@ -159,10 +162,12 @@ void examine_sweep(Trial const& trial, TrialOutput& out) {
             V delta_v = delta;
             for (Index i = j + 1; i < d; ++i) delta_v[i] = 0;
             V const w = K - v / s;
-            M const linear = -(outer(delta_v, w) + outer(w, delta_v)) / lambda, square = outer(delta_v, delta_v) / lambda;
+            M const linear = -(outer(delta_v, w) + outer(w, delta_v)) / lambda,
+                    square = outer(delta_v, delta_v) / lambda;
             M const deltaP = wrong.covariance() - honest.covariance();
             law += deltaP == M(linear + (1 / s - 1 / s_d) * square);
-            as_at_the_start += deltaP == M(-(outer(delta_v, K) + outer(K, delta_v)) / lambda + (1 / lambda - 1 / s_d) * square);
+            as_at_the_start +=
+                deltaP == M(-(outer(delta_v, K) + outer(K, delta_v)) / lambda + (1 / lambda - 1 / s_d) * square);
             if (j + 1 == d) last += deltaP == M::Zero(d, d) && !(wrong.gain() == honest.gain());
             definite += is_positive_definite(wrong.covariance());
             ++columns;
@@ -175,16 +180,18 @@ void examine_sweep(Trial const& trial, TrialOutput& out) {
 }
 
 void measure(Trial const& trial, TrialOutput& out) {
-    for_each(TypeList<Conventional<Q>, ConventionalTwoSided<Q>, Symmetric<Q>, Kalman<Q>, Joseph<Q>, JosephRankTwo<Q>>{}, [&]<class F>() {
-        if (F::name == trial.text("variant")) examine<F>(trial, out);
-    });
+    for_each(TypeList<Conventional<Q>, ConventionalTwoSided<Q>, Symmetric<Q>, Kalman<Q>, Joseph<Q>, JosephRankTwo<Q>>{},
+             [&]<class F>() {
+                 if (F::name == trial.text("variant")) examine<F>(trial, out);
+             });
     if (trial.text("variant") == "ud") examine_sweep(trial, out);
 }
 
 std::vector<std::string> const subtracting{"conventional", "conventional_two_sided", "symmetric", "kalman"};
 std::vector<std::string> const josephs{"joseph", "joseph_rank_two"};
 
-Judgement share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to, double wanted) {
+Judgement share(Table const& t, char const* property, std::vector<std::string> const& variants, double from, double to,
+                double wanted) {
     Table const rows = t.where("property", property).where("ratio", [=](double r) { return from <= r && r <= to; });
     return within(rows.where("variant", variants), {"variant", "lambda", "ratio"}, least("share"), wanted, wanted);
 }
@@ -201,28 +208,40 @@ Study const gain_identities{
     .name = "gain_identities",
     .question = "Are the laws of an error in the gain exact?",
     .source = "Bucy & Joseph 1968 (cited, not read); derived (docs/theory.md 16, 17, 29 to 31, 33, 34)",
-    .formula = R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
+    .formula =
+        R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
 \text{UD, after column } j: &\quad
-\delta P = \bigl[-(\delta v\, w^\top + w\, \delta v^\top) + (1/s_j - 1/s) \delta v\, \delta v^\top\bigr] / \lambda, \quad
+\delta P = \bigl[-(\delta v\, w^\top + w\, \delta v^\top) + (1/s_j - 1/s) \delta v\, \delta v^\top\bigr] / \lambda,
+\quad
 w = K - K_{(j)} \\
 \text{with gain } (1 + \varepsilon) K: &\quad
 P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
     .interpretation =
-        "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the same for "
-        "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P positive "
-        "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is singular, one "
-        "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric form obeys "
-        "the first law with the triangle it computes mirrored. UD has no K in its update of U and D, but a vector that grows to the "
-        "gain: an error of it reaches P in first order, unless it enters after the last column, and never touches definiteness. An "
-        "error of s or of f is one of K alone in Joseph's form by products, and stays of second order; in joseph_rank_two it is of "
-        "first order (formulas (4) and (5) of its page, evaluated here: the page lets K be changed only after them). The root forms "
-        "obey their laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
+        "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the "
+        "same for "
+        "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P "
+        "positive "
+        "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is "
+        "singular, one "
+        "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric "
+        "form obeys "
+        "the first law with the triangle it computes mirrored. UD has no K in its update of U and D, but a vector that "
+        "grows to the "
+        "gain: an error of it reaches P in first order, unless it enters after the last column, and never touches "
+        "definiteness. An "
+        "error of s or of f is one of K alone in Joseph's form by products, and stays of second order; in "
+        "joseph_rank_two it is of "
+        "first order (formulas (4) and (5) of its page, evaluated here: the page lets K be changed only after them). "
+        "The root forms "
+        "obey their laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies "
+        "gain_error, "
         "gain_error_size, gain_error_definiteness.",
     .data = "random rational P, rows and errors, d = 2, 3, 4",
     .factors =
         [](Budget) {
-            return std::vector<Factor>{{"lambda", {1.0, 0.9}}, {"variant", joined(covariance_forms(), {"kalman", "ud"})}};
+            return std::vector<Factor>{{"lambda", {1.0, 0.9}},
+                                       {"variant", joined(covariance_forms(), {"kalman", "ud"})}};
         },
     .measures = {"property", "ratio", "share"},
     .measure = measure,
@@ -234,36 +253,51 @@ P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \e
                .x_label = "ε / (λ / ψ'Pψ)",
                .y_label = "share of cases",
                .where = {{"property", {"definite"}},
-                         {"variant", {"conventional", "conventional_two_sided", "symmetric", "kalman", "joseph", "joseph_rank_two"}}}}},
+                         {"variant",
+                          {"conventional", "conventional_two_sided", "symmetric", "kalman", "joseph",
+                           "joseph_rank_two"}}}}},
     .claims =
         {
             {"forms that subtract K psi'P: deltaP = -deltaK psi'P / lambda to exactly 0 in every case",
-             [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); }, verification("docs/theory.md 16")},
+             [](Table const& t) { return share(t, "first order", subtracting, 0, 0, 1); },
+             verification("docs/theory.md 16")},
             {"Joseph's forms: deltaP = s deltaK deltaK' / lambda to exactly 0 in every case",
-             [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); }, verification("docs/theory.md 17")},
+             [](Table const& t) { return share(t, "second order", josephs, 0, 0, 1); },
+             verification("docs/theory.md 17")},
             {"the test can fail: no case of a form that subtracts obeys Joseph's law",
-             [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); }, verification("docs/theory.md 16")},
-            {"nor any of a Joseph form the first-order law", [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); },
+             [](Table const& t) { return share(t, "second order", subtracting, 0, 0, 0); },
+             verification("docs/theory.md 16")},
+            {"nor any of a Joseph form the first-order law",
+             [](Table const& t) { return share(t, "first order", josephs, 0, 0, 0); },
              verification("docs/theory.md 17")},
             {"UD: an error of the running gain after column j obeys the law of the sweeps, to exactly 0, for every j",
              [](Table const& t) { return share(t, "sweep", {"ud"}, 0, 0, 1); }, verification("docs/theory.md 33 (G8)")},
             {"after the last column it changes the gain and nothing of P",
-             [](Table const& t) { return share(t, "last column", {"ud"}, 0, 0, 1); }, verification("docs/theory.md 33 (G8)")},
-            {"the test can fail: the law of an error at the start, before any column, holds in fewer than one case in ten: with zeros in f",
-             [](Table const& t) { return within(t.where("property", "at the start"), {"lambda"}, greatest("share"), 0, 0.1); },
+             [](Table const& t) { return share(t, "last column", {"ud"}, 0, 0, 1); },
+             verification("docs/theory.md 33 (G8)")},
+            {"the test can fail: the law of an error at the start, before any column, holds in fewer than one case in "
+             "ten: with zeros in f",
+             [](Table const& t) {
+                 return within(t.where("property", "at the start"), {"lambda"}, greatest("share"), 0, 0.1);
+             },
              verification("docs/theory.md 33 (G8)")},
             {"and UD's P stays positive definite in every case, with errors far larger than the gain",
-             [](Table const& t) { return share(t, "definite", {"ud"}, 0, 0, 1); }, verification("docs/theory.md 34 (G6)")},
-            {"with gain (1 + eps) K, forms that subtract stay positive definite up to 0.999 of lambda / psi'P psi, in every case",
-             [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); }, verification("docs/theory.md 29")},
-            {"and from the threshold itself on, in no case", [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); },
+             [](Table const& t) { return share(t, "definite", {"ud"}, 0, 0, 1); },
+             verification("docs/theory.md 34 (G6)")},
+            {"with gain (1 + eps) K, forms that subtract stay positive definite up to 0.999 of lambda / psi'P psi, in "
+             "every case",
+             [](Table const& t) { return share(t, "definite", subtracting, -2, 0.9995, 1); },
+             verification("docs/theory.md 29")},
+            {"and from the threshold itself on, in no case",
+             [](Table const& t) { return share(t, "definite", subtracting, 1, 2, 0); },
              verification("docs/theory.md 29")},
             {"Joseph's forms stay positive definite at every eps, in every case",
              [](Table const& t) { return share(t, "definite", josephs, -2, 2, 1); }, verification("docs/theory.md 30")},
             {"the formulas of Joseph's forms as evaluated here are those of the variants, in every case",
              [](Table const& t) { return share(t, "formula", josephs, 0, 0, 1); }, verification("docs/theory.md 17")},
             {"joseph_rank_two: errors of s and of f reach P with slope 1.00 +- 0.01",
-             [](Table const& t) { return order_within(t, "joseph_rank_two", 0.99, 1.01); }, verification("docs/theory.md 31 (G7)")},
+             [](Table const& t) { return order_within(t, "joseph_rank_two", 0.99, 1.01); },
+             verification("docs/theory.md 31 (G7)")},
             {"joseph: with slope 2.00 +- 0.01", [](Table const& t) { return order_within(t, "joseph", 1.99, 2.01); },
              verification("docs/theory.md 31 (G7)")},
         },

@@ -1,5 +1,5 @@
-// Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and measured.
-// Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
+// Two lengths: which may be short, the gain or what it is computed from? Where Joseph's form is worth it, predicted and
+// measured. Longer than 150 lines: two predicted floors, nine arrangements of two lengths, and 20 claims.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -27,7 +27,11 @@ using T = VariablePrecision;
 struct Floors {
     double symmetric = NAN, joseph = NAN, joseph_rank_two = NAN, ud = NAN;
     double of(std::string_view v) const {
-        return v == "symmetric" ? symmetric : v == "joseph" ? joseph : v == "joseph_rank_two" ? joseph_rank_two : v == "ud" ? ud : NAN;
+        return v == "symmetric"         ? symmetric
+               : v == "joseph"          ? joseph
+               : v == "joseph_rank_two" ? joseph_rank_two
+               : v == "ud"              ? ud
+                                        : NAN;
     }
 };
 struct Setting {
@@ -43,7 +47,8 @@ std::map<std::string, Setting> const settings{{"white", {0, 0.99, 900, 1, {4.0, 
                                               {"nothing forgotten", {0, 1, 1000, 1, {7.3, 27, 7.1, 13}}},
                                               {"4000 rows", {0, 1, 4000, 1}},
                                               {"large P0", {0, 1, 1000, 0x1p24}}};
-std::vector<std::string> const with_floors{"white", "pole 0.9", "pole 0.99", "nothing forgotten"}, white_rows{"white", "nothing forgotten"};
+std::vector<std::string> const with_floors{"white", "pole 0.9", "pole 0.99", "nothing forgotten"},
+    white_rows{"white", "nothing forgotten"};
 
 /// Root mean square of a relative rounding error, over the unit roundoff, for significands with the density 1/(x ln 2).
 constexpr double rounding = 0.4247;
@@ -62,7 +67,8 @@ double predicted(Setting const& setting, std::string_view variant, int p_K, int 
 }
 /// What rounding to nearest adds to symmetric's noise (docs/theory.md 68): the mean of delta_i K_i is not 0.
 double noise_and_bias(Setting const& setting, int p_K, double B) {
-    double const epsilon = rounding * std::ldexp(1, -p_K), noise = epsilon * amplitude(setting, "symmetric"), bias = epsilon * epsilon * B;
+    double const epsilon = rounding * std::ldexp(1, -p_K), noise = epsilon * amplitude(setting, "symmetric"),
+                 bias = epsilon * epsilon * B;
     return std::sqrt(noise * noise + bias * bias);
 }
 /// T1: the p_K up to which Joseph's form beats symmetric.
@@ -86,9 +92,11 @@ Stored<T> short_gain(Problem<T> const& problem, std::vector<Vector<T>> const& ps
     for (size_t k = 0; k < y.size(); ++k) filter.update({psi[k].data(), psi[k].size()}, y[k], RoundedTo{p_K});
     return filter.stored();
 }
-/// Every operation up to the gain (the innovation, f = P psi, s, K) rounds to p_K bits, every operation after it to p_P.
+/// Every operation up to the gain (the innovation, f = P psi, s, K) rounds to p_K bits, every operation after it to
+/// p_P.
 template <class F>
-Stored<T> short_until_gain(Problem<T> const& problem, std::vector<Vector<T>> const& psi, std::vector<T> const& y, int p_K) {
+Stored<T> short_until_gain(Problem<T> const& problem, std::vector<Vector<T>> const& psi, std::vector<T> const& y,
+                           int p_K) {
     F filter(problem);
     int const p_P = PrecisionScope::bits();
     for (size_t k = 0; k < y.size(); ++k) {
@@ -119,9 +127,10 @@ void measure(Trial const& trial, TrialOutput& out) {
     int const p_P = int(trial.number("p_P"));
     PrecisionScope const scope(p_P);
     auto const round = [](double x) { return double(T(x)); };
-    Problem<double> const problem =
-        as_stored({.size = size, .forgetting = setting.lambda, .prior = Prior<double>{.variance = setting.prior}}, +round);
-    Records const records = as_stored(delay_line(size, setting.rows, setting.pole, trial.seed({"data", "replicate"})), +round);
+    Problem<double> const problem = as_stored(
+        {.size = size, .forgetting = setting.lambda, .prior = Prior<double>{.variance = setting.prior}}, +round);
+    Records const records =
+        as_stored(delay_line(size, setting.rows, setting.pole, trial.seed({"data", "replicate"})), +round);
     CertifiedSolution const exact = std::move(certified(problem, records, {setting.rows}, 30).front());
     Matrix<Reference> const P = exact.covariance();
     Reference diagonal = 0;
@@ -137,7 +146,8 @@ void measure(Trial const& trial, TrialOutput& out) {
         psi.push_back(std::move(row));
         y.push_back(T(records.y[k]));
     }
-    bool const crossed = p_P == 16 || p_P == 32 || setting.rows > 1000;  // where Joseph's form and symmetric cross, and no more
+    bool const crossed =
+        p_P == 16 || p_P == 32 || setting.rows > 1000;  // where Joseph's form and symmetric cross, and no more
     for (auto const& [variant, in_short, run] : arrangements) {
         if (crossed && (in_short != only_gain || (variant != "symmetric" && variant != "joseph"))) continue;
         if (p_P == 53 && in_short == only_gain) continue;
@@ -153,15 +163,18 @@ void measure(Trial const& trial, TrialOutput& out) {
         int const last = setting.rows > 1000 ? 4 : p_P < 53 ? p_P : 20;
         for (int p_K = step; p_K <= last; p_K += step) {
             Stored<Reference> const stored = stored_with(p_K);
-            double const error = error_of(stored), law = in_short == only_gain ? predicted(setting, variant, p_K, p_P, B) : NAN;
+            double const error = error_of(stored),
+                         law = in_short == only_gain ? predicted(setting, variant, p_K, p_P, B) : NAN;
             bool const definite = definiteness(stored) == Health::sound;
             out({std::string(variant), std::string(in_short), double(p_K), std::ldexp(1, -p_K), error, error / law,
-                 error / noise_and_bias(setting, p_K, B), error / floor, crossing(setting, p_P), definite ? "yes" : "no"});
+                 error / noise_and_bias(setting, p_K, B), error / floor, crossing(setting, p_P),
+                 definite ? "yes" : "no"});
         }
     }
 }
 
-// --- claims -----------------------------------------------------------------------------------------------------------------
+// --- claims
+// -----------------------------------------------------------------------------------------------------------------
 
 /// Rows of an arrangement with a state of 24 bits.
 Table of(Table const& t, std::vector<std::string> const& variants, std::string_view in_short, double p_P = 24) {
@@ -178,12 +191,15 @@ constexpr double lost = 1000;
 Judgement against(Table const& t, std::pair<std::string, std::string_view> const& one,
                   std::pair<std::string, std::string_view> const& other, double from, double to) {
     auto const mean_log = [](Table const& rows, std::pair<std::string, std::string_view> const& which) {
-        std::vector<double> const e = rows.where("variant", which.first).where("short", std::string(which.second)).numbers("error");
+        std::vector<double> const e =
+            rows.where("variant", which.first).where("short", std::string(which.second)).numbers("error");
         double sum = 0;
         for (double const x : e) sum += correctly::log10(std::min(x, lost)) / double(e.size());
         return e.empty() ? std::nan("") : sum;
     };
-    Statistic const ratio = [=](Table const& rows) { return correctly::pow(10, mean_log(rows, one) - mean_log(rows, other)); };
+    Statistic const ratio = [=](Table const& rows) {
+        return correctly::pow(10, mean_log(rows, one) - mean_log(rows, other));
+    };
     return within(t, {"data", "p_K"}, ratio, from, to);
 }
 /// The longest gain with which Joseph's form is still the more accurate one, less the prediction.
@@ -200,7 +216,8 @@ double off_prediction(Table const& seed) {
 }
 Judgement definite_in(Table const& t, double p_K, double from, double to) {
     Table const rows = of(t.where("data", "pole 0.99"), {"joseph_rank_two"}, until_gain).where("p_K", p_K);
-    return labelled(as_text(p_K) + " bits", proportion(rows.where("definite", "yes").rows().size(), rows.rows().size(), from, to));
+    return labelled(as_text(p_K) + " bits",
+                    proportion(rows.where("definite", "yes").rows().size(), rows.rows().size(), from, to));
 }
 
 }  // namespace
@@ -209,32 +226,50 @@ extern Study const mixed_gain;
 Study const mixed_gain{
     .name = "mixed_gain",
     .question = "Which may be short: the gain, or all that it is computed from? When is Joseph's form worth it?",
-    .source = "Bucy & Joseph 1968 (cited, not read); the laws are derived (docs/theory.md 36, 68), floors measured beforehand",
-    .formula = R"tex(\begin{aligned} \text{symmetric: } & \sqrt{(0.42\,u_K A)^2 + (Z_s u)^2}, \quad A = \sqrt{(d+2)/N_{\text{eff}}} \\
+    .source =
+        "Bucy & Joseph 1968 (cited, not read); the laws are derived (docs/theory.md 36, 68), floors measured "
+        "beforehand",
+    .formula =
+        R"tex(\begin{aligned} \text{symmetric: } & \sqrt{(0.42\,u_K A)^2 + (Z_s u)^2}, \quad A =
+              \sqrt{(d+2)/N_{\text{eff}}} \\
 \text{Joseph's forms: } & 0.18\,u_K^2 \frac{\lVert\operatorname{diag}P\rVert}{\lVert P\rVert} + Z_J u \\
 \text{Joseph's form wins: } & p_K < p_P - \log_2 \frac{\sqrt{Z_J^2 - Z_s^2}}{0.42 A} \end{aligned})tex",
     .interpretation =
-        "In one arrangement the vector that the update of P uses as the gain is rounded to p_K bits and nothing else; in the other every "
-        "operation up to the gain rounds to p_K bits (f, s and K), every operation on P to p_P. One text of each variant serves both. With "
-        "the gain alone short Joseph's form wins where predicted, up to about p_K = 17 of 24 (lambda = 0.99) and 14.5 (1000 rows, lambda = "
-        "1): beyond that its own products round more than symmetric's. Its rank-two expansion wins everywhere, and from half of p_P on a "
-        "longer gain gains nothing. That symmetric should be the better one for very short gains and long memories is not confirmed: "
-        "the error of rounding to nearest depends on what is rounded, the mean of delta_i K_i is minus its mean square, and symmetric "
-        "has Joseph's bias besides its noise. The law of random errors (study gain_error_size) does not know it. As soon as f and s are "
-        "short too the expansion is of first order, like symmetric so: 3 to 20 times worse than with K alone short, and on ill "
-        "conditioned rows seldom definite. Joseph's products then remain of second order, at 6, 20, 90 times their error. They are not "
-        "safe either: with 2 bits, and in 2 of 100 runs with 4 bits on the pole 0.99, they end indefinite. Where the slope of the "
-        "expansion is not 1 (pole 0.99), it has lost definiteness at 4 bits. Where the error of a short gain and the floor are of one "
-        "size they do not add up: there the law of Joseph's forms says up to 1.6 times too much. After a large P0 only ud is left. The "
+        "In one arrangement the vector that the update of P uses as the gain is rounded to p_K bits and nothing else; "
+        "in the other every "
+        "operation up to the gain rounds to p_K bits (f, s and K), every operation on P to p_P. One text of each "
+        "variant serves both. With "
+        "the gain alone short Joseph's form wins where predicted, up to about p_K = 17 of 24 (lambda = 0.99) and 14.5 "
+        "(1000 rows, lambda = "
+        "1): beyond that its own products round more than symmetric's. Its rank-two expansion wins everywhere, and "
+        "from half of p_P on a "
+        "longer gain gains nothing. That symmetric should be the better one for very short gains and long memories is "
+        "not confirmed: "
+        "the error of rounding to nearest depends on what is rounded, the mean of delta_i K_i is minus its mean "
+        "square, and symmetric "
+        "has Joseph's bias besides its noise. The law of random errors (study gain_error_size) does not know it. As "
+        "soon as f and s are "
+        "short too the expansion is of first order, like symmetric so: 3 to 20 times worse than with K alone short, "
+        "and on ill "
+        "conditioned rows seldom definite. Joseph's products then remain of second order, at 6, 20, 90 times their "
+        "error. They are not "
+        "safe either: with 2 bits, and in 2 of 100 runs with 4 bits on the pole 0.99, they end indefinite. Where the "
+        "slope of the "
+        "expansion is not 1 (pole 0.99), it has lost definiteness at 4 bits. Where the error of a short gain and the "
+        "floor are of one "
+        "size they do not add up: there the law of Joseph's forms says up to 1.6 times too much. After a large P0 only "
+        "ud is left. The "
         "sweeps stay definite with a running gain of 2 bits.",
     .data =
-        "d = 5, delay lines, white and with poles 0.9 and 0.99 (900 rows, lambda = 0.99), white with lambda = 1 (1000, 4000 rows; "
+        "d = 5, delay lines, white and with poles 0.9 and 0.99 (900 rows, lambda = 0.99), white with lambda = 1 (1000, "
+        "4000 rows; "
         "P0 = 2^24)",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{{"data", {"white", "pole 0.9", "pole 0.99", "nothing forgotten", "4000 rows", "large P0"}},
-                                       {"p_P", {16.0, 24.0, 32.0, 53.0}},
-                                       {"replicate", counted(budget == Budget::full ? 100 : 11)}};
+            return std::vector<Factor>{
+                {"data", {"white", "pole 0.9", "pole 0.99", "nothing forgotten", "4000 rows", "large P0"}},
+                {"p_P", {16.0, 24.0, 32.0, 53.0}},
+                {"replicate", counted(budget == Budget::full ? 100 : 11)}};
         },
     .admits =
         [](Trial const& trial) {
@@ -243,124 +278,148 @@ Study const mixed_gain{
             if (p_P == 24) return true;
             return data == "white" || (p_P == 53 ? data == "pole 0.99" : data == "nothing forgotten");
         },
-    .measures = {"variant", "short", "p_K", "u_K", "error", "over_prediction", "over_noise_and_bias", "over_floor", "predicted_crossing",
-                 "definite"},
+    .measures = {"variant", "short", "p_K", "u_K", "error", "over_prediction", "over_noise_and_bias", "over_floor",
+                 "predicted_crossing", "definite"},
     .measure = measure,
-    .plots = {{.title = "The gain alone in p_K bits, P in 24",
-               .x = "p_K",
-               .y = "error",
-               .panel = "data",
-               .log = "y",
-               .x_label = "p_K",
-               .y_label = "relative error of P",
-               .where = {{"short", {"K"}}, {"p_P", {"24"}}, {"variant", {"symmetric", "joseph", "joseph_rank_two", "ud"}}}},
-              {.title = "f, s and K in p_K bits, P in 24",
-               .x = "p_K",
-               .y = "error",
-               .panel = "data",
-               .log = "y",
-               .x_label = "p_K",
-               .y_label = "relative error of P",
-               .where = {{"short", {"f s K"}}, {"p_P", {"24"}}}}},
+    .plots =
+        {{.title = "The gain alone in p_K bits, P in 24",
+          .x = "p_K",
+          .y = "error",
+          .panel = "data",
+          .log = "y",
+          .x_label = "p_K",
+          .y_label = "relative error of P",
+          .where = {{"short", {"K"}}, {"p_P", {"24"}}, {"variant", {"symmetric", "joseph", "joseph_rank_two", "ud"}}}},
+         {.title = "f, s and K in p_K bits, P in 24",
+          .x = "p_K",
+          .y = "error",
+          .panel = "data",
+          .log = "y",
+          .x_label = "p_K",
+          .y_label = "relative error of P",
+          .where = {{"short", {"f s K"}}, {"p_P", {"24"}}}}},
     .claims =
         {
             {"a gain as long as the state: whether it alone or also f and s is rounded to its length changes no bit",
              [](Table const& t) {
                  std::vector<Judgement> out;
-                 for (auto const& [name, rows] : of(t, {"symmetric", "joseph", "joseph_rank_two"}, only_gain).groups({"variant"}))
-                     out.push_back(
-                         labelled(name, against(t.where("p_P", 24.0).where("p_K", 24.0), {name, only_gain}, {name, until_gain}, 1, 1)));
+                 for (auto const& [name, rows] :
+                      of(t, {"symmetric", "joseph", "joseph_rank_two"}, only_gain).groups({"variant"}))
+                     out.push_back(labelled(name, against(t.where("p_P", 24.0).where("p_K", 24.0), {name, only_gain},
+                                                          {name, until_gain}, 1, 1)));
                  return together(out);
              },
              verification("no number changes by rounding to its own length")},
-            {"T1: Joseph's form is more accurate than symmetric up to p_K = p_P - log2(sqrt(Z_J^2 - Z_s^2) / (0.42 A)), to 1 bit",
+            {"T1: Joseph's form is more accurate than symmetric up to p_K = p_P - log2(sqrt(Z_J^2 - Z_s^2) / (0.42 "
+             "A)), to 1 bit",
              [](Table const& t) {
-                 Table const rows = with_data(t, with_floors).where("p_P", from_to(16, 32)).where("p_K", [](double p) { return p >= 4; });
+                 Table const rows = with_data(t, with_floors).where("p_P", from_to(16, 32)).where("p_K", [](double p) {
+                     return p >= 4;
+                 });
                  return within(rows, {"data", "p_P"}, Statistic(&off_prediction), -1, 1);
              },
              own_result("docs/theory.md 68 with floors known beforehand, set before the run (T1)")},
-            {"T1: only while 0.42 u_K < A: after 4000 rows, lambda = 1, Joseph's is the less accurate with 2 bits, not with 4",
+            {"T1: only while 0.42 u_K < A: after 4000 rows, lambda = 1, Joseph's is the less accurate with 2 bits, not "
+             "with 4",
              [](Table const& t) {
                  Table const rows = with_data(t, {"4000 rows"}).where("p_P", 24.0);
                  auto const with_bits = [&](double p_K, double from, double to) {
-                     return labelled(as_text(p_K) + " bits",
-                                     against(rows.where("p_K", p_K), {"joseph", only_gain}, {"symmetric", only_gain}, from, to));
+                     return labelled(as_text(p_K) + " bits", against(rows.where("p_K", p_K), {"joseph", only_gain},
+                                                                     {"symmetric", only_gain}, from, to));
                  };
                  return with_bits(2, 1, 1e300) && with_bits(4, 0, 1);
              },
              own_result("docs/theory.md 36, 68, set before the run (T1, G4)")},
-            {"symmetric and ud, K or v in 4 bits and more, white rows: the root mean square is the law, to a factor of 1.25",
+            {"symmetric and ud, K or v in 4 bits and more, white rows: the root mean square is the law, to a factor of "
+             "1.25",
              [](Table const& t) {
-                 Table const rows = of(with_data(t, white_rows), {"symmetric", "ud"}, only_gain).where("p_K", from_to(4, 24));
+                 Table const rows =
+                     of(with_data(t, white_rows), {"symmetric", "ud"}, only_gain).where("p_K", from_to(4, 24));
                  return within(rows, {"variant", "data", "p_K"}, root_mean_square("over_prediction"), 0.8, 1.25);
              },
              own_result("docs/theory.md 68, set before the run")},
-            {"symmetric in 4 bits, white rows: the root mean square is that of noise and bias of rounding, to a factor of 1.25",
+            {"symmetric in 4 bits, white rows: the root mean square is that of noise and bias of rounding, to a factor "
+             "of 1.25",
              [](Table const& t) {
-                 Table const rows = t.where("data", {"white", "nothing forgotten", "4000 rows"}).where("p_P", 24.0).where("p_K", 4.0);
+                 Table const rows =
+                     t.where("data", {"white", "nothing forgotten", "4000 rows"}).where("p_P", 24.0).where("p_K", 4.0);
                  return within(rows.where("variant", "symmetric").where("short", std::string(only_gain)), {"data"},
                                root_mean_square("over_noise_and_bias"), 0.8, 1.25);
              },
              own_result("docs/theory.md 68; the bias was derived after the runs, to explain them")},
             {"Joseph's forms, K in 4 bits and more, white rows: the median is the law, to a factor of 1.25",
              [](Table const& t) {
-                 Table const rows = of(with_data(t, white_rows), {"joseph", "joseph_rank_two"}, only_gain).where("p_K", from_to(4, 24));
+                 Table const rows = of(with_data(t, white_rows), {"joseph", "joseph_rank_two"}, only_gain)
+                                        .where("p_K", from_to(4, 24));
                  return within(rows, {"variant", "data", "p_K"}, median("over_prediction"), 0.8, 1.25);
              },
              own_result("docs/theory.md 68, set before the run")},
             {"T2: K alone in 4 bits and more: joseph_rank_two is never worse than symmetric by more than a quarter",
              [](Table const& t) {
-                 return against(with_data(t, with_floors).where("p_P", 24.0).where("p_K", from_to(4, 24)), {"joseph_rank_two", only_gain},
-                                {"symmetric", only_gain}, 0, 1.25);
+                 return against(with_data(t, with_floors).where("p_P", 24.0).where("p_K", from_to(4, 24)),
+                                {"joseph_rank_two", only_gain}, {"symmetric", only_gain}, 0, 1.25);
              },
              own_result("docs/theory.md 68, set before the run (T2)")},
-            {"T2: from p_K = (p_P - log2(5.5 Z))/2, 10 bits, on it stands on its floor: to 2.5 times with 10, to 1.25 with 12 and more",
+            {"T2: from p_K = (p_P - log2(5.5 Z))/2, 10 bits, on it stands on its floor: to 2.5 times with 10, to 1.25 "
+             "with 12 and more",
              [](Table const& t) {
                  Table const rows = of(with_data(t, with_floors), {"joseph_rank_two"}, only_gain);
                  auto const on = [&](double from, double to, double low, double high) {
-                     return within(rows.where("p_K", from_to(from, to)), {"data", "p_K"}, median("over_floor"), low, high);
+                     return within(rows.where("p_K", from_to(from, to)), {"data", "p_K"}, median("over_floor"), low,
+                                   high);
                  };
                  return on(10, 10, 0.8, 2.5) && on(12, 24, 0.8, 1.25);
              },
              own_result("docs/theory.md 68, set before the run (T2)")},
             {"T3: f, s and K short, P in 53 bits: Joseph's form has slope 2.0 +- 0.1 in u_K",
-             [](Table const& t) { return within(of(t, {"joseph"}, until_gain, 53), {"data"}, slope("u_K", "error"), 1.9, 2.1); },
+             [](Table const& t) {
+                 return within(of(t, {"joseph"}, until_gain, 53), {"data"}, slope("u_K", "error"), 1.9, 2.1);
+             },
              own_result("docs/theory.md 31, set before the run (T3)")},
             {"T3: joseph_rank_two and symmetric have slope 1.0 +- 0.1",
              [](Table const& t) {
-                 return within(of(t, {"joseph_rank_two", "symmetric"}, until_gain, 53), {"variant", "data"}, slope("u_K", "error"), 0.9,
-                               1.1);
+                 return within(of(t, {"joseph_rank_two", "symmetric"}, until_gain, 53), {"variant", "data"},
+                               slope("u_K", "error"), 0.9, 1.1);
              },
              own_result("docs/theory.md 31, set before the run (T3)")},
-            {"T3: joseph_rank_two with f, s and K short is the worst: worse than Joseph's so, and than symmetric and ud with K or v short",
+            {"T3: joseph_rank_two with f, s and K short is the worst: worse than Joseph's so, and than symmetric and "
+             "ud with K or v short",
              [](Table const& t) {
-                 Table const rows = with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 16));
-                 return labelled("joseph", against(rows, {"joseph_rank_two", until_gain}, {"joseph", until_gain}, 1, 1e300)) &&
-                        labelled("symmetric, K", against(rows, {"joseph_rank_two", until_gain}, {"symmetric", only_gain}, 1, 1e300)) &&
+                 Table const rows =
+                     with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 16));
+                 return labelled("joseph",
+                                 against(rows, {"joseph_rank_two", until_gain}, {"joseph", until_gain}, 1, 1e300)) &&
+                        labelled("symmetric, K",
+                                 against(rows, {"joseph_rank_two", until_gain}, {"symmetric", only_gain}, 1, 1e300)) &&
                         labelled("ud, v", against(rows, {"joseph_rank_two", until_gain}, {"ud", only_gain}, 1, 1e300));
              },
              own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
-            {"T3: joseph_rank_two so: 3 times symmetric's with K alone short for white rows (2 to 4.5), 14 to 35 times for the pole 0.99",
+            {"T3: joseph_rank_two so: 3 times symmetric's with K alone short for white rows (2 to 4.5), 14 to 35 times "
+             "for the pole 0.99",
              [](Table const& t) {
                  auto const on = [&](char const* data, double from, double to) {
-                     return against(with_data(t, {data}).where("p_P", 24.0).where("p_K", from_to(8, 16)), {"joseph_rank_two", until_gain},
-                                    {"symmetric", only_gain}, from, to);
+                     return against(with_data(t, {data}).where("p_P", 24.0).where("p_K", from_to(8, 16)),
+                                    {"joseph_rank_two", until_gain}, {"symmetric", only_gain}, from, to);
                  };
                  return on("white", 2, 4.5) && on("pole 0.99", 14, 35);
              },
              own_result("set before the run (T3); since it an error above 1000 counts as 1000")},
-            {"T3: joseph_rank_two so: with the pole 0.99 it ends definite in 60 % of runs with 6 bits, 25 % with 4, each to 25 %",
+            {"T3: joseph_rank_two so: with the pole 0.99 it ends definite in 60 % of runs with 6 bits, 25 % with 4, "
+             "each to 25 %",
              [](Table const& t) { return definite_in(t, 6, 0.45, 0.75) && definite_in(t, 4, 0.1875, 0.3125); },
              own_result("set before the run (T3)")},
             {"T3: Joseph's form so, with the pole 0.99 and 4 or 6 bits, is definite at the end of most runs",
              [](Table const& t) {
-                 return everywhere(of(t.where("data", "pole 0.99"), {"joseph"}, until_gain).where("p_K", from_to(4, 6)), "definite", "yes");
+                 return everywhere(of(t.where("data", "pole 0.99"), {"joseph"}, until_gain).where("p_K", from_to(4, 6)),
+                                   "definite", "yes");
              },
              own_result("docs/theory.md 30 and T3 to the letter, narrowed after the first run")},
-            {"Joseph's form with f, s and K short is definite at the end of most runs, whatever the data and the length",
+            {"Joseph's form with f, s and K short is definite at the end of most runs, whatever the data and the "
+             "length",
              [](Table const& t) { return everywhere(of(t, {"joseph"}, until_gain), "definite", "yes"); },
              own_result("docs/theory.md 30, set before the run (T3)")},
-            {"T3: f and s in 6 bits too cost Joseph's form a factor of 6, 20, 100 for the poles 0, 0.9, 0.99, to a factor of 3",
+            {"T3: f and s in 6 bits too cost Joseph's form a factor of 6, 20, 100 for the poles 0, 0.9, 0.99, to a "
+             "factor of 3",
              [](Table const& t) {
                  auto const on = [&](char const* data, double times) {
                      return against(with_data(t, {data}).where("p_P", 24.0).where("p_K", 6.0), {"joseph", until_gain},
@@ -369,28 +428,33 @@ Study const mixed_gain{
                  return on("white", 6) && on("pole 0.9", 20) && on("pole 0.99", 100);
              },
              own_result("a factor of 3, set before the run (T3); since it an error above 1000 counts as 1000")},
-            {"T4: joseph_rank_two with K short is more accurate than ud with v short, at 4 to 18 bits, for each of the poles",
+            {"T4: joseph_rank_two with K short is more accurate than ud with v short, at 4 to 18 bits, for each of the "
+             "poles",
              [](Table const& t) {
-                 return against(with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 18)),
-                                {"joseph_rank_two", only_gain}, {"ud", only_gain}, 0, 1);
+                 return against(
+                     with_data(t, {"white", "pole 0.9", "pole 0.99"}).where("p_P", 24.0).where("p_K", from_to(4, 18)),
+                     {"joseph_rank_two", only_gain}, {"ud", only_gain}, 0, 1);
              },
              own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
             {"T4: with a gain of all 24 bits they tie where the pole is 0.99: to a factor of 1.25",
              [](Table const& t) {
-                 return against(with_data(t, {"pole 0.99"}).where("p_P", 24.0).where("p_K", 24.0), {"joseph_rank_two", only_gain},
-                                {"ud", only_gain}, 0.8, 1.25);
+                 return against(with_data(t, {"pole 0.99"}).where("p_P", 24.0).where("p_K", 24.0),
+                                {"joseph_rank_two", only_gain}, {"ud", only_gain}, 0.8, 1.25);
              },
              own_result("set before the run (T4); since it an error above 1000 counts as 1000")},
-            {"T4: where P0 is large their own floors are above A^2/B, and ud is more accurate than both of Joseph's forms at 4 to 18 bits",
+            {"T4: where P0 is large their own floors are above A^2/B, and ud is more accurate than both of Joseph's "
+             "forms at 4 to 18 bits",
              [](Table const& t) {
                  Table const rows = with_data(t, {"large P0"}).where("p_P", 24.0).where("p_K", from_to(4, 18));
                  return labelled("joseph", against(rows, {"joseph", only_gain}, {"ud", only_gain}, 1, 1e300)) &&
-                        labelled("joseph_rank_two", against(rows, {"joseph_rank_two", only_gain}, {"ud", only_gain}, 1, 1e300));
+                        labelled("joseph_rank_two",
+                                 against(rows, {"joseph_rank_two", only_gain}, {"ud", only_gain}, 1, 1e300));
              },
              own_result("docs/theory.md 68, set before the run (T4); since it an error above 1000 counts as 1000")},
             {"T5: the sweeps with a running gain of 2 bits and more are definite at the end of every run",
              [](Table const& t) {
-                 return everywhere(t.where("variant", {"ud", "carlson", "inverse_qr"}), "definite", "yes", Estimate::proven);
+                 return everywhere(t.where("variant", {"ud", "carlson", "inverse_qr"}), "definite", "yes",
+                                   Estimate::proven);
              },
              verification("docs/theory.md 34 (T5)").by("docs/theory.md 34")},
         },

@@ -11,16 +11,19 @@
 namespace rlslab::studies {
 namespace {
 
-/// psi = (1, eps), (1, 1) with unit noise and P0 = I / eps^2; eps = 2^-k or 1.0737 2^-k, as 1e-9 is, in the bits of the arithmetic.
+/// psi = (1, eps), (1, 1) with unit noise and P0 = I / eps^2; eps = 2^-k or 1.0737 2^-k, as 1e-9 is, in the bits of the
+/// arithmetic.
 void measure(Trial const& trial, TrialOutput& out) {
     CatalogueEntry const& entry = trial.entry(trial.text("variant"), trial.text("arithmetic"));
     double const odd = 1e-9 * 0x1p30, k = trial.number("power");
     double const eps = entry.arithmetic->round(std::ldexp(trial.text("eps") == "2^-k" ? 1.0 : odd, -int(k)));
-    Problem<double> const problem = as_stored({.size = 2, .prior = Prior<double>{.variance = 1 / (eps * eps)}}, *entry.arithmetic);
+    Problem<double> const problem =
+        as_stored({.size = 2, .prior = Prior<double>{.variance = 1 / (eps * eps)}}, *entry.arithmetic);
     Records const records{.psi = Eigen::MatrixXd{{1.0, 1.0}, {eps, 1.0}}, .y = Vector<double>::Zero(2), .names = {}};
     auto const filter = entry.make(problem, Seed{1});
     process_rows(*filter, records, 0, 2);
-    double const u = entry.arithmetic->unit_roundoff(), error = errors(*filter, certified(problem, records, {2}).front()).covariance;
+    double const u = entry.arithmetic->unit_roundoff(),
+                 error = errors(*filter, certified(problem, records, {2}).front()).covariance;
     Health const broken = breakdown(*filter, *entry.arithmetic);
     double const variance = static_cast<double>(covariance_of(filter->stored())(0, 0));
     out({eps, error, error / u, error * eps / u, variance,
@@ -31,7 +34,9 @@ void measure(Trial const& trial, TrialOutput& out) {
 }
 
 std::vector<std::string> const triangular = words(triangular_forms());
-Table of(Table const& t, char const* arithmetic, char const* eps) { return t.where("arithmetic", arithmetic).where("eps", eps); }
+Table of(Table const& t, char const* arithmetic, char const* eps) {
+    return t.where("arithmetic", arithmetic).where("eps", eps);
+}
 
 /// The variance is positive up to 2^-last and negative from there on.
 Judgement flips(Table const& t, char const* arithmetic, double last, std::vector<std::string> const& variants) {
@@ -48,25 +53,35 @@ Study const bierman{
     .name = "bierman",
     .question = "At which epsilon does a variance turn negative in Bierman's example?",
     .source =
-        "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; an earlier "
+        "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; "
+        "an earlier "
         "experiment (docs/literature.md 3.3)",
     .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
-P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2 \end{pmatrix}, \quad
+P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2
+\end{pmatrix}, \quad
 \beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
     .interpretation =
-        "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of the "
-        "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form in exact "
-        "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every power of two, "
-        "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that they lose "
-        "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is lost, at powers "
+        "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of "
+        "the "
+        "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form "
+        "in exact "
+        "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every "
+        "power of two, "
+        "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that "
+        "they lose "
+        "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is "
+        "lost, at powers "
         "of two only. The other factor forms, and here even the normal equations, stay within 8 u.",
     .data = "Bierman's two rows",
     .factors =
         [](Budget) {
-            return std::vector<Factor>{
-                {"arithmetic", {"float", "double"}}, {"eps", {"2^-k", "1.07 2^-k"}}, {"variant", row_forms()}, {"power", counted(48)}};
+            return std::vector<Factor>{{"arithmetic", {"float", "double"}},
+                                       {"eps", {"2^-k", "1.07 2^-k"}},
+                                       {"variant", row_forms()},
+                                       {"power", counted(48)}};
         },
-    .admits = [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
+    .admits =
+        [](Trial const& trial) { return trial.number("power") <= (trial.text("arithmetic") == "float" ? 22 : 48); },
     .measures = {"epsilon", "error", "error_u", "error_u_eps", "variance", "sign", "outcome", "square"},
     .measure = measure,
     .plots = {{.title = "Error of P after the two rows, ε = 2^-k",
@@ -108,11 +123,13 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
                  return labelled("double", in_double) && labelled("float", in_float);
              },
              own_result("first edition, set after its run")},
-            {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as in docs/literature.md "
+            {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as "
+             "in docs/literature.md "
              "3.3",
              [](Table const& t) {
                  Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
-                 double const before = rows.where("power", 26.0).number("variance"), after = rows.where("power", 27.0).number("variance");
+                 double const before = rows.where("power", 26.0).number("variance"),
+                              after = rows.where("power", 27.0).number("variance");
                  bool const holds = std::abs(before - 1.0000000298) < 1e-10 && std::abs(after + 1.0000000149) < 1e-10;
                  return Judgement{holds, fmt::format("{:.11g}, {:.11g}", before, after)};
              },
@@ -128,7 +145,8 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
             {"otherwise below 30 u at 1e-9 (double), but no longer at 1e-14: 1e11 u or more",
              [](Table const& t) {
                  Table const rows = of(t, "double", "1.07 2^-k").where("variant", "joseph");
-                 double const near = rows.where("power", 30.0).number("error_u"), far = rows.where("power", 47.0).number("error_u");
+                 double const near = rows.where("power", 30.0).number("error_u"),
+                              far = rows.where("power", 47.0).number("error_u");
                  return Judgement{near <= 30 && far >= 1e11, fmt::format("{:.3g} u, {:.3g} u", near, far)};
              },
              own_result("first edition, set after its run")},

@@ -1,4 +1,5 @@
-// binary64 with another evaluation of the same text: products fused into the sums they enter, or dot products in another order.
+// binary64 with another evaluation of the same text: products fused into the sums they enter, or dot products in
+// another order.
 #pragma once
 
 #include <rlslab/arithmetic/storage_traits.hpp>
@@ -14,9 +15,9 @@ namespace rlslab::studies {
 /// lanes: as the library has it, eight running lanes and a tree (linalg/dot.hpp). forward, backward: one running sum.
 enum class DotOrder { lanes, forward, backward };
 
-/// A double. With fused, a product is kept as its two factors until it is used: in a sum it is fused, c + a b = fma(a, b, c), wherever else
-/// it is rounded. Of two products the second is fused: a b + c d = fma(c, d, a b). That is what -ffp-contract=fast allows a compiler on
-/// the text as it stands; the text of a variant does not change.
+/// A double. With fused, a product is kept as its two factors until it is used: in a sum it is fused, c + a b = fma(a,
+/// b, c), wherever else it is rounded. Of two products the second is fused: a b + c d = fma(c, d, a b). That is what
+/// -ffp-contract=fast allows a compiler on the text as it stands; the text of a variant does not change.
 template <bool fused, DotOrder order>
 class EvaluatedDouble {
     double value_ = 0;
@@ -36,9 +37,15 @@ public:
     explicit EvaluatedDouble(double x) : value_(x) {}
     explicit operator double() const { return value_; }
 
-    friend EvaluatedDouble operator+(EvaluatedDouble a, EvaluatedDouble b) { return EvaluatedDouble(a.value_ + b.value_); }
-    friend EvaluatedDouble operator-(EvaluatedDouble a, EvaluatedDouble b) { return EvaluatedDouble(a.value_ - b.value_); }
-    friend EvaluatedDouble operator+(EvaluatedDouble c, Product p) { return EvaluatedDouble(std::fma(p.a, p.b, c.value_)); }
+    friend EvaluatedDouble operator+(EvaluatedDouble a, EvaluatedDouble b) {
+        return EvaluatedDouble(a.value_ + b.value_);
+    }
+    friend EvaluatedDouble operator-(EvaluatedDouble a, EvaluatedDouble b) {
+        return EvaluatedDouble(a.value_ - b.value_);
+    }
+    friend EvaluatedDouble operator+(EvaluatedDouble c, Product p) {
+        return EvaluatedDouble(std::fma(p.a, p.b, c.value_));
+    }
     friend EvaluatedDouble operator+(Product p, EvaluatedDouble c) { return c + p; }
     friend EvaluatedDouble operator+(Product p, Product q) { return EvaluatedDouble(p) + q; }
     friend EvaluatedDouble operator-(EvaluatedDouble c, Product p) { return c + -p; }
@@ -48,7 +55,9 @@ public:
         if constexpr (fused) return {a.value_, b.value_};
         else return EvaluatedDouble(a.value_ * b.value_);
     }
-    friend EvaluatedDouble operator/(EvaluatedDouble a, EvaluatedDouble b) { return EvaluatedDouble(a.value_ / b.value_); }
+    friend EvaluatedDouble operator/(EvaluatedDouble a, EvaluatedDouble b) {
+        return EvaluatedDouble(a.value_ / b.value_);
+    }
     friend EvaluatedDouble operator-(EvaluatedDouble a) { return EvaluatedDouble(-a.value_); }
     friend EvaluatedDouble sqrt(EvaluatedDouble a) { return EvaluatedDouble(std::sqrt(a.value_)); }
     EvaluatedDouble& operator+=(EvaluatedDouble b) { return *this = *this + b; }
@@ -70,7 +79,8 @@ using BackwardDouble = EvaluatedDouble<false, DotOrder::backward>;
 /// x'y in that order; 0 for n <= 0.
 template <bool fused, DotOrder order>
     requires(order != DotOrder::lanes)
-EvaluatedDouble<fused, order> dot(EvaluatedDouble<fused, order> const* x, EvaluatedDouble<fused, order> const* y, Index n) {
+EvaluatedDouble<fused, order> dot(EvaluatedDouble<fused, order> const* x, EvaluatedDouble<fused, order> const* y,
+                                  Index n) {
     using T = EvaluatedDouble<fused, order>;
     if (n <= 0) return T(0.0);
     bool const up = order == DotOrder::forward;
@@ -99,7 +109,8 @@ struct EveryDouble {
 };
 }  // namespace detail
 template <bool fused, studies::DotOrder order>
-struct Encoding<studies::EvaluatedDouble<fused, order>> : EncodingInDouble<studies::EvaluatedDouble<fused, order>, detail::EveryDouble> {};
+struct Encoding<studies::EvaluatedDouble<fused, order>>
+    : EncodingInDouble<studies::EvaluatedDouble<fused, order>, detail::EveryDouble> {};
 
 }  // namespace rlslab
 

@@ -14,8 +14,8 @@ CatalogueEntry const* found(std::string_view variant) {
     static Arithmetic const arithmetic = arithmetic_of<T>();
     static std::vector<CatalogueEntry> const entries = [] {
         std::vector<CatalogueEntry> out;
-        using Some = TypeList<ConventionalTwoSided<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Carlson<T>, Ud<T>,
-                              InverseQr<T>, Information<T>, Qr<T>, Gentleman<T>, ExtendedQr<T>>;
+        using Some = TypeList<ConventionalTwoSided<T>, Symmetric<T>, Joseph<T>, JosephRankTwo<T>, Potter<T>, Carlson<T>,
+                              Ud<T>, InverseQr<T>, Information<T>, Qr<T>, Gentleman<T>, ExtendedQr<T>>;
         for_each(Some{}, [&]<class F>() { out.push_back(untimed_entry_of<F>(&arithmetic)); });
         return out;
     }();
@@ -27,7 +27,7 @@ CatalogueEntry const* found(std::string_view variant) {
 }  // namespace
 
 CatalogueEntry const& evaluated(std::string_view variant, std::string_view evaluation) {
-    CatalogueEntry const* const entry = evaluation == "lanes"      ? found<EvaluatedDouble<false, DotOrder::lanes>>(variant)
+    CatalogueEntry const* const entry = evaluation == "lanes" ? found<EvaluatedDouble<false, DotOrder::lanes>>(variant)
                                         : evaluation == "fused"    ? found<FusedDouble>(variant)
                                         : evaluation == "forward"  ? found<ForwardDouble>(variant)
                                         : evaluation == "backward" ? found<BackwardDouble>(variant)

@@ -5,8 +5,8 @@
 
 namespace rlslab::studies {
 
-/// The dense variants but conventional, kalman and qr_block, by name; evaluation: "lanes" (as the library has it, and bit for bit the
-/// catalogue's), "fused", "forward", "backward". Throws std::logic_error for another.
+/// The dense variants but conventional, kalman and qr_block, by name; evaluation: "lanes" (as the library has it, and
+/// bit for bit the catalogue's), "fused", "forward", "backward". Throws std::logic_error for another.
 CatalogueEntry const& evaluated(std::string_view variant, std::string_view evaluation);
 
 }  // namespace rlslab::studies

@@ -1,5 +1,5 @@
-// NIST's regressions in many orders of their rows, with fused products and other dot products: how much a number of digits may scatter.
-// Longer than 150 lines: 13 claims on the regressions of NIST.
+// NIST's regressions in many orders of their rows, with fused products and other dot products: how much a number of
+// digits may scatter. Longer than 150 lines: 13 claims on the regressions of NIST.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/evaluated_filters.hpp"
@@ -18,9 +18,10 @@ constexpr int orders = 120;
 std::vector<Cell> const triangular{"carlson", "ud", "inverse_qr"}, rotations{"qr", "gentleman"};
 std::vector<std::string> const evaluations{"lanes", "fused", "forward", "backward"};
 
-/// Digits of the worst parameter if every datum had an independent relative error of standard deviation u, and nothing else were wrong:
-/// the median over such errors of one normal component (docs/theory.md 78, c = 1).
-double expected_digits(Trial const& trial, Problem<double> const& problem, Records const& records, CertifiedSolution const& exact) {
+/// Digits of the worst parameter if every datum had an independent relative error of standard deviation u, and nothing
+/// else were wrong: the median over such errors of one normal component (docs/theory.md 78, c = 1).
+double expected_digits(Trial const& trial, Problem<double> const& problem, Records const& records,
+                       CertifiedSolution const& exact) {
     auto const filter = trial.entry("qr", "reference").make(problem, Seed{1});
     process_rows(*filter, records, 0, records.rows());
     Matrix<Reference> const P = covariance_of(filter->stored());
@@ -102,8 +103,8 @@ void measure(Trial const& trial, TrialOutput& out) {
             }
             auto const [least, most] = std::ranges::minmax(runs.digits);
             out({variant, evaluation, expected, centre, deviation(runs.digits), centre - least, most - centre,
-                 mean_of(runs.error) / deviation(runs.error), near, nearer, deviation(difference), centre - plain.centre(),
-                 correctly::pow(10, expected - centre)});
+                 mean_of(runs.error) / deviation(runs.error), near, nearer, deviation(difference),
+                 centre - plain.centre(), correctly::pow(10, expected - centre)});
         }
     }
 }
@@ -125,18 +126,25 @@ Statistic against_fused(char const* evaluation) {
 extern Study const fused;
 Study const fused{
     .name = "fused",
-    .question = "How much may a number of digits scatter, and what do fused products and another order of a sum do to it?",
+    .question =
+        "How much may a number of digits scatter, and what do fused products and another order of a sum do to it?",
     .source = "derived (docs/theory.md 78, with the perturbations of 49)",
     .formula =
         R"tex(\mathrm{LRE} \approx -\log_{10}\bigl(u\,c\,\sigma\,|Z|\bigr), \quad Z \text{ normal}: \qquad
               \mathrm{sd} = 0.48, \quad \text{median} = -\log_{10}(0.6745\,u\,c\,\sigma))tex",
     .interpretation =
-        "The digits of a regression are a random number: the same rows in another order keep 0.3 to 0.5 digits more or fewer (one "
-        "standard deviation) in the forms that rotate, 0.4 to 1 in those that propagate a root of P. The size follows from the "
-        "statistics of independent errors to a factor c between 1.3 and 3.0, a wider range than predicted. Fused products and the "
-        "order of a dot product move no median by more than 0.1. On one order of the rows they change the digits less than "
-        "predicted: by 0.17 to 0.60, not 0.68, because the errors of the quotients, roots and rounded rows remain the same. So a "
-        "number of digits in a table is known to one digit, and two implementations should be compared by their medians over "
+        "The digits of a regression are a random number: the same rows in another order keep 0.3 to 0.5 digits more or "
+        "fewer (one "
+        "standard deviation) in the forms that rotate, 0.4 to 1 in those that propagate a root of P. The size follows "
+        "from the "
+        "statistics of independent errors to a factor c between 1.3 and 3.0, a wider range than predicted. Fused "
+        "products and the "
+        "order of a dot product move no median by more than 0.1. On one order of the rows they change the digits less "
+        "than "
+        "predicted: by 0.17 to 0.60, not 0.68, because the errors of the quotients, roots and rounded rows remain the "
+        "same. So a "
+        "number of digits in a table is known to one digit, and two implementations should be compared by their "
+        "medians over "
         "orders.",
     .data = "NIST StRD: Longley, Filip, Wampler 3 to 5, in 120 orders of the rows for each seed; P0 = 2^66",
     .factors =
@@ -144,8 +152,8 @@ Study const fused{
             return std::vector<Factor>{{"set", {"longley", "filip", "wampler3", "wampler4", "wampler5"}},
                                        {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
-    .measures = {"variant", "evaluation", "expected", "median", "deviation", "below", "above", "bias", "within_one", "within_third",
-                 "paired", "shift", "c"},
+    .measures = {"variant", "evaluation", "expected", "median", "deviation", "below", "above", "bias", "within_one",
+                 "within_third", "paired", "shift", "c"},
     .measure = measure,
     .plots = {{.title = "Standard deviation of the digits over 120 orders of the rows",
                .x = "expected",
@@ -169,7 +177,8 @@ Study const fused{
         {
             {"N1: qr, gentleman: the digits scatter over orders with a standard deviation of 0.3 to 0.55",
              [](Table const& t) {
-                 return within(some(as_it_is(t), rotations), each, mean("deviation").as(Estimate::quadratic), 0.3, 0.55);
+                 return within(some(as_it_is(t), rotations), each, mean("deviation").as(Estimate::quadratic), 0.3,
+                               0.55);
              },
              own_result("docs/theory.md 78, set before the run")},
             {"N1: of 120 orders the worst is at most 0.8 below the median",
@@ -183,7 +192,8 @@ Study const fused{
              own_result("docs/theory.md 78, set before the run")},
             {"N2: carlson, ud, inverse_qr scatter more: 0.4 to 0.95",
              [](Table const& t) {
-                 return within(some(as_it_is(t), triangular), each, mean("deviation").as(Estimate::quadratic), 0.4, 0.95);
+                 return within(some(as_it_is(t), triangular), each, mean("deviation").as(Estimate::quadratic), 0.4,
+                               0.95);
              },
              own_result("docs/theory.md 78, set before the run")},
             {"N2: and of 120 orders their worst is 1.3 to 2.4 below the median",
@@ -192,16 +202,19 @@ Study const fused{
             {"N3: fused products move the median by at most 0.15",
              [](Table const& t) { return within(t.where("evaluation", "fused"), each, mean("shift"), -0.15, 0.15); },
              own_result("docs/theory.md 78, set before the run")},
-            {"N3: on one order they change the digits like another draw: the difference has a standard deviation of 0.68, within a factor "
+            {"N3: on one order they change the digits like another draw: the difference has a standard deviation of "
+             "0.68, within a factor "
              "of 1.25",
              [](Table const& t) {
-                 return within(t.where("evaluation", "fused"), each, mean("paired").as(Estimate::quadratic), 0.68 / 1.25, 0.68 * 1.25);
+                 return within(t.where("evaluation", "fused"), each, mean("paired").as(Estimate::quadratic),
+                               0.68 / 1.25, 0.68 * 1.25);
              },
              own_result("docs/theory.md 78, set before the run")},
             {"N3: and scatter as without, to 0.1 of the standard deviation",
              [](Table const& t) {
                  Statistic const more([](Table const& v) {
-                     return v.where("evaluation", "fused").number("deviation") - v.where("evaluation", "lanes").number("deviation");
+                     return v.where("evaluation", "fused").number("deviation") -
+                            v.where("evaluation", "lanes").number("deviation");
                  });
                  return within(t, each, more, -0.1, 0.1);
              },
@@ -214,7 +227,8 @@ Study const fused{
              own_result("docs/theory.md 78, set before the run")},
             {"N5: dot products from the first to the last, or back, move the median by at most 0.15",
              [](Table const& t) {
-                 return within(t.where("evaluation", {"forward", "backward"}), each_evaluation, mean("shift"), -0.15, 0.15);
+                 return within(t.where("evaluation", {"forward", "backward"}), each_evaluation, mean("shift"), -0.15,
+                               0.15);
              },
              own_result("docs/theory.md 78, set before the run")},
             {"N5: and change the digits of one order less than fused products do",

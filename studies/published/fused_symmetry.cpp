@@ -15,7 +15,8 @@ constexpr Index size = 4, every = 50;
 /// max |P_ij - P_ji| / max |P_ij| of what is stored, and P's error.
 void measure(Trial const& trial, TrialOutput& out) {
     Index const rows = trial.full() ? 1000 : 800;
-    Problem<double> const problem{.size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}};
+    Problem<double> const problem{
+        .size = size, .forgetting = trial.number("lambda"), .prior = Prior<double>{.variance = 1}};
     Records const records = white(size, rows, trial.seed({"replicate"}));
     auto const filter = evaluated(trial.text("variant"), trial.text("evaluation")).make(problem, Seed{1});
     std::vector<Index> looks;
@@ -43,7 +44,8 @@ Judgement growth(Table const& t, char const* variant, char const* evaluation) {
                                 .where("lambda", lambda)
                                 .where("rows", [](double k) { return k >= 100; })
                                 .where("asymmetry", [](double a) { return a < 1e-3; });
-        Statistic const relative([=](Table const& v) { return rate("rows", "asymmetry")(v) / -correctly::log(lambda); });
+        Statistic const relative(
+            [=](Table const& v) { return rate("rows", "asymmetry")(v) / -correctly::log(lambda); });
         out.push_back(labelled("lambda " + as_text(lambda), within(early, {}, relative, 0.9, 1.1)));
     }
     return together(out);
@@ -60,18 +62,23 @@ Study const fused_symmetry{
         R"tex(\mathrm{fma}(g_i, x_j, \mathrm{fl}(x_ig_j)) \ne \mathrm{fma}(g_j, x_i, \mathrm{fl}(x_jg_i)), \qquad
               E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
     .interpretation =
-        "The text of joseph_rank_two adds two products and subtracts the sum, so that an entry and its mirror image are the same "
-        "bits. A compiler that fuses one of the products breaks that: the antisymmetric part is divided by lambda at every step and "
-        "never reduced. At lambda = 0.95 it reaches the size of P after 700 rows, and P is lost, in double. Nothing in the text "
-        "hints at it. The same text without fused products keeps 15 digits. Joseph's form by products forgets its asymmetry, "
+        "The text of joseph_rank_two adds two products and subtracts the sum, so that an entry and its mirror image "
+        "are the same "
+        "bits. A compiler that fuses one of the products breaks that: the antisymmetric part is divided by lambda at "
+        "every step and "
+        "never reduced. At lambda = 0.95 it reaches the size of P after 700 rows, and P is lost, in double. Nothing in "
+        "the text "
+        "hints at it. The same text without fused products keeps 15 digits. Joseph's form by products forgets its "
+        "asymmetry, "
         "symmetric has none, fused or not.",
     .data = "white rows, d = 4, P0 = I",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{{"variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}},
-                                       {"evaluation", {"lanes", "fused"}},
-                                       {"lambda", {1.0, 0.98, 0.95}},
-                                       {"replicate", counted(budget == Budget::full ? 40 : 11)}};
+            return std::vector<Factor>{
+                {"variant", {"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"}},
+                {"evaluation", {"lanes", "fused"}},
+                {"lambda", {1.0, 0.98, 0.95}},
+                {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
     .measures = {"rows", "asymmetry", "error"},
     .measure = measure,
@@ -104,24 +111,30 @@ Study const fused_symmetry{
              [](Table const& t) { return everywhere(of(t, "symmetric", "fused"), "asymmetry", 0.0, Estimate::proven); },
              verification("docs/theory.md 79: one triangle is computed").by("docs/theory.md 79")},
             {"fused, the asymmetry of joseph_rank_two grows as lambda^-k: its rate is -ln lambda within 10 %",
-             [](Table const& t) { return growth(t, "joseph_rank_two", "fused"); }, own_result("docs/theory.md 79, set before the run")},
-            {"so after 800 rows at lambda = 0.95 its P is wrong by 1 % and more, and without by less than 1e-12, in most runs",
+             [](Table const& t) { return growth(t, "joseph_rank_two", "fused"); },
+             own_result("docs/theory.md 79, set before the run")},
+            {"so after 800 rows at lambda = 0.95 its P is wrong by 1 % and more, and without by less than 1e-12, in "
+             "most runs",
              [](Table const& t) {
                  auto const at_800 = [&](char const* evaluation) {
                      return of(t, "joseph_rank_two", evaluation).where("lambda", 0.95).where("rows", 800.0);
                  };
-                 return labelled("fused", within(at_800("fused"), {}, least("error").as(Estimate::most), 0.01, INFINITY)) &&
+                 return labelled("fused",
+                                 within(at_800("fused"), {}, least("error").as(Estimate::most), 0.01, INFINITY)) &&
                         labelled("lanes", within(at_800("lanes"), {}, greatest("error").as(Estimate::most), 0, 1e-12));
              },
              own_result("docs/theory.md 79, set before the run")},
             {"fused, joseph_rank_two loses nothing where nothing is forgotten: error of P below 1e-12, in most runs",
              [](Table const& t) {
-                 return within(of(t, "joseph_rank_two", "fused").where("lambda", 1.0), {}, greatest("error").as(Estimate::most), 0, 1e-12);
+                 return within(of(t, "joseph_rank_two", "fused").where("lambda", 1.0), {},
+                               greatest("error").as(Estimate::most), 0, 1e-12);
              },
              own_result("docs/theory.md 79, set before the run")},
-            {"Joseph's form by products forgets its asymmetry: below 1e-13 of P, fused or not, at every lambda, in most runs",
+            {"Joseph's form by products forgets its asymmetry: below 1e-13 of P, fused or not, at every lambda, in "
+             "most runs",
              [](Table const& t) {
-                 return within(t.where("variant", "joseph"), {"lambda", "evaluation"}, greatest("asymmetry").as(Estimate::most), 0, 1e-13);
+                 return within(t.where("variant", "joseph"), {"lambda", "evaluation"},
+                               greatest("asymmetry").as(Estimate::most), 0, 1e-13);
              },
              own_result("docs/theory.md 79, set before the run")},
         },

@@ -1,5 +1,5 @@
-// The NIST regressions, one row at a time: how many digits each variant keeps, against the stored data and against the certificates.
-// Longer than 150 lines: 14 claims, most of them on one published set.
+// The NIST regressions, one row at a time: how many digits each variant keeps, against the stored data and against the
+// certificates. Longer than 150 lines: 14 claims, most of them on one published set.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_data.hpp"
@@ -14,12 +14,14 @@ using namespace strd;
 void measure(Trial const& trial, TrialOutput& out) {
     std::string const& set = trial.text("set");
     Records const original = records_of(set);
-    Problem<double> const problem{.size = original.parameters(), .prior = Prior<double>{.variance = trial.number("c2")}};
+    Problem<double> const problem{.size = original.parameters(),
+                                  .prior = Prior<double>{.variance = trial.number("c2")}};
     CertifiedSolution const with_prior = certified(problem, original, {original.rows()}).front();
-    CertifiedSolution const stored = certified({.size = original.parameters(), .prior = std::nullopt}, original, {original.rows()}).front();
+    CertifiedSolution const stored =
+        certified({.size = original.parameters(), .prior = std::nullopt}, original, {original.rows()}).front();
     // The exact minimiser as a variant: what the prior and the storage of the data cost whoever computes.
-    out({"exact", 0.0, "exact", with_prior.theta_digits_worst(with_prior.theta()), stored.theta_digits_worst(with_prior.theta()),
-         decimal_digits(set, with_prior.theta())});
+    out({"exact", 0.0, "exact", with_prior.theta_digits_worst(with_prior.theta()),
+         stored.theta_digits_worst(with_prior.theta()), decimal_digits(set, with_prior.theta())});
     for (int order = 0; order <= (trial.full() ? 400 : 60); ++order) {
         Seed seed = trial.seed({});
         seed.state += std::uint64_t(order);
@@ -43,23 +45,32 @@ Study const nist{
     .name = "nist",
     .question = "How many digits of the NIST regressions does each variant keep?",
     .source =
-        "NIST StRD (values read); McCullough 1998, Miller 1992 (cited, not read); docs/theory.md 49; table: an earlier experiment "
+        "NIST StRD (values read); McCullough 1998, Miller 1992 (cited, not read); docs/theory.md 49; table: an earlier "
+        "experiment "
         "(docs/literature.md 3.5)",
     .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
-                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
+                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2
+                 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
     .interpretation =
-        "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many orders of the "
-        "rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter them. "
-        "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 digits, so "
-        "the table of docs/literature.md 3.5 can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) and 4.6 to "
-        "1.1 (inverse QR) that it has for Filip between c^2 = 1e20 and 1e40 is that scatter: medians fall by less than half a "
-        "digit. qr_block leads qr on Longley by about three digits for a large prior and by none for c^2 = 1e6; the cause is not "
+        "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many "
+        "orders of the "
+        "rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter "
+        "them. "
+        "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 "
+        "digits, so "
+        "the table of docs/literature.md 3.5 can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) "
+        "and 4.6 to "
+        "1.1 (inverse QR) that it has for Filip between c^2 = 1e20 and 1e40 is that scatter: medians fall by less than "
+        "half a "
+        "digit. qr_block leads qr on Longley by about three digits for a large prior and by none for c^2 = 1e6; the "
+        "cause is not "
         "isolated here.",
     .data = "NIST StRD: Longley, Filip, Wampler 1 to 5, in other orders of their rows",
     .factors =
         [](Budget) {
-            return std::vector<Factor>{{"set", {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"}},
-                                       {"c2", {1e6, 1e12, 1e20, 1e40}}};
+            return std::vector<Factor>{
+                {"set", {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"}},
+                {"c2", {1e6, 1e12, 1e20, 1e40}}};
         },
     .measures = {"variant", "order", "outcome", "digits", "digits_stored", "digits_decimal"},
     .measure = measure,
@@ -81,7 +92,8 @@ Study const nist{
                .where = {{"set", {"longley", "filip"}}}}},
     .claims =
         {
-            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order (fails: one order of the "
+            {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order "
+             "(fails: one order of the "
              "rows is one draw, and orders scatter by 1 to 5 digits)",
              [](Table const& t) { return table_is_met(prior_of(t, 1e20)); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
@@ -93,8 +105,8 @@ Study const nist{
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"and none in the median over orders",
              [](Table const& t) {
-                 return within(t.where("set", "longley").where("variant", plain), {"variant", "c2"}, median("digits_stored").over("order"),
-                               -99, 0);
+                 return within(t.where("set", "longley").where("variant", plain), {"variant", "c2"},
+                               median("digits_stored").over("order"), -99, 0);
              },
              own_result("first edition, set after its run")},
             {"the trap: in file order at c^2 = 1e20 they have more than 15 digits of the exact fit Wampler1",
@@ -105,59 +117,73 @@ Study const nist{
              own_result("first edition, set after its run")},
             {"and none of Wampler3, which is Wampler1 with a residual",
              [](Table const& t) {
-                 return within(prior_of(t, 1e20).where("set", "wampler3").where("variant", plain), {"variant"}, greatest("digits"), -99, 0);
+                 return within(prior_of(t, 1e20).where("set", "wampler3").where("variant", plain), {"variant"},
+                               greatest("digits"), -99, 0);
              },
              own_result("first edition, set after its run")},
             {"the prior alone: exact digits of Longley are -0.8 at c^2 = 1e6 and 4.2 at 1e12, +- 0.1",
              [](Table const& t) {
                  Table const exact = t.where("set", "longley").where("variant", "exact");
-                 double const small = prior_of(exact, 1e6).number("digits_stored"), large = prior_of(exact, 1e12).number("digits_stored");
+                 double const small = prior_of(exact, 1e6).number("digits_stored"),
+                              large = prior_of(exact, 1e12).number("digits_stored");
                  return Judgement{std::abs(small + 0.8) <= 0.1 && std::abs(large - 4.2) <= 0.1,
                                   fmt::format("{:.2f} and {:.2f}", small, large)};
              },
              reproduction("earlier experiment, docs/literature.md 3.5")},
             {"Filip as stored: even the exact minimiser agrees with the decimals to 7.9 +- 0.1 digits only",
              [](Table const& t) {
-                 return within(prior_of(t, 1e40).where("set", "filip").where("variant", "exact"), {}, least("digits_decimal"), 7.8, 8.0);
+                 return within(prior_of(t, 1e40).where("set", "filip").where("variant", "exact"), {},
+                               least("digits_decimal"), 7.8, 8.0);
              },
              reproduction("earlier experiment, docs/literature.md 3.5")},
-            {"so no variant has more than 8.0 of Filip's decimals in file order (fails: a single error may point back to them)",
+            {"so no variant has more than 8.0 of Filip's decimals in file order (fails: a single error may point back "
+             "to them)",
              [](Table const& t) {
-                 return within(t.where("set", "filip").where("order", 0.0), {"variant", "c2"}, greatest("digits_decimal"), -INFINITY, 8.0);
+                 return within(t.where("set", "filip").where("order", 0.0), {"variant", "c2"},
+                               greatest("digits_decimal"), -INFINITY, 8.0);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"qr and gentleman are within one digit of each other on every set at 1e20",
              [](Table const& t) { return within(prior_of(t, 1e20), {"set"}, lead("gentleman"), -1, 1); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
-            {"and so is qr_block, by blocks of Householder reflections (fails on Longley, where the place of the prior's rows decides)",
+            {"and so is qr_block, by blocks of Householder reflections (fails on Longley, where the place of the "
+             "prior's rows decides)",
              [](Table const& t) { return within(prior_of(t, 1e20), {"set"}, lead("qr_block"), -1, 1); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
-            {"residual law: from Wampler4 to Wampler5, a residual 100 times larger, every triangular, UD and QR form loses 2.0 +- 0.5 "
+            {"residual law: from Wampler4 to Wampler5, a residual 100 times larger, every triangular, UD and QR form "
+             "loses 2.0 +- 0.5 "
              "digits",
              [](Table const& t) {
-                 return within(prior_of(t, 1e20).where("variant", rooted), {"variant"}, fall("wampler4", "wampler5"), 1.5, 2.5);
+                 return within(prior_of(t, 1e20).where("variant", rooted), {"variant"}, fall("wampler4", "wampler5"),
+                               1.5, 2.5);
              },
              own_result("docs/theory.md 49")},
             {"the information form loses none, for its sums of integers are exact: Wampler3 to Wampler5 within 0.1",
              [](Table const& t) {
-                 return within(prior_of(t, 1e20).where("variant", "information"), {}, fall("wampler3", "wampler5"), -0.1, 0.1);
+                 return within(prior_of(t, 1e20).where("variant", "information"), {}, fall("wampler3", "wampler5"),
+                               -0.1, 0.1);
              },
              own_result("first edition, set after its run")},
             {"and it keeps no digit of Filip at any c^2",
              [](Table const& t) {
-                 return within(t.where("set", "filip").where("variant", "information"), {"c2"}, median("digits").over("order"), -INFINITY,
-                               1);
+                 return within(t.where("set", "filip").where("variant", "information"), {"c2"},
+                               median("digits").over("order"), -INFINITY, 1);
              },
              own_result("first edition, set after its run")},
             {"from c^2 = 1e20 to 1e40 the median digits of Filip stay to 0.15 in carlson, ud and inverse_qr",
              [](Table const& t) {
                  Statistic const loss =
-                     Statistic([](Table const& v) { return median("digits")(prior_of(v, 1e20)) - median("digits")(prior_of(v, 1e40)); },
-                               Estimate::middle)
+                     Statistic(
+                         [](Table const& v) {
+                             return median("digits")(prior_of(v, 1e20)) - median("digits")(prior_of(v, 1e40));
+                         },
+                         Estimate::middle)
                          .over("order");
-                 return within(t.where("set", "filip").where("variant", {"carlson", "ud", "inverse_qr"}), {"variant"}, loss, -0.15, 0.15);
+                 return within(t.where("set", "filip").where("variant", {"carlson", "ud", "inverse_qr"}), {"variant"},
+                               loss, -0.15, 0.15);
              },
-             own_result("docs/theory.md 44, 78: as for other roundings of the same order; in place of a band set after its run")},
+             own_result("docs/theory.md 44, 78: as for other roundings of the same order; in place of a band set after "
+                        "its run")},
         },
 };
 

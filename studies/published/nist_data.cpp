@@ -44,7 +44,8 @@ Reference decimal(std::string const& set, Index i) {
 }
 
 std::map<std::string, std::map<std::string, double>> const& listed_digits() {
-    static auto const digits = nlohmann::json::parse(file("digits.json")).get<std::map<std::string, std::map<std::string, double>>>();
+    static auto const digits =
+        nlohmann::json::parse(file("digits.json")).get<std::map<std::string, std::map<std::string, double>>>();
     return digits;
 }
 

@@ -18,8 +18,8 @@ Records records_of(std::string const& set);
 /// The solution of the published decimals, component i.
 Reference decimal(std::string const& set, Index i);
 
-/// Digits of the worst parameter at c^2 = 1e20 in file order, by set and variant: the recursive table of docs/literature.md 3.5, where
-/// a digit is left.
+/// Digits of the worst parameter at c^2 = 1e20 in file order, by set and variant: the recursive table of
+/// docs/literature.md 3.5, where a digit is left.
 std::map<std::string, std::map<std::string, double>> const& listed_digits();
 
 }  // namespace rlslab::studies::strd

@@ -1,4 +1,5 @@
-// How the NIST regressions are scored, the recursive table of docs/literature.md 3.5, and the words of the study's claims.
+// How the NIST regressions are scored, the recursive table of docs/literature.md 3.5, and the words of the study's
+// claims.
 #pragma once
 
 #include "studies/engine/judgements.hpp"
@@ -35,7 +36,8 @@ inline Records shuffled(Records records, Seed seed) {
     return records;
 }
 
-/// Judges that each entry is met within 0.7 in file order. Adds the range over other orders of the rows for the entries that are not met.
+/// Judges that each entry is met within 0.7 in file order. Adds the range over other orders of the rows for the entries
+/// that are not met.
 inline Judgement table_is_met(Table const& t) {
     int met = 0, entries = 0;
     std::string missed;
@@ -46,7 +48,8 @@ inline Judgement table_is_met(Table const& t) {
             auto const [least, most] = std::minmax_element(ours.begin(), ours.end());
             ++entries, met += close;
             if (!close)
-                missed += fmt::format("; {} {}: {}, ours {:.1f} ({:.1f} to {:.1f})", set, variant, digits, ours.front(), *least, *most);
+                missed += fmt::format("; {} {}: {}, ours {:.1f} ({:.1f} to {:.1f})", set, variant, digits, ours.front(),
+                                      *least, *most);
         }
     return {met == entries, fmt::format("{} of {}{}", met, entries, missed)};
 }
@@ -56,14 +59,19 @@ inline Table prior_of(Table const& t, double c2) {
 }
 /// Median digits of one set, less those of another.
 inline Statistic fall(std::string from, std::string to) {
-    return Statistic([=](Table const& t) { return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to)); },
-                     Estimate::middle)
+    return Statistic(
+               [=](Table const& t) {
+                   return median("digits")(t.where("set", from)) - median("digits")(t.where("set", to));
+               },
+               Estimate::middle)
         .over("order");
 }
 /// Median digits of a variant, less qr's.
 inline Statistic lead(std::string variant) {
     return Statistic(
-               [=](Table const& t) { return median("digits")(t.where("variant", variant)) - median("digits")(t.where("variant", "qr")); },
+               [=](Table const& t) {
+                   return median("digits")(t.where("variant", variant)) - median("digits")(t.where("variant", "qr"));
+               },
                Estimate::middle)
         .over("order");
 }

@@ -1,5 +1,5 @@
-// Units: which scalings of a problem change no digit, what the condition number is without them, and rows of very different size.
-// Longer than 150 lines: three experiments that share a setting.
+// Units: which scalings of a problem change no digit, what the condition number is without them, and rows of very
+// different size. Longer than 150 lines: three experiments that share a setting.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 #include "studies/published/nist_table.hpp"
@@ -41,7 +41,8 @@ std::unique_ptr<AnyFilter> fed(CatalogueEntry const& entry, Setting const& s) {
 }
 /// A number, or no number, in both.
 bool same(Reference const& a, Reference const& b) { return a == b || (a != a && b != b); }
-/// How many numbers of theta and of P or P^-1, as stored and multiplied out, are not those of `plain` in the other units.
+/// How many numbers of theta and of P or P^-1, as stored and multiplied out, are not those of `plain` in the other
+/// units.
 double differing(AnyFilter const& filter, AnyFilter const& plain, Vector<double> const& by, double output) {
     Vector<Reference> const theta = filter.theta(), expected = plain.theta();
     Stored<Reference> const stored = filter.stored();
@@ -75,8 +76,8 @@ void invariance(Trial const& trial, CatalogueEntry const& entry, TrialOutput& ou
     if (what == "rows") by.setConstant(output = power());
     if (what == "output") output = power();
     if (what == "three") by[0] = 3;  // no power of two: the saboteur
-    out({nothing, nothing, differing(*fed(entry, scaled(plain, by, output)), *fed(entry, plain), by, output), nothing, nothing, nothing,
-         nothing});
+    out({nothing, nothing, differing(*fed(entry, scaled(plain, by, output)), *fed(entry, plain), by, output), nothing,
+         nothing, nothing, nothing});
 }
 
 /// The same data in units in which every column has a norm of about 1, the prior along.
@@ -151,25 +152,34 @@ Study const scaling{
     .name = "scaling",
     .question = "Which changes of units, and which sizes of rows, change the digits?",
     .source = "van der Sluis 1969, Cox & Higham 1998 (cited, not read); docs/theory.md 52",
-    .formula = R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D = \mathrm{diag}(2^{a_i}): \qquad
+    .formula =
+        R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D =
+              \mathrm{diag}(2^{a_i}): \qquad
               \text{the same significands})tex",
     .interpretation =
-        "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same units. So no "
-        "variant is better scaled than another, and the condition number that counts is that of columns of norm 1: Filip's 1.8e15 "
-        "is 5.2e9. A filter that breaks down does so in both units (information on Filip). Rows of very different size are another "
-        "matter. Rotations do not mind large rows that come late; they are even better off by up to a digit. Blocks of Householder "
-        "reflections do not mind them in the block that starts from the prior, because the rows that the reflections overwrite are "
-        "the prior's. In a later block the large rows overwrite what the small ones before had left in R, and five digits are gone.",
+        "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same "
+        "units. So no "
+        "variant is better scaled than another, and the condition number that counts is that of columns of norm 1: "
+        "Filip's 1.8e15 "
+        "is 5.2e9. A filter that breaks down does so in both units (information on Filip). Rows of very different size "
+        "are another "
+        "matter. Rotations do not mind large rows that come late; they are even better off by up to a digit. Blocks of "
+        "Householder "
+        "reflections do not mind them in the block that starts from the prior, because the rows that the reflections "
+        "overwrite are "
+        "the prior's. In a later block the large rows overwrite what the small ones before had left in R, and five "
+        "digits are gone.",
     .data = "white rows, d = 5; NIST StRD: Longley and Filip; white rows of which three are 2^26 times as large",
     .factors =
         [](Budget budget) {
-            return std::vector<Factor>{
-                {"question", {"invariance", "units", "order"}},
-                {"setting", {"columns", "rows", "output", "signs", "three", "longley", "filip", "large rows of 60", "large rows of 300"}},
-                {"arithmetic", {"float", "double"}},
-                {"lambda", {1.0, 0.97}},
-                {"variant", joined(row_forms(), {"kalman", "qr_block"})},
-                {"replicate", counted(budget == Budget::full ? 40 : 11)}};
+            return std::vector<Factor>{{"question", {"invariance", "units", "order"}},
+                                       {"setting",
+                                        {"columns", "rows", "output", "signs", "three", "longley", "filip",
+                                         "large rows of 60", "large rows of 300"}},
+                                       {"arithmetic", {"float", "double"}},
+                                       {"lambda", {1.0, 0.97}},
+                                       {"variant", joined(row_forms(), {"kalman", "qr_block"})},
+                                       {"replicate", counted(budget == Budget::full ? 40 : 11)}};
         },
     .admits =
         [](Trial const& trial) {
@@ -187,14 +197,16 @@ Study const scaling{
                .log = "x",
                .x_label = "rows",
                .y_label = "digits lost",
-               .where = {{"question", {"order"}}, {"variant", {"qr", "gentleman", "carlson", "ud", "inverse_qr", "qr_block"}}}}},
+               .where = {{"question", {"order"}},
+                         {"variant", {"qr", "gentleman", "carlson", "ud", "inverse_qr", "qr_block"}}}}},
     .claims =
         {
-            {"F1: powers of two of columns, of rows, of the output, and signs of columns change no number of theta or P, of any dense "
+            {"F1: powers of two of columns, of rows, of the output, and signs of columns change no number of theta or "
+             "P, of any dense "
              "variant",
              [](Table const& t) {
-                 return everywhere(of(t, "invariance").where("setting", {"columns", "rows", "output", "signs"}), "differing", 0.0,
-                                   Estimate::proven);
+                 return everywhere(of(t, "invariance").where("setting", {"columns", "rows", "output", "signs"}),
+                                   "differing", 0.0, Estimate::proven);
              },
              verification("docs/theory.md 52").by("docs/theory.md 52")},
             {"F1: a factor of 3 on one column changes some, of every variant, in most runs",
@@ -204,26 +216,32 @@ Study const scaling{
              },
              verification("docs/theory.md 52")},
             {"F1: the condition number of Longley is 4.9e9, with columns of norm 1 it is 4.3e4, within 5 %",
-             [](Table const& t) { return condition_is(t, "longley", 4.9e9, 4.3e4); }, verification("computed beforehand, elsewhere")},
-            {"F1: that of Filip is 1.8e15, and 5.2e9", [](Table const& t) { return condition_is(t, "filip", 1.8e15, 5.2e9); },
+             [](Table const& t) { return condition_is(t, "longley", 4.9e9, 4.3e4); },
              verification("computed beforehand, elsewhere")},
-            {"F2: Longley and Filip in units in which the columns have a norm of about 1, the prior along: the same numbers in every "
+            {"F1: that of Filip is 1.8e15, and 5.2e9",
+             [](Table const& t) { return condition_is(t, "filip", 1.8e15, 5.2e9); },
+             verification("computed beforehand, elsewhere")},
+            {"F2: Longley and Filip in units in which the columns have a norm of about 1, the prior along: the same "
+             "numbers in every "
              "variant",
              [](Table const& t) { return everywhere(of(t, "units"), "differing", 0.0, Estimate::proven); },
              verification("docs/theory.md 52").by("docs/theory.md 52")},
             {"F3: qr and gentleman do not mind large rows that come last: by less than half a digit",
              [](Table const& t) {
-                 return within(of(t, "order").where("variant", {"qr", "gentleman"}), {"variant", "setting"}, lost_by_order, -0.5, 0.5);
+                 return within(of(t, "order").where("variant", {"qr", "gentleman"}), {"variant", "setting"},
+                               lost_by_order, -0.5, 0.5);
              },
              own_result("expected from docs/theory.md 52, set before the run")},
             {"F3: qr_block, by blocks of Householder reflections, does: by two digits and more, in one block",
              [](Table const& t) {
-                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 60"), {}, lost_by_order, 2, 16);
+                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 60"), {},
+                               lost_by_order, 2, 16);
              },
              own_result("Cox & Higham 1998 (cited, not read), set before the run")},
             {"F3: and where they come in a later block",
              [](Table const& t) {
-                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 300"), {}, lost_by_order, 2, 16);
+                 return within(of(t, "order").where("variant", "qr_block").where("setting", "large rows of 300"), {},
+                               lost_by_order, 2, 16);
              },
              own_result("Cox & Higham 1998 (cited, not read), set before the run")},
         },

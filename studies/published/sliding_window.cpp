@@ -39,10 +39,12 @@ void measure(Trial const& trial, TrialOutput& out) {
         }
         for (size_t i = 0, k = size_t(first); i < std::size(times); ++i) {
             if (refactor) state.scale(0), k = size_t(times[i] - window);
-            for (; Index(k) < times[i]; ++k) state.step(row(Index(k)), refactor || Index(k) < window ? nullptr : row(Index(k) - window));
+            for (; Index(k) < times[i]; ++k)
+                state.step(row(Index(k)), refactor || Index(k) < window ? nullptr : row(Index(k) - window));
             double digits = state.broken ? -INFINITY : exact[i].covariance_digits(state.stored());
             if (std::isnan(digits)) digits = -INFINITY;
-            out({method, double(times[i]), std::isinf(digits) ? "breakdown" : "sound", correctly::pow(10, -digits), digits});
+            out({method, double(times[i]), std::isinf(digits) ? "breakdown" : "sound", correctly::pow(10, -digits),
+                 digits});
         }
     }
 }
@@ -72,23 +74,31 @@ Study const sliding_window{
     .name = "sliding_window",
     .question = "What does an outlier that has left the window leave behind?",
     .source =
-        "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are derived "
+        "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are "
+        "derived "
         "(docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
     .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
-                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim u)tex",
+                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim
+                u)tex",
     .interpretation =
-        "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q while it is "
-        "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In P the "
-        "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u 10^4q. Only a "
-        "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late to early "
-        "error has a median near 1, where the single draws of docs/literature.md 3.11 had 0.1 to 1. With lambda below 1 it decays "
+        "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q "
+        "while it is "
+        "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In "
+        "P the "
+        "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u "
+        "10^4q. Only a "
+        "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late "
+        "to early "
+        "error has a median near 1, where the single draws of docs/literature.md 3.11 had 0.1 to 1. With lambda below "
+        "1 it decays "
         "as lambda^k.",
     .data = "white rows, d = 4, one outlier",
     .factors =
         [](Budget budget) {
             std::vector<Cell> q;
             for (double at = 0; at <= 8; at += 0.5) q.emplace_back(at);
-            return std::vector<Factor>{{"lambda", {1.0, 0.95}}, {"q", q}, {"replicate", counted(budget == Budget::full ? 100 : 25)}};
+            return std::vector<Factor>{
+                {"lambda", {1.0, 0.95}}, {"q", q}, {"replicate", counted(budget == Budget::full ? 100 : 25)}};
         },
     .measures = {"method", "t", "outcome", "error", "digits"},
     .measure = measure,
@@ -114,7 +124,9 @@ Study const sliding_window{
     .claims =
         {
             {"covariance form: error ~ size^4, slope 4.0 +- 0.6 over q = 2 ... 4",
-             [](Table const& t) { return within(at(t, 65, 2, 4).where("method", "covariance"), {"lambda"}, power, 3.4, 4.6); },
+             [](Table const& t) {
+                 return within(at(t, 65, 2, 4).where("method", "covariance"), {"lambda"}, power, 3.4, 4.6);
+             },
              reproduction("set with the earlier experiment, docs/literature.md 3.11")},
             {"information form and both downdates of R: error ~ size^2, slope 2.0 +- 0.3 over q = 2 ... 6",
              [](Table const& t) {
@@ -122,30 +134,41 @@ Study const sliding_window{
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.11")},
             {"a factor from the window's own rows: slope 0.00 +- 0.01",
-             [](Table const& t) { return within(at(t, 65, 0, 8).where("method", "refactor"), {"lambda"}, power, -0.01, 0.01); },
+             [](Table const& t) {
+                 return within(at(t, 65, 0, 8).where("method", "refactor"), {"lambda"}, power, -0.01, 0.01);
+             },
              reproduction("earlier experiment, docs/literature.md 3.11")},
             {"the covariance form has no digit left from q = 4.5 on, where u 10^(4q) = 100: median error at least 0.1",
              [](Table const& t) {
-                 return within(at(t, 65, 4.5, 8).where("method", "covariance"), {"q", "lambda"}, median("error"), 0.1, 1e3);
+                 return within(at(t, 65, 4.5, 8).where("method", "covariance"), {"q", "lambda"}, median("error"), 0.1,
+                               1e3);
              },
              own_result("docs/theory.md 47, in place of a band set after its run")},
-            {"lambda = 1: the damage stays: the ratio of the errors at t = 2000 and 65 has a median of 0.1 to 1 over q = 2 ... 6",
-             [](Table const& t) { return within(t.where("lambda", 1.0).where("method", squared), {"method"}, persistence(2, 6), 0.1, 1); },
+            {"lambda = 1: the damage stays: the ratio of the errors at t = 2000 and 65 has a median of 0.1 to 1 over q "
+             "= 2 ... 6",
+             [](Table const& t) {
+                 return within(t.where("lambda", 1.0).where("method", squared), {"method"}, persistence(2, 6), 0.1, 1);
+             },
              reproduction("set with the earlier experiment, docs/literature.md 3.11")},
             {"and for the covariance form over q = 2 ... 4",
              [](Table const& t) {
-                 return within(t.where("lambda", 1.0).where("method", "covariance"), {"method"}, persistence(2, 4), 0.1, 1);
+                 return within(t.where("lambda", 1.0).where("method", "covariance"), {"method"}, persistence(2, 4), 0.1,
+                               1);
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.11")},
-            {"lambda = 0.95: the damage decays as lambda^k: decades per step -log10 lambda = 0.0223 +- 20 % over t = 65 ... 165 at q = 4",
+            {"lambda = 0.95: the damage decays as lambda^k: decades per step -log10 lambda = 0.0223 +- 20 % over t = "
+             "65 ... 165 at q = 4",
              [](Table const& t) {
-                 Table const early = t.where("lambda", 0.95).where("q", 4.0).where("t", [](double k) { return k <= 165; });
-                 return within(early.where("method", squared), {"method"}, linear_slope("t", "digits"), 0.8 * 0.0223, 1.2 * 0.0223);
+                 Table const early =
+                     t.where("lambda", 0.95).where("q", 4.0).where("t", [](double k) { return k <= 165; });
+                 return within(early.where("method", squared), {"method"}, linear_slope("t", "digits"), 0.8 * 0.0223,
+                               1.2 * 0.0223);
              },
              own_result("docs/theory.md 47")},
             {"so that at t = 1000 whatever did not break down stands below 1e-13 again, from q = 0 to 6",
              [](Table const& t) {
-                 return within(at(t.where("lambda", 0.95), 1000, 0, 6).where("outcome", "sound"), {"method"}, median("error"), 0, 1e-13);
+                 return within(at(t.where("lambda", 0.95), 1000, 0, 6).where("outcome", "sound"), {"method"},
+                               median("error"), 0, 1e-13);
              },
              own_result("first edition, set after its run")},
         },

@@ -1,4 +1,5 @@
-// Recursive least squares over a sliding window, several ways: a row comes in, a row goes out. Double, sums in order, small on purpose.
+// Recursive least squares over a sliding window, several ways: a row comes in, a row goes out. Double, sums in order,
+// small on purpose.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -10,7 +11,8 @@
 
 namespace rlslab::studies {
 
-/// P or P^-1 or R as it slides: double, sums in order, small on purpose. `weight` is lambda^window, that of the row that leaves.
+/// P or P^-1 or R as it slides: double, sums in order, small on purpose. `weight` is lambda^window, that of the row
+/// that leaves.
 struct WindowFilter {
     static constexpr Index n = 4;
     std::string method;
@@ -22,7 +24,8 @@ struct WindowFilter {
         for (Index j = 0; j < n; ++j)
             for (Index i = 0; i <= j; ++i) A[i][j] = A[j][i] = A[i][j] + scale * f[i] * f[j];
     }
-    /// P -/+ f f' / s, f = P x, s = weight +/- x'f: the conventional formula for a row of this weight, with either sign.
+    /// P -/+ f f' / s, f = P x, s = weight +/- x'f: the conventional formula for a row of this weight, with either
+    /// sign.
     void covariance(double const* x, double sign) {
         double f[n], s = 1;
         for (Index i = 0; i < n; ++i) {
@@ -112,7 +115,8 @@ struct WindowFilter {
         Matrix<Reference> F(n, n);
         for (Index i = 0; i < n; ++i)
             for (Index j = 0; j < n; ++j) F(i, j) = plain ? A[i][j] : A[j][i];  // R'
-        return {method == "covariance" ? S::Quantity::covariance : S::Quantity::information, plain ? S::Form::plain : S::Form::factor, F};
+        return {method == "covariance" ? S::Quantity::covariance : S::Quantity::information,
+                plain ? S::Form::plain : S::Form::factor, F};
     }
 };
 

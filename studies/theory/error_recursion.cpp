@@ -1,5 +1,5 @@
-// The recursion of theta's error with its noise term, in exact rationals: in which norm it contracts, and in which it does not.
-// Longer than 150 lines: the recursion and its counterexample in rationals.
+// The recursion of theta's error with its noise term, in exact rationals: in which norm it contracts, and in which it
+// does not. Longer than 150 lines: the recursion and its counterexample in rationals.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
@@ -29,7 +29,8 @@ M prior_of(std::string const& name, Index d) {
 
 /// Counts, over the steps of every run.
 struct Counts {
-    double steps = 0, recursion = 0, metric = 0, bound = 0, longer = 0, beyond_start = 0, within_run_bound = 0, grew_with_noise = 0;
+    double steps = 0, recursion = 0, metric = 0, bound = 0, longer = 0, beyond_start = 0, within_run_bound = 0,
+           grew_with_noise = 0;
 };
 
 /// Eight rows of small integers. Without noise: lengths too. kappa_2(P0) = 1 for "c I", 100 for "diagonal".
@@ -49,7 +50,8 @@ void run(std::string const& prior, bool noisy, Q const& lambda, Seed seed, Count
         V const psi = integers(d, seed, 9);
         Q const xi = noisy ? int(seed.next() % 7) - 3 : 0;
         filter.update(psi, dot(psi, truth) + xi);
-        V const K = filter.gain(), now = truth - filter.theta(), predicted = (I - outer(K, psi)).lazyProduct(error) - xi * K;
+        V const K = filter.gain(), now = truth - filter.theta(),
+                predicted = (I - outer(K, psi)).lazyProduct(error) - xi * K;
         X = lambda * X + outer(psi, psi);
         Q const energy_now = form(now, X), length = dot(now, now);
         ++c.steps;
@@ -70,13 +72,15 @@ void measure(Trial const& trial, TrialOutput& out) {
     Seed seed = trial.seed({"lambda", "prior", "noise"});
     for (int n = 0; n < (trial.full() ? 200 : 20); ++n)
         for_each(Variants<Q>{}, [&, draw = Seed{seed.next()}]<class F>() {
-            if (F::name == trial.text("variant")) run<F>(trial.text("prior"), trial.text("noise") == "noise", lambda, draw, c);
+            if (F::name == trial.text("variant"))
+                run<F>(trial.text("prior"), trial.text("noise") == "noise", lambda, draw, c);
         });
-    out({c.steps, c.recursion / c.steps, c.metric / c.steps, c.bound / c.steps, c.grew_with_noise / c.steps, c.longer / c.steps,
-         c.beyond_start / c.steps, c.within_run_bound / c.steps});
+    out({c.steps, c.recursion / c.steps, c.metric / c.steps, c.bound / c.steps, c.grew_with_noise / c.steps,
+         c.longer / c.steps, c.beyond_start / c.steps, c.within_run_bound / c.steps});
 }
 
-/// P0 = diag(1, a^2), psi = (1, 1/a)', the error (1, 0)': one step of each rational variant leaves (2/3, -a/3)', exactly.
+/// P0 = diag(1, a^2), psi = (1, 1/a)', the error (1, 0)': one step of each rational variant leaves (2/3, -a/3)',
+/// exactly.
 Judgement counterexample() {
     int variants = 0, exact = 0;
     std::string said;
@@ -92,7 +96,8 @@ Judgement counterexample() {
             V const now = truth - filter.theta();
             Q const squared = dot(now, now), energy = form(now, inverse(P0) + outer(psi, psi));
             all = all && now[0] == Q(2) / 3 && now[1] == Q(-a) / 3 && energy == Q(2) / 3;
-            if (variants == 1) said += fmt::format("{}{}", said.empty() ? "squared lengths from 1 to " : ", ", squared.str());
+            if (variants == 1)
+                said += fmt::format("{}{}", said.empty() ? "squared lengths from 1 to " : ", ", squared.str());
         }
         exact += all;
     });
@@ -107,24 +112,34 @@ extern Study const error_recursion;
 Study const error_recursion{
     .name = "error_recursion",
     .question = "In which norm does the error of theta contract, and what does the noise add?",
-    .source = "derived (docs/theory.md 18, 19, 23, 25), against the conclusion from the eigenvalues in a lecture that is not public",
+    .source =
+        "derived (docs/theory.md 18, 19, 23, 25), against the conclusion from the eigenvalues in a lecture that is not "
+        "public",
     .formula = R"tex(\begin{aligned} \tilde\theta_k &= (I - K\psi^\top)\tilde\theta_{k-1} - K\xi_k, \qquad
 V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \\
-\lVert\tilde\theta_N\rVert &\le \sqrt{\kappa_2(P_0)}\,\lVert\tilde\theta_0\rVert \ \text{ without noise} \end{aligned})tex",
+\lVert\tilde\theta_N\rVert &\le \sqrt{\kappa_2(P_0)}\,\lVert\tilde\theta_0\rVert \ \text{ without noise}
+\end{aligned})tex",
     .interpretation =
-        "Eight rows of small integers in exact rationals, each variant that needs no square root. The recursion of the error holds with "
-        "==, its noise term included. In the metric of P^-1 the error contracts: V falls by the factor lambda at least, and noise adds at "
-        "most its square. In the 2-norm it does not: steps without noise make the error longer, from P0 = c^2 I too, and from another P0 "
-        "it may end longer than it began. What holds there is the bound of a whole run, the root of the condition number of P0.",
+        "Eight rows of small integers in exact rationals, each variant that needs no square root. The recursion of the "
+        "error holds with "
+        "==, its noise term included. In the metric of P^-1 the error contracts: V falls by the factor lambda at "
+        "least, and noise adds at "
+        "most its square. In the 2-norm it does not: steps without noise make the error longer, from P0 = c^2 I too, "
+        "and from another P0 "
+        "it may end longer than it began. What holds there is the bound of a whole run, the root of the condition "
+        "number of P0.",
     .data = "random integers, d = 2 to 4, three priors; diag(1, a^2)",
     .factors =
         [](Budget) {
             std::vector<Cell> names;
             for_each(Variants<Q>{}, [&]<class F>() { names.emplace_back(std::string(F::name)); });
-            return std::vector<Factor>{
-                {"lambda", {1.0, 0.9}}, {"prior", {"c I", "diagonal", "full"}}, {"noise", {"none", "noise"}}, {"variant", names}};
+            return std::vector<Factor>{{"lambda", {1.0, 0.9}},
+                                       {"prior", {"c I", "diagonal", "full"}},
+                                       {"noise", {"none", "noise"}},
+                                       {"variant", names}};
         },
-    .measures = {"steps", "recursion", "contracts", "bounded", "grows_with_noise", "longer", "beyond_start", "within_run_bound"},
+    .measures = {"steps", "recursion", "contracts", "bounded", "grows_with_noise", "longer", "beyond_start",
+                 "within_run_bound"},
     .measure = measure,
     .plots = {{.title = "Share of steps without noise that make the error longer in the 2-norm",
                .x = "lambda",
@@ -136,7 +151,8 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
                .where = {{"noise", {"none"}}}}},
     .claims =
         {
-            {"the recursion of the error, its noise term included, holds with == at every step, for every variant that exists in rationals",
+            {"the recursion of the error, its noise term included, holds with == at every step, for every variant that "
+             "exists in rationals",
              [](Table const& t) {
                  return within(t, {"variant", "lambda", "prior", "noise"}, least("recursion"), 1, 1);
              },
@@ -150,7 +166,8 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
              [](Table const& t) {
                  Table const noisy = with(t, "noise");
                  return labelled("bounded", within(noisy, {"variant", "lambda", "prior"}, least("bounded"), 1, 1)) &&
-                        labelled("grows", within(noisy, {"variant", "lambda", "prior"}, greatest("grows_with_noise"), 1e-3, 1));
+                        labelled("grows",
+                                 within(noisy, {"variant", "lambda", "prior"}, greatest("grows_with_noise"), 1e-3, 1));
              },
              verification("docs/theory.md 23")},
             {"in the 2-norm it does not contract: without noise some steps make the error longer, from each prior",
@@ -158,9 +175,11 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
                  return within(with(t, "none"), {"variant", "lambda", "prior"}, greatest("longer"), 1e-3, 1);
              },
              verification("docs/theory.md 19, 24")},
-            {"P0 = diag(1, a^2), psi = (1, 1/a)', error (1, 0)': one step leaves (2/3, -a/3)' while V falls from 1 to 2/3, exactly",
+            {"P0 = diag(1, a^2), psi = (1, 1/a)', error (1, 0)': one step leaves (2/3, -a/3)' while V falls from 1 to "
+             "2/3, exactly",
              [](Table const&) { return counterexample(); }, verification("docs/theory.md 19, 24")},
-            {"from P0 = c^2 I the error is never longer than it began, from diag(1, 100) at most 10 times as long, without noise",
+            {"from P0 = c^2 I the error is never longer than it began, from diag(1, 100) at most 10 times as long, "
+             "without noise",
              [](Table const& t) {
                  return within(with(t, "none").where("prior", {"c I", "diagonal"}), {"variant", "lambda", "prior"},
                                least("within_run_bound"), 1, 1);
@@ -168,7 +187,8 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
              verification("docs/theory.md 25")},
             {"from diag(1, 100) some steps without noise do leave it longer than it began",
              [](Table const& t) {
-                 return within(with(t, "none").where("prior", "diagonal"), {"variant", "lambda"}, greatest("beyond_start"), 1e-3, 1);
+                 return within(with(t, "none").where("prior", "diagonal"), {"variant", "lambda"},
+                               greatest("beyond_start"), 1e-3, 1);
              },
              verification("docs/theory.md 19")},
         },

@@ -51,7 +51,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     double const records = 8.0 * packs;
     for (Index i = 0; i < d; ++i) {
         Sums const& s = sums[size_t(i)];
-        std::string const name = system.recursive ? (i < 2 ? fmt::format("a{}", i + 1) : fmt::format("b{}", i - 2)) : fmt::format("b{}", i);
+        std::string const name =
+            system.recursive ? (i < 2 ? fmt::format("a{}", i + 1) : fmt::format("b{}", i - 2)) : fmt::format("b{}", i);
         out({name, s.error / records, s.square / records, s.fourth / records, s.crb / records, s.inside / records});
     }
 }
@@ -70,7 +71,8 @@ Statistic const kurtosis = Statistic([](Table const& t) {
                            }).over("batch");
 Statistic const inside = mean("inside").as(Estimate::mean).over("batch");
 
-/// The mean square error over sigma^2 (R^-1)_ii / N, the Cramer-Rao bound without regard to the regressors that were drawn.
+/// The mean square error over sigma^2 (R^-1)_ii / N, the Cramer-Rao bound without regard to the regressors that were
+/// drawn.
 Statistic efficiency(std::string const& name) {
     System const system = system_named(name);
     using S = Stored<Reference>;
@@ -78,7 +80,8 @@ Statistic efficiency(std::string const& name) {
     return Statistic(
                [=](Table const& t) {
                    std::string const parameter = std::get<std::string>(t.distinct("parameter").front());
-                   Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) + (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
+                   Index const i = (parameter[0] == 'b' && system.recursive ? 2 : 0) +
+                                   (parameter[1] - (parameter[0] == 'a' ? '1' : '0'));
                    double const bound = sigma * sigma * static_cast<double>(inverse(i, i)) / t.numbers("rows").front();
                    return mean("mean_square")(t) / bound;
                },
@@ -89,7 +92,9 @@ Statistic efficiency(std::string const& name) {
 Statistic const of_own_covariance =
     Statistic([](Table const& t) { return mean("mean_square")(t) / mean("bound")(t); }, Estimate::mean).over("batch");
 
-Table longest(Table const& t, std::string const& system) { return t.where("system", system).where("rows", greatest("rows")(t)); }
+Table longest(Table const& t, std::string const& system) {
+    return t.where("system", system).where("rows", greatest("rows")(t));
+}
 
 }  // namespace
 
@@ -98,18 +103,23 @@ Study const estimate_statistics{
     .name = "estimate_statistics",
     .question = "Is the least squares estimate unbiased, consistent, efficient and normal, as the theory says?",
     .source =
-        "docs/theory.md 5 to 8; Söderström & Stoica 1989, ch. 7 (cited, not read); for the bias of autoregressions Kendall 1954, "
+        "docs/theory.md 5 to 8; Söderström & Stoica 1989, ch. 7 (cited, not read); for the bias of autoregressions "
+        "Kendall 1954, "
         "Marriott & Pope 1954 (cited, not read)",
     .formula =
         R"tex(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad
               \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})tex",
     .interpretation =
-        "A system of second order with past outputs among its regressors, and its finite impulse response without them, both in white "
+        "A system of second order with past outputs among its regressors, and its finite impulse response without "
+        "them, both in white "
         "noise; and "
-        "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors depend on old noise, "
+        "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors "
+        "depend on old noise, "
         "so that "
-        "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, which falls as "
-        "the root of N only. In coloured noise the bias stays whatever N. Efficiency is judged by the bound of the known system, sigma^2 "
+        "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, "
+        "which falls as "
+        "the root of N only. In coloured noise the bias stays whatever N. Efficiency is judged by the bound of the "
+        "known system, sigma^2 "
         "R^-1 / N, "
         "not by the P that the same filter reports.",
     .data = "a system of order 2 and its impulse response, binary white input",
@@ -145,10 +155,12 @@ Study const estimate_statistics{
                  return within(t.where("system", "impulse_response"), {"parameter", "rows"}, bias, -0.05, 0.05);
              },
              reproduction("docs/theory.md 5")},
-            {"with past outputs: a1 = -1.5 is estimated too near to zero at small N, by at least 0.01 standard deviations of one estimate",
+            {"with past outputs: a1 = -1.5 is estimated too near to zero at small N, by at least 0.01 standard "
+             "deviations of one estimate",
              [](Table const& t) {
                  double const fewest = least("rows")(t);
-                 return within(t.where("system", "recursive").where("parameter", "a1").where("rows", fewest), {}, bias, 0.01, 1);
+                 return within(t.where("system", "recursive").where("parameter", "a1").where("rows", fewest), {}, bias,
+                               0.01, 1);
              },
              own_result("set before the run")},
             {"with past outputs: the bias is below 0.3 standard deviations of one estimate, at every N",
@@ -162,16 +174,24 @@ Study const estimate_statistics{
                                slope("rows", "mean_square").over("batch"), -1.12, -0.88);
              },
              reproduction("docs/theory.md 6")},
-            {"efficient: at the largest N the impulse response is within 6 % of sigma^2 / N, the Cramer-Rao bound of its input",
+            {"efficient: at the largest N the impulse response is within 6 % of sigma^2 / N, the Cramer-Rao bound of "
+             "its input",
              [](Table const& t) {
-                 return within(longest(t, "impulse_response"), {"parameter"}, efficiency("impulse_response"), 0.94, 1.06);
+                 return within(longest(t, "impulse_response"), {"parameter"}, efficiency("impulse_response"), 0.94,
+                               1.06);
              },
              reproduction("docs/theory.md 7")},
-            {"efficient: with past outputs within 6 % of sigma^2 R^-1 / N at the largest N, R from the system's own responses",
-             [](Table const& t) { return within(longest(t, "recursive"), {"parameter"}, efficiency("recursive"), 0.94, 1.06); },
+            {"efficient: with past outputs within 6 % of sigma^2 R^-1 / N at the largest N, R from the system's own "
+             "responses",
+             [](Table const& t) {
+                 return within(longest(t, "recursive"), {"parameter"}, efficiency("recursive"), 0.94, 1.06);
+             },
              reproduction("docs/theory.md 7")},
-            {"the impulse response's mean square error is the mean of the filter's sigma^2 P, to 6 %: so the two are defined",
-             [](Table const& t) { return within(longest(t, "impulse_response"), {"parameter"}, of_own_covariance, 0.94, 1.06); },
+            {"the impulse response's mean square error is the mean of the filter's sigma^2 P, to 6 %: so the two are "
+             "defined",
+             [](Table const& t) {
+                 return within(longest(t, "impulse_response"), {"parameter"}, of_own_covariance, 0.94, 1.06);
+             },
              verification("docs/theory.md 6")},
             {"normal: at the largest N kurtosis is 3 +- 0.2; a linear function of normal noise, given the input",
              [](Table const& t) { return within(longest(t, "impulse_response"), {"parameter"}, kurtosis, 2.8, 3.2); },
@@ -185,7 +205,8 @@ Study const estimate_statistics{
                                {"system", "parameter"}, inside, 0.935, 0.965);
              },
              reproduction("docs/theory.md 8")},
-            {"coloured noise: a1 and a2 are biased by more than one standard deviation at the largest N, and the intervals miss the truth "
+            {"coloured noise: a1 and a2 are biased by more than one standard deviation at the largest N, and the "
+             "intervals miss the truth "
              "more often than not",
              [](Table const& t) {
                  Table const a = longest(t, "coloured").where("parameter", {"a1", "a2"});

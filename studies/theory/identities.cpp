@@ -1,4 +1,5 @@
-// The structural identities of recursive least squares, in exact rational arithmetic, for every variant that exists in it.
+// The structural identities of recursive least squares, in exact rational arithmetic, for every variant that exists in
+// it.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 
@@ -36,20 +37,24 @@ void run(Q const& lambda, Seed seed, Note note) {
         state += kalman * (y - dot(psi, state));
         S -= M(outer(kalman, psi).lazyProduct(S));
         Q J_now = form(theta - theta0, inverse(P0)), energy_now = form(truth - theta, X);  // J by its definition
-        for (auto const& [row, answer] : rows) J_now = lambda * J_now + (answer - dot(row, theta)) * (answer - dot(row, theta));
+        for (auto const& [row, answer] : rows)
+            J_now = lambda * J_now + (answer - dot(row, theta)) * (answer - dot(row, theta));
 
         note("P_k^-1 = λ P_k-1^-1 + ψψ'", P_now.lazyProduct(X) == I);
         note("θ minimises J", X.lazyProduct(theta) == b);
         note("K = P_k ψ", K == P_now.lazyProduct(psi));
-        note("residual = γ e and γ = λ / s", step.residual == gamma * e && step.residual == y - dot(psi, theta) && gamma == lambda / s);
+        note("residual = γ e and γ = λ / s",
+             step.residual == gamma * e && step.residual == y - dot(psi, theta) && gamma == lambda / s);
         note("I - Kψ' = λ P_k P_k-1^-1", A == lambda * P_now.lazyProduct(X_before));
         note("eigenvalues of I - Kψ': 1 and γ", (A - I).lazyProduct(A - gamma * I).isZero(Q(0)));
         note("trace (I - Kψ') = d - 1 + γ", A(0, 0) + A(1, 1) + A(2, 2) == d - 1 + gamma);
         note("det (I - Kψ') = γ", determinant(A) == gamma);
-        note("det P_k^-1 = λ^d det P_k-1^-1 / γ", determinant(X) * gamma == lambda * lambda * lambda * determinant(X_before));
+        note("det P_k^-1 = λ^d det P_k-1^-1 / γ",
+             determinant(X) * gamma == lambda * lambda * lambda * determinant(X_before));
         note("J_k = λ J_k-1 + γ e²", J_now == lambda * J + gamma * e * e);
         note("V_k = λ V_k-1 + v² - γ e²", energy_now == lambda * energy + v * v - gamma * e * e);
-        note("Joseph = conventional", P_now == M((A.lazyProduct(P).lazyProduct(A.transpose()) + lambda * outer(K, K)) / lambda));
+        note("Joseph = conventional",
+             P_now == M((A.lazyProduct(P).lazyProduct(A.transpose()) + lambda * outer(K, K)) / lambda));
         note("Kalman with S = P / λ", kalman == K && S == P_now && state == theta);
         note("(control) I - Kψ' = λ P_k-1 P_k^-1", A == lambda * P.lazyProduct(X));
         J = J_now, energy = energy_now, P = P_now, S /= lambda;
@@ -70,7 +75,8 @@ void measure(Trial const& trial, TrialOutput& out) {
             if (F::name == trial.text("variant")) run<F>(lambda, draw, note);
         });
     for (size_t i = 0; i < tally.size(); ++i)
-        out({tally[i].first, double(i + 1), double(tally[i].second.second), double(tally[i].second.first) / tally[i].second.second});
+        out({tally[i].first, double(i + 1), double(tally[i].second.second),
+             double(tally[i].second.first) / tally[i].second.second});
 }
 
 Table of(Table const& t, bool control) {
@@ -84,7 +90,8 @@ Study const identities{
     .name = "identities",
     .question = "Do the identities of recursive least squares hold exactly, in every variant?",
     .source =
-        "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also Sayed & "
+        "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also "
+        "Sayed & "
         "Kailath 1994 (cited, not read)",
     .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi, \quad
 y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
@@ -92,10 +99,13 @@ I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \g
 \det P_k^{-1} = \lambda^d \det P_{k-1}^{-1} / \gamma \\
 J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",
     .interpretation =
-        "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that needs no "
+        "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that "
+        "needs no "
         "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
-        "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every case: the "
-        "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S = P / "
+        "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every "
+        "case: the "
+        "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S "
+        "= P / "
         "lambda, which is how forgetting looks to it. J is computed by its definition, from all rows and the prior.",
     .data = "random integers, d = 3",
     .factors =

@@ -1,4 +1,5 @@
-// Random stable systems, identified from simulated records: are the parameters found, and do the intervals have their coverage?
+// Random stable systems, identified from simulated records: are the parameters found, and do the intervals have their
+// coverage?
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -25,8 +26,9 @@ void measure(Trial const& trial, TrialOutput& out) {
     double inside = 0;
     for (Index i = 0; i < truth.size(); ++i) inside += batch.lower[i] <= truth[i] && truth[i] <= batch.upper[i];
     for (Cell const& variant : joined(factor_forms(), {"symmetric", "information"})) {
-        auto const filter = trial.entry(std::get<std::string>(variant))
-                                .make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
+        auto const filter =
+            trial.entry(std::get<std::string>(variant))
+                .make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
         filter->update_block(records, 0, records.rows());
         Vector<Reference> const theta = filter->theta();
         Reference off = 0, size = 0;
@@ -47,9 +49,11 @@ Study const known_systems{
     .source = "docs/theory.md 1, 4, 6, 8",
     .formula = R"tex(y_k + a_1 y_{k-1} + \dots + a_n y_{k-n} = b_0 u_k + \dots + b_n u_{k-n} + \xi_k)tex",
     .interpretation =
-        "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without noise the parameters "
+        "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without "
+        "noise the parameters "
         "come back to the "
-        "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values 95 % of the time.",
+        "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values "
+        "95 % of the time.",
     .data = "random stable systems of order 1 to 6, PRBS input",
     .factors =
         [](Budget budget) {
@@ -70,13 +74,14 @@ Study const known_systems{
              [](Table const& t) {
                  std::vector<std::string> names;
                  for (Cell const& v : factor_forms()) names.push_back(std::get<std::string>(v));
-                 return within(t.where("noise", 0.0).where("variant", names), {"variant"}, greatest("error").over("system"), 0, 1e-10);
+                 return within(t.where("noise", 0.0).where("variant", names), {"variant"},
+                               greatest("error").over("system"), 0, 1e-10);
              },
              own_result("first edition, set after its run")},
             {"with noise, the 95 % intervals hold the truth 95 +- 2 % of the time",
              [](Table const& t) {
-                 return within(t.where("noise", 0.1).where("variant", "ud"), {}, mean("inside").as(Estimate::share).over("system"), 0.93,
-                               0.97);
+                 return within(t.where("noise", 0.1).where("variant", "ud"), {},
+                               mean("inside").as(Estimate::share).over("system"), 0.93, 0.97);
              },
              reproduction("docs/theory.md 8")},
         },

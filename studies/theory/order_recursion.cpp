@@ -33,7 +33,8 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({"information", error(fit(records, FitBy::normal_equations).theta)});  // the normal equations, factored afresh
 }
 
-/// Multiplications of all orders up to n by bordering, by appended columns of one QR factorisation, and by a new QR for each order.
+/// Multiplications of all orders up to n by bordering, by appended columns of one QR factorisation, and by a new QR for
+/// each order.
 Judgement cheaper() {
     using C = Counted<double>;
     Seed seed{1};
@@ -56,7 +57,8 @@ Judgement cheaper() {
                     for (Index j = 0; j < d; ++j) fresh.append(columns[size_t(j)]);
                 }).multiplications;
     return {3 * twin < anew && 3 * bordering < anew,
-            fmt::format("{} columns, {} rows: bordering {}, appended QR {}, anew at each order {}", n, N, bordering, twin, anew)};
+            fmt::format("{} columns, {} rows: bordering {}, appended QR {}, anew at each order {}", n, N, bordering,
+                        twin, anew)};
 }
 
 }  // namespace
@@ -72,13 +74,17 @@ Study const order_recursion{
         R"tex(P_{d+1} = \begin{bmatrix} P + \beta g g^\top & -\beta g \\ -\beta g^\top & \beta \end{bmatrix}, \quad
               g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
     .interpretation =
-        "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact arithmetic. In double it "
+        "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact "
+        "arithmetic. In double it "
         "does not lose "
-        "digits as the square of the condition number, as is usually said of it and as the normal equations factored afresh (information) "
+        "digits as the square of the condition number, as is usually said of it and as the normal equations factored "
+        "afresh (information) "
         "do, but up to the "
-        "fourth power, by the spectrum: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, kappa^2 times smaller than "
+        "fourth power, by the spectrum: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, "
+        "kappa^2 times smaller than "
         "its terms, "
-        "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as the condition "
+        "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as "
+        "the condition "
         "number. Both are far cheaper than fitting each order anew.",
     .data = "graded columns (geometric singular values), d = 6",
     .factors =
@@ -100,20 +106,23 @@ Study const order_recursion{
         {
             {"bordering: slope 4.0 +- 0.4 from kappa = 1e2 to 1e4.5: not 2",
              [](Table const& t) {
-                 return within(t.where("variant", "order_recursive").where("kappa", [](double k) { return 90 < k && k < 3.2e4; }), {},
-                               slope("kappa", "error"), 3.6, 4.4);
+                 return within(
+                     t.where("variant", "order_recursive").where("kappa", [](double k) { return 90 < k && k < 3.2e4; }),
+                     {}, slope("kappa", "error"), 3.6, 4.4);
              },
              own_result("docs/theory.md 46")},
             {"normal equations, factored: slope 2.0 +- 0.2 between kappa = 1e2 and 1e7",
              [](Table const& t) {
-                 return within(t.where("variant", "information").where("kappa", [](double k) { return 90 < k && k < 1.1e7; }), {},
-                               slope("kappa", "error"), 1.8, 2.2);
+                 return within(
+                     t.where("variant", "information").where("kappa", [](double k) { return 90 < k && k < 1.1e7; }), {},
+                     slope("kappa", "error"), 1.8, 2.2);
              },
              own_result("set before the run: as of docs/literature.md 3.6")},
             {"appended QR: slope 1.0 +- 0.15 between kappa = 1e2 and 1e11",
              [](Table const& t) {
-                 return within(t.where("variant", "order_recursive_qr").where("kappa", [](double k) { return 90 < k && k < 1.1e11; }), {},
-                               slope("kappa", "error"), 0.85, 1.15);
+                 return within(t.where("variant", "order_recursive_qr")
+                                   .where("kappa", [](double k) { return 90 < k && k < 1.1e11; }),
+                               {}, slope("kappa", "error"), 0.85, 1.15);
              },
              own_result("set before the run: as of docs/literature.md 3.6")},
             {"both cost less than a third of fitting every order anew", [](Table const&) { return cheaper(); },

@@ -1,5 +1,5 @@
-// Which inputs excite: correlation matrices of a lecture's inputs, their dominance, their least eigenvalue, and how a record finds them.
-// Longer than 150 lines: exact matrices of six inputs, and seven claims.
+// Which inputs excite: correlation matrices of a lecture's inputs, their dominance, their least eigenvalue, and how a
+// record finds them. Longer than 150 lines: exact matrices of six inputs, and seven claims.
 #include "studies/engine/judgements.hpp"
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -10,7 +10,8 @@
 namespace rlslab::studies {
 namespace {
 
-constexpr double noise = 0.5, pole = 0.8;  // of the system of the block matrix: y_k = pole y_{k-1} + u_{k-1} + noise e_k
+constexpr double noise = 0.5,
+                 pole = 0.8;  // of the system of the block matrix: y_k = pole y_{k-1} + u_{k-1} + noise e_k
 
 /// White, AR(1) of variance 1, or w_k - w_{k-1}.
 struct Input {
@@ -43,14 +44,15 @@ double least_eigenvalue(Matrix<double> const& R) {
         Matrix<Reference> shifted = R.cast<Reference>();
         for (Index i = 0; i < R.rows(); ++i) shifted(i, i) -= Reference(middle);
         bool const positive =
-            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) == Health::sound;
+            definiteness({Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, shifted, {}}) ==
+            Health::sound;
         (positive ? below : above) = middle;
     }
     return below;
 }
 
-/// G of docs/theory.md 3 for n past outputs and n inputs u_{k-1} ... u_{k-n} of the first-order system, white input: y_k is the sum of
-/// pole^i (u_{k-1-i} + noise e_{k-i}).
+/// G of docs/theory.md 3 for n past outputs and n inputs u_{k-1} ... u_{k-n} of the first-order system, white input:
+/// y_k is the sum of pole^i (u_{k-1-i} + noise e_{k-i}).
 Matrix<double> block_matrix(Index n) {
     auto const power = [](Index i) {
         double out = 1;
@@ -126,10 +128,14 @@ Study const persistent_excitation{
 \text{dominant at every order only for } \frac{2|a|}{1-|a|} \le 1, \quad
 u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
     .interpretation =
-        "White noise, coloured noise and a difference of white noise are exciting of every order: their matrices are definite at each "
-        "number of delays. Diagonal dominance, the sufficient condition that the lecture names, holds for white noise, and for coloured "
-        "noise at every order only up to a = 1/3. The least eigenvalue of a coloured input is what the estimate pays for. The matrix of a "
-        "record, and that of past outputs and inputs together, tends to its limit as one over the root of the number of rows.",
+        "White noise, coloured noise and a difference of white noise are exciting of every order: their matrices are "
+        "definite at each "
+        "number of delays. Diagonal dominance, the sufficient condition that the lecture names, holds for white noise, "
+        "and for coloured "
+        "noise at every order only up to a = 1/3. The least eigenvalue of a coloured input is what the estimate pays "
+        "for. The matrix of a "
+        "record, and that of past outputs and inputs together, tends to its limit as one over the root of the number "
+        "of rows.",
     .data = "white, first-order coloured and differenced noise; a first-order system in white noise",
     .factors =
         [](Budget budget) {
@@ -137,7 +143,8 @@ u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
             return std::vector<Factor>{
                 {"input", {"white", "AR(1) 0.3", "AR(1) 0.5", "AR(1) 0.9", "differenced", "block matrix"}},
                 {"delays", {2.0, 3.0, 5.0, 9.0}},
-                {"rows", full ? std::vector<Cell>{300.0, 1000.0, 3000.0, 10000.0, 30000.0} : std::vector<Cell>{300.0, 1000.0, 3000.0}},
+                {"rows", full ? std::vector<Cell>{300.0, 1000.0, 3000.0, 10000.0, 30000.0}
+                              : std::vector<Cell>{300.0, 1000.0, 3000.0}},
                 {"replicate", counted(full ? 100 : 30)}};
         },
     .measures = {"dominance", "least_eigenvalue", "of_limit", "deviation", "of_tridiagonal"},
@@ -151,12 +158,16 @@ u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
                .y_label = "largest error of an entry"}},
     .claims =
         {
-            {"coloured noise with a = 0.3 is strictly dominant at each number of delays, with a = 0.5 and 0.9 it is not from 3 delays on",
+            {"coloured noise with a = 0.3 is strictly dominant at each number of delays, with a = 0.5 and 0.9 it is "
+             "not from 3 delays on",
              [](Table const& t) {
                  Table const many = t.where("delays", [](double n) { return n >= 3; });
-                 return labelled("0.3", everywhere(coloured(t, "AR(1) 0.3"), "dominance", "dominant", Estimate::proven)) &&
-                        labelled("0.5", everywhere(coloured(many, "AR(1) 0.5"), "dominance", "not dominant", Estimate::proven)) &&
-                        labelled("0.9", everywhere(coloured(many, "AR(1) 0.9"), "dominance", "not dominant", Estimate::proven));
+                 return labelled("0.3",
+                                 everywhere(coloured(t, "AR(1) 0.3"), "dominance", "dominant", Estimate::proven)) &&
+                        labelled("0.5", everywhere(coloured(many, "AR(1) 0.5"), "dominance", "not dominant",
+                                                   Estimate::proven)) &&
+                        labelled("0.9", everywhere(coloured(many, "AR(1) 0.9"), "dominance", "not dominant",
+                                                   Estimate::proven));
              },
              verification("docs/theory.md 4").by("docs/theory.md 4")},
             {"all the same each is definite: the least eigenvalue is above 0.01, decided exactly",
@@ -166,29 +177,33 @@ u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
              verification("docs/theory.md 4")},
             {"differenced white noise: the least eigenvalue is 2 - 2 cos(pi / (n + 2)), n + 1 delays, to 1e-6",
              [](Table const& t) {
-                 return within(coloured(t, "differenced"), {"delays"}, mean("of_tridiagonal").as(Estimate::fixed), -1e-6, 1e-6);
+                 return within(coloured(t, "differenced"), {"delays"}, mean("of_tridiagonal").as(Estimate::fixed),
+                               -1e-6, 1e-6);
              },
              verification("docs/theory.md 4")},
             {"a = 0.9 at 5 delays: the least eigenvalue is 0.0580 +- 0.0005",
              [](Table const& t) {
-                 return within(coloured(t, "AR(1) 0.9").where("delays", 5.0), {}, mean("least_eigenvalue").as(Estimate::fixed), 0.0575,
-                               0.0585);
+                 return within(coloured(t, "AR(1) 0.9").where("delays", 5.0), {},
+                               mean("least_eigenvalue").as(Estimate::fixed), 0.0575, 0.0585);
              },
              verification("docs/theory.md 4")},
             {"the difference of white noise is dominant at 2 delays, and at no larger number of them",
              [](Table const& t) {
                  Table const mine = coloured(t, "differenced");
-                 return labelled("2", everywhere(mine.where("delays", 2.0), "dominance", "dominant", Estimate::proven)) &&
-                        labelled("more", everywhere(mine.where("delays", [](double n) { return n >= 3; }), "dominance", "not dominant",
-                                                    Estimate::proven));
+                 return labelled("2",
+                                 everywhere(mine.where("delays", 2.0), "dominance", "dominant", Estimate::proven)) &&
+                        labelled("more", everywhere(mine.where("delays", [](double n) { return n >= 3; }), "dominance",
+                                                    "not dominant", Estimate::proven));
              },
              verification("docs/theory.md 4").by("docs/theory.md 4")},
-            {"the matrix of a record tends to its limit, exponent -0.50 +- 0.05 in the number of rows, the block matrix too",
+            {"the matrix of a record tends to its limit, exponent -0.50 +- 0.05 in the number of rows, the block "
+             "matrix too",
              [](Table const& t) { return within(t, {"input"}, slope("rows", "deviation"), -0.55, -0.45); },
              own_result("docs/theory.md 3, set before the run")},
             {"the least eigenvalue of the matrix of 3000 rows and more is 0.9 to 1.05 of its limit in the median",
              [](Table const& t) {
-                 return within(t.where("rows", [](double n) { return n >= 3000; }), {"input", "delays"}, mean("of_limit"), 0.9, 1.05);
+                 return within(t.where("rows", [](double n) { return n >= 3000; }), {"input", "delays"},
+                               mean("of_limit"), 0.9, 1.05);
              },
              own_result("set before the run")},
         },

@@ -11,7 +11,8 @@ using namespace rationals;
 
 /// One period of +-1 from a shift register of m bits, fed back from taps of a primitive polynomial.
 std::vector<int> prbs(int m) {
-    static std::vector<std::vector<int>> const taps{{3, 2}, {4, 3}, {5, 3}, {6, 5}, {7, 6}, {8, 6, 5, 4}, {9, 5}, {10, 7}};
+    static std::vector<std::vector<int>> const taps{{3, 2}, {4, 3},       {5, 3}, {6, 5},
+                                                    {7, 6}, {8, 6, 5, 4}, {9, 5}, {10, 7}};
     std::vector<int> out;
     for (unsigned state = 1, n = 0; n < (1u << m) - 1; ++n) {
         out.push_back(state & 1u << (m - 1) ? 1 : -1);
@@ -72,15 +73,20 @@ extern Study const prbs_gram;
 Study const prbs_gram{
     .name = "prbs_gram",
     .question = "How well does a pseudo-random binary sequence excite?",
-    .source = "derived (docs/theory.md 4, 53; docs/literature.md 2); maximum-length sequences: Golomb 1967 (cited, not read)",
+    .source =
+        "derived (docs/theory.md 4, 53; docs/literature.md 2); maximum-length sequences: Golomb 1967 (cited, not read)",
     .formula = R"tex(\Psi^\top \Psi = (M + 1) I - \mathbf{1}\mathbf{1}^\top, \quad M = 2^m - 1: \quad
 \text{eigenvalues } M + 1\ (n - 1 \text{ times}),\ M + 1 - n, \quad
 \kappa_P = \frac{M + 1}{M + 1 - n})tex",
     .interpretation =
-        "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the formula "
-        "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with all M delays "
-        "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M included. "
-        "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + Gram matrix.",
+        "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the "
+        "formula "
+        "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with "
+        "all M delays "
+        "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M "
+        "included. "
+        "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + "
+        "Gram matrix.",
     .data = "maximum-length sequences of 3 to 10 bits",
     .factors =
         [](Budget) {
@@ -98,13 +104,16 @@ Study const prbs_gram{
     .claims =
         {
             {"R(0) = M and R(tau) = -1 for every other tau, m = 3 ... 10, as integers",
-             [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); }, verification("docs/theory.md 53")},
-            {"the Gram matrix of n = 2, 3, 4, 6 and M delays has the eigenvalue M + 1 n - 1 times and M + 1 - n once, as integers",
+             [](Table const& t) { return everywhere(t, "autocorrelation", "exact"); },
+             verification("docs/theory.md 53")},
+            {"the Gram matrix of n = 2, 3, 4, 6 and M delays has the eigenvalue M + 1 n - 1 times and M + 1 - n once, "
+             "as integers",
              [](Table const& t) { return everywhere(t, "eigenvalues", "exact"); }, verification("docs/theory.md 53")},
             {"with all M delays the condition number is M + 1: the smallest eigenvalue is 1",
              [](Table const& t) {
                  return within(
-                     t, {"m"}, [](Table const& rows) { return greatest("kappa_P")(rows) - rows.numbers("period")[0]; }, 1, 1);
+                     t, {"m"}, [](Table const& rows) { return greatest("kappa_P")(rows) - rows.numbers("period")[0]; },
+                     1, 1);
              },
              verification("docs/theory.md 53")},
             {"every variant in rationals, from P0 = I, holds exactly the inverse of I + Gram matrix (n = 2, 3, 4)",

@@ -1,5 +1,5 @@
-// Least squares against other linear unbiased estimators: the exact order of their covariances, and what is measured of them.
-// Longer than 150 lines: the rival estimators and their exact order.
+// Least squares against other linear unbiased estimators: the exact order of their covariances, and what is measured of
+// them. Longer than 150 lines: the rival estimators and their exact order.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/rationals.hpp"
 #include "studies/engine/scenarios.hpp"
@@ -53,8 +53,8 @@ V3 solved(A3 A, V3 b) {
     return b;
 }
 
-/// Mean square errors of least squares and of each rival on the same records, 400 of them. The regressors are drawn anew for each record,
-/// so that the variances are unconditional: R = I.
+/// Mean square errors of least squares and of each rival on the same records, 400 of them. The regressors are drawn
+/// anew for each record, so that the variances are unconditional: R = I.
 void measure(Trial const& trial, TrialOutput& out) {
     Index const N = Index(trial.number("rows"));
     Seed seed = trial.seed({"noise", "rows", "batch"});
@@ -80,11 +80,12 @@ void measure(Trial const& trial, TrialOutput& out) {
             for (double const x : solved(A, b)) squares[n] += (x - 1) * (x - 1) / double(d);
         }
     }
-    for (size_t n = 0; n < all.size(); ++n) out({all[n], squares[n] / records * double(N) / (sigma * sigma), squares[n] / squares[0]});
+    for (size_t n = 0; n < all.size(); ++n)
+        out({all[n], squares[n] / records * double(N) / (sigma * sigma), squares[n] / squares[0]});
 }
 
-/// Covariances in rationals, sigma = 1, for fixed rows of small integers: (Z'Phi)^-1 Z'Z (Phi'Z)^-1 - (Phi'Phi)^-1 is positive
-/// semidefinite, and 0 only where Z spans what Phi spans.
+/// Covariances in rationals, sigma = 1, for fixed rows of small integers: (Z'Phi)^-1 Z'Z (Phi'Z)^-1 - (Phi'Phi)^-1 is
+/// positive semidefinite, and 0 only where Z spans what Phi spans.
 Judgement order_of_covariances(bool least_squares_itself) {
     using namespace rationals;
     Seed seed{7};
@@ -101,7 +102,8 @@ Judgement order_of_covariances(bool least_squares_itself) {
         M const Hi = M(M{{H(1, 1), -H(0, 1)}, {-H(1, 0), H(0, 0)}} / determinant(H)), ZZ = Z.transpose().lazyProduct(Z);
         M const D = M(Hi.lazyProduct(ZZ).eval().lazyProduct(Hi.transpose())) - inverse(G);
         ++cases;
-        held += least_squares_itself ? D.isZero(Q(0)) : D(0, 0) >= 0 && D(1, 1) >= 0 && determinant(D) >= 0 && !D.isZero(Q(0));
+        held += least_squares_itself ? D.isZero(Q(0))
+                                     : D(0, 0) >= 0 && D(1, 1) >= 0 && determinant(D) >= 0 && !D.isZero(Q(0));
     }
     return {cases >= 90 && held == cases, fmt::format("{} of {} cases", held, cases)};
 }
@@ -109,7 +111,8 @@ Judgement order_of_covariances(bool least_squares_itself) {
 Table longest(Table const& t) { return t.where("rows", greatest("rows")(t)); }
 Judgement ratio_is(Table const& t, char const* estimator, double ratio) {
     Statistic const of = mean("ratio").as(Estimate::mean).over("batch");
-    return labelled(estimator, within(longest(t).where("estimator", estimator), {"noise"}, of, 0.94 * ratio, 1.06 * ratio));
+    return labelled(estimator,
+                    within(longest(t).where("estimator", estimator), {"noise"}, of, 0.94 * ratio, 1.06 * ratio));
 }
 
 }  // namespace
@@ -121,22 +124,29 @@ Study const rival_estimators{
     .source = "the Gauss-Markov theorem; docs/theory.md 7; Söderström & Stoica 1989, ch. 4 and 8 (cited, not read)",
     .formula =
         R"tex(\hat\theta_Z = (Z^\top\Phi)^{-1}Z^\top Y, \qquad
-              \operatorname{cov}\hat\theta_Z = \sigma^2(Z^\top\Phi)^{-1}Z^\top Z(\Phi^\top Z)^{-1} \ge \sigma^2(\Phi^\top\Phi)^{-1})tex",
+              \operatorname{cov}\hat\theta_Z = \sigma^2(Z^\top\Phi)^{-1}Z^\top Z(\Phi^\top Z)^{-1} \ge
+              \sigma^2(\Phi^\top\Phi)^{-1})tex",
     .interpretation =
-        "Least squares against four other estimators that are linear in y and unbiased: wrong weights, half of the rows, and "
-        "two choices of instruments. In rationals each covariance exceeds that of least squares by a semidefinite matrix. "
-        "Measured, the ratios of the mean square errors are those of the moments of the regressors, and least squares itself "
-        "meets the unconditional bound in the limit. With 20 rows it does not: it has 1.25 times the bound, the mean of an "
+        "Least squares against four other estimators that are linear in y and unbiased: wrong weights, half of the "
+        "rows, and "
+        "two choices of instruments. In rationals each covariance exceeds that of least squares by a semidefinite "
+        "matrix. "
+        "Measured, the ratios of the mean square errors are those of the moments of the regressors, and least squares "
+        "itself "
+        "meets the unconditional bound in the limit. With 20 rows it does not: it has 1.25 times the bound, the mean "
+        "of an "
         "inverse Wishart matrix. Nothing of this asks for normal noise.",
     .data =
-        "white normal rows, d = 3, normal and exponential noise; for the order of the covariances integers, d = 2; 100 of 200 "
+        "white normal rows, d = 3, normal and exponential noise; for the order of the covariances integers, d = 2; 100 "
+        "of 200 "
         "planned batches, for lack of time after partial tables were seen",
     .factors =
         [](Budget budget) {
             bool const full = budget == Budget::full;
-            return std::vector<Factor>{{"noise", {"normal", "exponential"}},
-                                       {"rows", full ? std::vector<Cell>{20.0, 100.0, 500.0} : std::vector<Cell>{20.0, 100.0}},
-                                       {"batch", counted(full ? 100 : 20)}};
+            return std::vector<Factor>{
+                {"noise", {"normal", "exponential"}},
+                {"rows", full ? std::vector<Cell>{20.0, 100.0, 500.0} : std::vector<Cell>{20.0, 100.0}},
+                {"batch", counted(full ? 100 : 20)}};
         },
     .measures = {"estimator", "of_bound", "ratio"},
     .measure = measure,
@@ -150,23 +160,29 @@ Study const rival_estimators{
                .y_label = "mean square error over bound"}},
     .claims =
         {
-            {"the covariance of a rival exceeds that of least squares by a semidefinite matrix, not 0, exactly, for any instruments",
-             [](Table const&) { return order_of_covariances(false); }, verification("docs/theory.md 7 and Gauss-Markov")},
+            {"the covariance of a rival exceeds that of least squares by a semidefinite matrix, not 0, exactly, for "
+             "any instruments",
+             [](Table const&) { return order_of_covariances(false); },
+             verification("docs/theory.md 7 and Gauss-Markov")},
             {"and equals it, exactly, where the instruments span what the regressors span",
-             [](Table const&) { return order_of_covariances(true); }, verification("docs/theory.md 7 and Gauss-Markov")},
-            {"at the largest N least squares is within 6 % of the unconditional bound sigma^2 R^-1 / N, whatever the noise",
+             [](Table const&) { return order_of_covariances(true); },
+             verification("docs/theory.md 7 and Gauss-Markov")},
+            {"at the largest N least squares is within 6 % of the unconditional bound sigma^2 R^-1 / N, whatever the "
+             "noise",
              [](Table const& t) {
-                 return within(longest(t).where("estimator", "least squares"), {"noise"}, mean("of_bound").as(Estimate::mean).over("batch"),
-                               0.94, 1.06);
+                 return within(longest(t).where("estimator", "least squares"), {"noise"},
+                               mean("of_bound").as(Estimate::mean).over("batch"), 0.94, 1.06);
              },
              own_result("docs/theory.md 7, 6 % as in study estimate_statistics; set before the run")},
-            {"at N = 20 its mean square error is N / (N - d - 1) = 1.25 of that bound, to 6 %: the mean of an inverse Wishart matrix",
+            {"at N = 20 its mean square error is N / (N - d - 1) = 1.25 of that bound, to 6 %: the mean of an inverse "
+             "Wishart matrix",
              [](Table const& t) {
                  return within(t.where("rows", 20.0).where("estimator", "least squares"), {"noise"},
                                mean("of_bound").as(Estimate::mean).over("batch"), 0.94 * 1.25, 1.06 * 1.25);
              },
              own_result("derived: E (Phi'Phi)^-1 = I / (N - d - 1) for normal rows; set before the run")},
-            {"rivals at the largest N, mean square error over that of least squares: 1.36, 2, 1.56 and 1.61, each to 6 %",
+            {"rivals at the largest N, mean square error over that of least squares: 1.36, 2, 1.56 and 1.61, each to 6 "
+             "%",
              [](Table const& t) {
                  return ratio_is(t, "weights 1 and 4", 1.36) && ratio_is(t, "every other row", 2) &&
                         ratio_is(t, "instruments sign(psi)", 1.56) && ratio_is(t, "instruments psi cubed", 1.61);
@@ -174,7 +190,8 @@ Study const rival_estimators{
              own_result("derived: E z^2 E psi^2 / (E z psi)^2 for these rows, of kurtosis 2.9; set before the run")},
             {"each rival is worse in most batches of 400 records at the largest N",
              [](Table const& t) {
-                 return within(longest(t).where("estimator", words(rivals)), {"estimator", "noise"}, least("ratio").over("batch"), 1, 10);
+                 return within(longest(t).where("estimator", words(rivals)), {"estimator", "noise"},
+                               least("ratio").over("batch"), 1, 10);
              },
              own_result("set before the run")},
         },

@@ -1,4 +1,5 @@
-// The known system of the studies of the estimate: order 2, binary white input, white noise of a given shape or coloured.
+// The known system of the studies of the estimate: order 2, binary white input, white noise of a given shape or
+// coloured.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -18,11 +19,13 @@ struct System {
     bool recursive;
     double colour;  ///< xi_k = colour xi_{k-1} + white
     Index size() const { return recursive ? 5 : 3; }
-    std::array<double, 5> theta() const { return recursive ? std::array{-1.5, 0.7, 1.0, 0.5, -0.3} : std::array{1.0, 0.5, -0.3, 0.0, 0.0}; }
+    std::array<double, 5> theta() const {
+        return recursive ? std::array{-1.5, 0.7, 1.0, 0.5, -0.3} : std::array{1.0, 0.5, -0.3, 0.0, 0.0};
+    }
 };
 
-/// Runs eight records from rest; after 50 samples (0.84^50) `row(psi, y)` is called `rows` times. `noise(seed)` draws a number of mean 0
-/// and variance 1.
+/// Runs eight records from rest; after 50 samples (0.84^50) `row(psi, y)` is called `rows` times. `noise(seed)` draws a
+/// number of mean 0 and variance 1.
 template <class Noise, class Row>
 void simulate(System const& system, Index rows, Seed& seed, Noise noise, Row row) {
     auto const truth = system.theta();
@@ -46,8 +49,8 @@ void simulate(System const& system, Index rows, Seed& seed, Noise noise, Row row
     }
 }
 
-/// R of E[psi psi'] by the responses of the system to its input (white, variance 1) and to its white noise (variance sigma^2), 400 terms:
-/// the poles have modulus 0.84.
+/// R of E[psi psi'] by the responses of the system to its input (white, variance 1) and to its white noise (variance
+/// sigma^2), 400 terms: the poles have modulus 0.84.
 Matrix<Reference> second_moments(System const& system);
 
 }  // namespace rlslab::studies::second_order

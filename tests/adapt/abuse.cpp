@@ -1,4 +1,5 @@
-// What is left of a guarded filter in float after ten million rows of abuse. tests/long_run does a thousand million by hand.
+// What is left of a guarded filter in float after ten million rows of abuse. tests/long_run does a thousand million by
+// hand.
 #include "tests/long_run/abuse.hpp"
 
 #include <rlslab/adapt/guard.hpp>

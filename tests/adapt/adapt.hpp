@@ -41,7 +41,9 @@ Matrix<double> covariance_of(F const& f) {
     if (stored.quantity == std::remove_cvref_t<decltype(stored)>::Quantity::information) return X.inverse();
     return X;
 }
-inline double relative(Matrix<double> const& a, Matrix<double> const& b) { return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff(); }
+inline double relative(Matrix<double> const& a, Matrix<double> const& b) {
+    return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+}
 
 /// The same stored bits and the same theta.
 template <class F>

@@ -19,7 +19,8 @@ using namespace adapt_laws;
 
 constexpr double sigma = 0.125, u = 0x1p-53;
 
-// --- psi'P psi ---------------------------------------------------------------------------------------------------------------
+// --- psi'P psi
+// ---------------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_along() {
@@ -35,7 +36,8 @@ void check_along() {
         Vector<double> const x = Eigen::Map<Vector<double> const>(psi, 4);
         double const exact = x.dot(covariance_of(f) * x);
         EXPECT_NEAR(variance_along(f, Regressor<double>(psi, 4)) / exact, 1, 2000 * u) << F::name;
-        EXPECT_NEAR(variance_along(f, Regressor<double>({0.0, 0.0, 1.0, 0.0})) / variance(f, 2), 1, 2000 * u) << F::name;
+        EXPECT_NEAR(variance_along(f, Regressor<double>({0.0, 0.0, 1.0, 0.0})) / variance(f, 2), 1, 2000 * u)
+            << F::name;
     }
     auto const before = f;
     (void)variance_along(f, Regressor<double>(psi, 4));
@@ -53,7 +55,8 @@ TEST(VarianceAlong, IsPsiPPsi) {
     check_along<Information<double>>();
 }
 
-// --- coverage ------------------------------------------------------------------------------------------------------------------
+// --- coverage
+// ------------------------------------------------------------------------------------------------------------------
 
 struct Coverage {
     double theta = 0, next = 0, s2 = 0;  ///< shares of runs whose interval held the number; mean of s2 over sigma^2
@@ -73,7 +76,9 @@ Coverage coverage(Make make, unsigned seed) {
             T const y = draw(rows, psi, sigma);
             f.update(psi, y);
         }
-        auto const held = [](auto const& interval, double x) { return double(interval.low) <= x && x <= double(interval.high); };
+        auto const held = [](auto const& interval, double x) {
+            return double(interval.low) <= x && x <= double(interval.high);
+        };
         out.theta += held(f.interval(1), -2);
         T const y = draw(rows, psi, sigma);
         out.next += held(f.prediction(psi), double(y));
@@ -82,8 +87,8 @@ Coverage coverage(Make make, unsigned seed) {
     out.theta /= runs, out.next /= runs, out.s2 /= runs;
     return out;
 }
-// 95 %, less 0.2 % for s2's 150 rows; four standard deviations of 3000 runs are 1.6 %, of the mean of s2 0.8 %. The law of r is of first
-// order in d (1 - lambda) / (1 + lambda), 0.08 at most here, whose square is 0.6 %.
+// 95 %, less 0.2 % for s2's 150 rows; four standard deviations of 3000 runs are 1.6 %, of the mean of s2 0.8 %. The law
+// of r is of first order in d (1 - lambda) / (1 + lambda), 0.08 at most here, whose square is 0.6 %.
 bool is_right(Coverage const& c) {
     return std::abs(c.theta - 0.949) < 0.016 && std::abs(c.next - 0.949) < 0.016 && std::abs(c.s2 - 1) < 0.014;
 }
@@ -141,8 +146,8 @@ TEST(AssessedSaboteur, OtherWidthsAreCaught) {
 /// Where a rule forgets the intervals are too wide rather than too narrow.
 TEST(Assessed, IsOnTheSafeSideWhereARuleForgets) {
     for (unsigned seed : {501, 502, 503}) {
-        Coverage const walk =
-            coverage(around<Forgetting<Ud<double, 3>, CaoSchwartz<double>>>(1, CaoSchwartz<double>{.forgetting = 0.95}), seed);
+        Coverage const walk = coverage(
+            around<Forgetting<Ud<double, 3>, CaoSchwartz<double>>>(1, CaoSchwartz<double>{.forgetting = 0.95}), seed);
         EXPECT_GT(walk.theta, 0.94) << seed;
         EXPECT_LT(walk.theta, 0.999) << seed;
         EXPECT_EQ((around<Forgetting<Ud<double, 3>, CaoSchwartz<double>>>(0.9)().share()), 1);

@@ -42,7 +42,8 @@ TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
     using Ruled = Forgetting<Ud<double, 3>, Fortescue<double>>;
     static_assert(RecursiveLeastSquares<Ruled> && TimeUpdates<Ruled> && Inflates<Ruled> && ReportsVariances<Ruled>);
     static_assert(!ForgettingRule<CaoSchwartz<double>, Symmetric<double, 3>>);  // psi'P^-1 psi would cost d^3
-    static_assert(!ForgettingRule<Fortescue<double>, Guarded<Ud<double, 3>>>);  // would forget from a row that the guard skips
+    static_assert(
+        !ForgettingRule<Fortescue<double>, Guarded<Ud<double, 3>>>);  // would forget from a row that the guard skips
     static_assert(Guardable<Ruled>);
     EXPECT_THROW(Ruled({}, {.noise_variance = 0}), std::invalid_argument);
     EXPECT_THROW(Ruled({}, {.memory = NAN}), std::invalid_argument);
@@ -54,7 +55,8 @@ TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
     EXPECT_THROW((Forgetting<Ud<double, 3>, RandomWalk<double>>({}, {.variance = -1})), std::invalid_argument);
 }
 
-// --- Fortescue ------------------------------------------------------------------------------------------------------------------
+// --- Fortescue
+// ------------------------------------------------------------------------------------------------------------------
 
 /// The lambda of each row, read off D beside a copy that was not discounted.
 template <class Rule>
@@ -71,7 +73,8 @@ struct Followed {
         psi.push_back({row[0], row[1], row[2]});
         y.push_back(output);
     }
-    /// sum of the squares, each with the lambdas that came after it and its own; what is left of the prior is below 1e-12 by then.
+    /// sum of the squares, each with the lambdas that came after it and its own; what is left of the prior is below
+    /// 1e-12 by then.
     double cost() const {
         double sum = 0, weight = 1;
         Vector<double> const theta = filter.theta();
@@ -124,8 +127,8 @@ TEST(Fortescue, ForgetsNothingWithoutAnError) {
 }
 TEST(Fortescue, ForgetsAtOnceAfterAChangeAndNotForLong) {
     for (unsigned seed : {71, 72, 73}) {
-        Followed<Fortescue<double>> f{
-            .filter = Forgetting<Ud<double, 3>, Fortescue<double>>({}, {.noise_variance = 0.02, .memory = 50, .least = 0.1})};
+        Followed<Fortescue<double>> f{.filter = Forgetting<Ud<double, 3>, Fortescue<double>>(
+                                          {}, {.noise_variance = 0.02, .memory = 50, .least = 0.1})};
         Seed rows{seed};
         double psi[3];
         for (int k = 0; k < 800; ++k) {
@@ -133,7 +136,9 @@ TEST(Fortescue, ForgetsAtOnceAfterAChangeAndNotForLong) {
             f.take(psi, y);
         }
         EXPECT_LT(f.lambdas[500], 0.5) << seed;
-        EXPECT_LE(std::count_if(f.lambdas.begin() + 500, f.lambdas.end(), [](double lambda) { return lambda < 0.5; }), 6) << seed;
+        EXPECT_LE(std::count_if(f.lambdas.begin() + 500, f.lambdas.end(), [](double lambda) { return lambda < 0.5; }),
+                  6)
+            << seed;
         for (double lambda : f.lambdas) EXPECT_GE(lambda, 0.1 * (1 - 8 * u));
     }
 }
@@ -154,7 +159,8 @@ TEST(Fortescue, KeepsTheTraceBelowItsBoundInSilence) {
     EXPECT_GT(largest(0), 1e6);  // without the bound
 }
 
-// --- directional ----------------------------------------------------------------------------------------------------------------
+// --- directional
+// ----------------------------------------------------------------------------------------------------------------
 
 /// u'X u before and after the loss along psi, for psi and for the direction in which the rule promises nothing is lost.
 template <class F>
@@ -174,10 +180,12 @@ Lost<F> lost(Rule const& rule, bool before_the_row) {
     Matrix<double> const X1 = covariance_of(measured).inverse(), X2 = covariance_of(filter).inverse();
     Matrix<double> const X0 = before_the_row ? Matrix<double>(X1 - a * a.transpose()) : X1;
     Matrix<double> const X = before_the_row ? Matrix<double>(X2 - a * a.transpose()) : X2;
-    Vector<double> const kept = before_the_row ? Vector<double>{{2, 0, 0}} : Vector<double>{{1, 2, 0}};  // psi'u = 0, or projected below
+    Vector<double> const kept =
+        before_the_row ? Vector<double>{{2, 0, 0}} : Vector<double>{{1, 2, 0}};  // psi'u = 0, or projected below
     Vector<double> v = kept;
     if (before_the_row) v -= a * (a.dot(X0 * kept) / a.dot(X0 * a));  // psi'X u = 0
-    return {a.dot(X * a) / a.dot(X0 * a), v.dot(X * v) / v.dot(X0 * v), a.dot(X.inverse() * a) / a.dot(X0.inverse() * a)};
+    return {a.dot(X * a) / a.dot(X0 * a), v.dot(X * v) / v.dot(X0 * v),
+            a.dot(X.inverse() * a) / a.dot(X0.inverse() * a)};
 }
 template <class F>
 void check_directions() {
@@ -201,7 +209,8 @@ TEST(Directional, LosesAlongOneDirectionAndNoOther) {
 }
 TEST(Directional, BoundsTheEigenvaluesWhateverTheRows) {
     constexpr double phi = 0.9, eps = 1e-2;
-    Forgetting<Ud<double, 3>, CaoSchwartz<double>> f({.prior = Prior<double>{.variance = 4}}, {.forgetting = phi, .least_excitation = eps});
+    Forgetting<Ud<double, 3>, CaoSchwartz<double>> f({.prior = Prior<double>{.variance = 4}},
+                                                     {.forgetting = phi, .least_excitation = eps});
     Seed seed{71};
     double longest = 0, least = INFINITY, most = 0;
     for (int k = 0; k < 20000; ++k) {
@@ -225,7 +234,8 @@ TEST(Directional, WindsUpOnNoiseWithoutAFloorOfExcitation) {
         Forgetting<Ud<double, 3>, std::remove_cvref_t<decltype(rule)>> f({.prior = Prior<double>{.variance = 1}}, rule);
         Seed seed{3};
         run_rows(f, 300, seed);
-        for (int k = 0; k < 4000; ++k) f.update({1e-6 * seed.bell(), 1e-6 * seed.bell(), 1e-6 * seed.bell()}, 0.1 * seed.bell());
+        for (int k = 0; k < 4000; ++k)
+            f.update({1e-6 * seed.bell(), 1e-6 * seed.bell(), 1e-6 * seed.bell()}, 0.1 * seed.bell());
         return trace_of(f.filter());
     };
     EXPECT_GT(trace_after(Kulhavy<double>{.forgetting = 0.95}), 1e6);
@@ -233,7 +243,8 @@ TEST(Directional, WindsUpOnNoiseWithoutAFloorOfExcitation) {
     EXPECT_LT(trace_after(CaoSchwartz<double>{.forgetting = 0.95, .least_excitation = 1e-4}), 1);
 }
 
-// --- ridge, reset, walk -----------------------------------------------------------------------------------------------------------
+// --- ridge, reset, walk
+// -----------------------------------------------------------------------------------------------------------
 
 /// Without a prior: NaN until the rows determine theta, then theta; the bits of a rule that had waited for that.
 template <class F, class Rule>
@@ -266,7 +277,8 @@ TEST(Rules, WaitUntilTheRowsDetermineTheta) {
 template <class F>
 void check_ridge() {
     constexpr double lambda = 0.95, rho = 0.5;
-    Forgetting<F, RotatingRidge<double>> f({.forgetting = lambda, .prior = Prior<double>{.variance = 1}}, {.ridge = rho});
+    Forgetting<F, RotatingRidge<double>> f({.forgetting = lambda, .prior = Prior<double>{.variance = 1}},
+                                           {.ridge = rho});
     Seed seed{71};
     double psi[3], most = 0;
     for (int k = 0; k < 6000; ++k) {
@@ -301,7 +313,8 @@ TEST(RotatingRidge, ThatIsProximalChangesNoBitOfTheta) {
     EXPECT_LT(leaking.theta().norm(), 0.5 * leaked.norm());
 }
 TEST(CovarianceReset, KeepsThetaAndBoundsP) {
-    Forgetting<Ud<double, 3>, CovarianceReset<double>> f({.prior = Prior<double>{.variance = 1}}, {.period = 50, .variance = 2});
+    Forgetting<Ud<double, 3>, CovarianceReset<double>> f({.prior = Prior<double>{.variance = 1}},
+                                                         {.period = 50, .variance = 2});
     Ud<double, 3> bare({.prior = Prior<double>{.variance = 1}});
     run_rows(f, 50, Seed{3});
     run_rows(bare, 50, Seed{3});

@@ -26,7 +26,8 @@ Guarded<F, policy> warm(int rows = 500, unsigned seed = 71) {
     return g;
 }
 
-// --- no signal ------------------------------------------------------------------------------------------------------------------
+// --- no signal
+// ------------------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_clean() {
@@ -57,7 +58,8 @@ void check_memory(Index noise_memory) {
         double const y = draw(seed, psi);
         g.update(psi, y + (k % 100 == 99 && k > 1000 ? 50 : 0));
     }
-    EXPECT_NEAR(std::log2(g.noise_variance() / 0.015625), 0, 1) << noise_memory;  // as far off as the median of 60 numbers may be
+    EXPECT_NEAR(std::log2(g.noise_variance() / 0.015625), 0, 1)
+        << noise_memory;  // as far off as the median of 60 numbers may be
     EXPECT_EQ(g.counts().outliers, 10) << noise_memory;
     EXPECT_EQ(g.counts().changes, 0) << noise_memory;
 }
@@ -77,7 +79,8 @@ TEST(Guarded, RefusesOptionsThatMakeNoSense) {
     static_assert(!GuardPolicy{.outlier = Action::reset}.valid() && !GuardPolicy{.breakdown = Action::skip}.valid());
 }
 
-// --- data that are not usable -------------------------------------------------------------------------------------------------------
+// --- data that are not usable
+// -------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_unusable() {
@@ -100,8 +103,8 @@ TEST(Guarded, NeverShowsTheFilterWhatIsNotFinite) {
     run_rows(bare, 500, Seed{1});
     EXPECT_TRUE(std::isnan(bare.theta()[0]));
 }
-/// Scales far from 1, against the model: what the squares of the arithmetic cannot hold is kept out; what it took for data is forgotten
-/// as lambda^k, ln(2^500) / 0.02 = 17 000 rows at most.
+/// Scales far from 1, against the model: what the squares of the arithmetic cannot hold is kept out; what it took for
+/// data is forgotten as lambda^k, ln(2^500) / 0.02 = 17 000 rows at most.
 TEST(Guarded, SurvivesEveryScale) {
     for (int e = -1070; e <= 1020; e += 55) {
         auto g = warm<Ud<double, 4>>();
@@ -124,7 +127,8 @@ TEST(Guarded, KeepsTheConventionalFormAlive) {
     EXPECT_NEAR(g.theta()[1], -2, 0.2);
 }
 
-// --- the innovation test --------------------------------------------------------------------------------------------------------
+// --- the innovation test
+// --------------------------------------------------------------------------------------------------------
 
 TEST(Guarded, SkipsOneOutlierAndSaysSo) {
     for (unsigned seed : {71, 72, 73}) {
@@ -183,11 +187,13 @@ int rows_to_recover(unsigned seed) {
 TEST(Guarded, TakesAChangeForAChange) {
     for (unsigned seed : {71, 72, 73}) {
         EXPECT_LE(rows_to_recover<resetting>(seed), 20) << seed;
-        EXPECT_GT((rows_to_recover<GuardPolicy{.outlier = Action::skip}>(seed)), 1000) << seed;  // what skipping alone makes of it
+        EXPECT_GT((rows_to_recover<GuardPolicy{.outlier = Action::skip}>(seed)), 1000)
+            << seed;  // what skipping alone makes of it
     }
 }
 
-// --- windup -----------------------------------------------------------------------------------------------------------------------
+// --- windup
+// ---------------------------------------------------------------------------------------------------------------------
 
 TEST(Guarded, CapsWindupAndMovesNoBitOfTheta) {
     auto g = warm<Ud<double, 4>>();
@@ -206,7 +212,8 @@ TEST(Guarded, CapsWindupAndMovesNoBitOfTheta) {
     EXPECT_GT(watched.counts().windups, 10000);
 }
 
-// --- breakdown --------------------------------------------------------------------------------------------------------------------
+// --- breakdown
+// --------------------------------------------------------------------------------------------------------------------
 
 /// Rows until a fault that is done to the state is told of, at most 100; whether theta is right again 200 rows later.
 template <class F, GuardPolicy policy, class Damage>
@@ -244,7 +251,8 @@ TEST(Guarded, TellsOfAStateThatBroke) {
     EXPECT_FALSE((told_after<Ud<double, 4>, reporting>(lose).second));
 }
 
-// --- compositions -----------------------------------------------------------------------------------------------------------------
+// --- compositions
+// -----------------------------------------------------------------------------------------------------------------
 
 TEST(Guarded, IsAFilterAroundAFilterWithARule) {
     using Ruled = Forgetting<Ud<float, 4>, RotatingRidge<float>>;
@@ -258,10 +266,11 @@ TEST(Guarded, IsAFilterAroundAFilterWithARule) {
     EXPECT_EQ(g.counts().unusable, 5000);
 }
 
-// --- what other libraries' guards do, and this one does not -------------------------------------------------------------------------
+// --- what other libraries' guards do, and this one does not
+// -------------------------------------------------------------------------
 
-/// A guard elsewhere limits how fast tr P falls by scaling P itself: from P0 = 100 I, lambda = 0.995, a first regressor with one entry
-/// leaves
+/// A guard elsewhere limits how fast tr P falls by scaling P itself: from P0 = 100 I, lambda = 0.995, a first regressor
+/// with one entry leaves
 /// P_00 = -8, and dense ones an indefinite P in a quarter of the runs at two parameters.
 template <int n>
 void check_definite() {

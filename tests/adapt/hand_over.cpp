@@ -16,7 +16,8 @@ using namespace adapt_laws;
 
 constexpr double lambda = 0.98, u = 0x1p-53;
 
-// --- the share --------------------------------------------------------------------------------------------------------------
+// --- the share
+// --------------------------------------------------------------------------------------------------------------
 
 template <class F>
 F after_rows(double spread, unsigned seed, Vector<double> const& units = Vector<double>::Ones(4)) {
@@ -49,7 +50,8 @@ void check_share() {
             Eigen::MatrixXd C = multiplied_out(f.stored());
             Vector<double> const scale = C.diagonal().cwiseSqrt().cwiseInverse();
             C = scale.asDiagonal() * C * scale.asDiagonal();
-            double const least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(C).eigenvalues()[0], share = share_of(f);
+            double const least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(C).eigenvalues()[0],
+                         share = share_of(f);
             double const rounding = 100 * u;  // of C, whose norm is at most 4
             EXPECT_GE(share, least - rounding) << F::name << spread;
             EXPECT_LE(share * share * share / 2.72, least + rounding) << F::name << spread;
@@ -83,7 +85,8 @@ TEST(LeastShare, KnowsNoUnits) {
     })));
 }
 
-// --- the relay ----------------------------------------------------------------------------------------------------------------
+// --- the relay
+// ----------------------------------------------------------------------------------------------------------------
 
 template <class F, class Sounder>
 void check_same_bits() {
@@ -113,7 +116,8 @@ double apart(Matrix<double> const& P, Matrix<double> const& exact) {
 }
 struct Course {
     bool handed = false;
-    double off = 0;    ///< the largest |log2| of a generalised eigenvalue of P beside the reference's, 10 rows after the hand-over
+    double off =
+        0;  ///< the largest |log2| of a generalised eigenvalue of P beside the reference's, 10 rows after the hand-over
     double theta = 0;  ///< of theta beside it at the end, in the reference's standard deviations
     double end = 0;    ///< `off` at the end
 };
@@ -143,7 +147,8 @@ Course near_collinear(F f, double spread, unsigned seed) {
             }
     }
     Matrix<double> const P = covariance_of(exact);
-    for (Index i = 0; i < 4; ++i) out.theta = std::max(out.theta, std::abs(double(f.theta()[i]) - exact.theta()[i]) / std::sqrt(P(i, i)));
+    for (Index i = 0; i < 4; ++i)
+        out.theta = std::max(out.theta, std::abs(double(f.theta()[i]) - exact.theta()[i]) / std::sqrt(P(i, i)));
     out.end = apart(covariance_of(f), P);
     return out;
 }
@@ -155,7 +160,8 @@ F start() {
 TEST(Relay, HandsOverWhilePStillHasDigits) {
     for (unsigned seed : {1, 2, 3}) {
         using S = Symmetric<float, 4>;
-        Course const relay = near_collinear(start<Relay<S, Ud<double, 4>>>(), 1e-4, seed), bare = near_collinear(start<S>(), 1e-4, seed);
+        Course const relay = near_collinear(start<Relay<S, Ud<double, 4>>>(), 1e-4, seed),
+                     bare = near_collinear(start<S>(), 1e-4, seed);
         EXPECT_TRUE(relay.handed) << seed;
         EXPECT_LT(relay.off, 1) << seed;
         EXPECT_LT(relay.theta, 0.1) << seed;
@@ -196,7 +202,8 @@ TEST(Relay, RefusesWhatMakesNoSense) {
     static_assert(!HandsOver<Ud<double, 4>>);
 }
 
-// --- a guard that hands over ----------------------------------------------------------------------------------------------------
+// --- a guard that hands over
+// ----------------------------------------------------------------------------------------------------
 
 TEST(Guarded, HandsOverOnceInPlaceOfManyResets) {
     Problem<double> const problem{.forgetting = lambda, .prior = Prior<double>{.variance = 100}};
@@ -229,10 +236,12 @@ TEST(Guarded, HandsOverWhatIsLeftOfABrokenState) {
     EXPECT_TRUE(g.theta().allFinite());
     run_rows(g, 300, Seed{6});
     EXPECT_NEAR(g.theta()[3], -4, 0.2);
-    static_assert(!GuardPolicy{.change = Action::hand_over}.valid() && !GuardPolicy{.windup = Action::hand_over}.valid());
+    static_assert(!GuardPolicy{.change = Action::hand_over}.valid() &&
+                  !GuardPolicy{.windup = Action::hand_over}.valid());
 }
 
-// --- a guard around a window ------------------------------------------------------------------------------------------------------
+// --- a guard around a window
+// ------------------------------------------------------------------------------------------------------
 
 template <class F, GuardPolicy policy = resetting>
 struct GuardedWindow : Guarded<Windowed<F>, policy> {
@@ -274,8 +283,10 @@ TEST(Guarded, GoesAroundAWindow) {
     static_assert(!Downdates<Guarded<Ud<double, 4>>> && !Downdates<Forgetting<Ud<double, 4>, Fortescue<double>>>);
 }
 TEST(Windowed, RestartedIsAWindowThatStartsThere) {
-    Problem<double> const from{.forgetting = 0.96875, .prior = Prior<double>{.variance = 4, .theta = Vector<double>{{1.0, 2.0, 3.0, 4.0}}}};
-    Windowed<Ud<double, 4>> w({.forgetting = 0.96875, .prior = Prior<double>{.variance = 64}}, {.rows = 20, .refactor_every = 7});
+    Problem<double> const from{.forgetting = 0.96875,
+                               .prior = Prior<double>{.variance = 4, .theta = Vector<double>{{1.0, 2.0, 3.0, 4.0}}}};
+    Windowed<Ud<double, 4>> w({.forgetting = 0.96875, .prior = Prior<double>{.variance = 64}},
+                              {.rows = 20, .refactor_every = 7});
     run_rows(w, 55, Seed{3});
     restart(w, 4.0, Regressor<double>({1.0, 2.0, 3.0, 4.0}), 0.5);
     Windowed<Ud<double, 4>> fresh(from, {.rows = 20, .refactor_every = 7});

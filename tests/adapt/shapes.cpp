@@ -27,7 +27,8 @@ F made(double variance = 4, double forgetting = lambda) {
     return F(Problem<T>{.size = 3, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(variance)}});
 }
 
-// --- weights, exactly ------------------------------------------------------------------------------------------------------------
+// --- weights, exactly
+// ------------------------------------------------------------------------------------------------------------
 
 struct QRow {
     Vector<Q> psi{3};
@@ -46,7 +47,9 @@ template <class F>
 struct ForgetsTheDiscount : Weighted<F> {
     F inner;
     explicit ForgetsTheDiscount(Problem<Q> const& p) : Weighted<F>(p), inner(p) {}
-    Step<Q> update(Regressor<Q> psi, Q const& y, Q const& w) { return measure(inner, psi, y, Q(Q(lambda) / w), Q(lambda)); }
+    Step<Q> update(Regressor<Q> psi, Q const& y, Q const& w) {
+        return measure(inner, psi, y, Q(Q(lambda) / w), Q(lambda));
+    }
     auto theta() const { return inner.theta(); }
     auto gain() const { return inner.gain(); }
     Stored<Q> stored() const { return inner.stored(); }
@@ -62,14 +65,16 @@ bool a_weight_is_a_scaled_row() {
     for (int k = 0; k < 8; ++k) {
         QRow const row = q_row(seed);
         Q const w = row.root * row.root;
-        Step<Q> const a = weighted.update(row.psi, row.y, w), s = scaled.update(Vector<Q>(row.psi * row.root), Q(row.y * row.root));
+        Step<Q> const a = weighted.update(row.psi, row.y, w),
+                      s = scaled.update(Vector<Q>(row.psi * row.root), Q(row.y * row.root));
         X *= Q(lambda), b *= Q(lambda);
         for (int i = 0; i < 3; ++i) {
             b[i] += w * row.psi[i] * row.y;
             for (int j = 0; j < 3; ++j) X(i, j) += w * row.psi[i] * row.psi[j];
         }
         Vector<Q> const theta = weighted.theta(), K = weighted.gain(), scaled_K = scaled.gain();
-        if (a.innovation * row.root != s.innovation || a.residual * row.root != s.residual || a.gamma != s.gamma) return false;
+        if (a.innovation * row.root != s.innovation || a.residual * row.root != s.residual || a.gamma != s.gamma)
+            return false;
         if (theta != Vector<Q>(scaled.theta()) || K != Vector<Q>(scaled_K * row.root)) return false;
         if (multiplied_out(weighted.stored()) != multiplied_out(scaled.stored())) return false;
         if (Eigen::Matrix<Q, 3, 1>(X.lazyProduct(Eigen::Matrix<Q, 3, 1>(theta))) != b) return false;
@@ -87,7 +92,8 @@ TEST(Weighted, IsARowTimesTheRootExactly) {
     });
 }
 
-// --- weights, in binary64 ----------------------------------------------------------------------------------------------------------
+// --- weights, in binary64
+// ----------------------------------------------------------------------------------------------------------
 
 template <class F>
 bool has_the_bits_of_the_scaled_row(double off = 1) {
@@ -100,7 +106,8 @@ bool has_the_bits_of_the_scaled_row(double off = 1) {
                      root = std::sqrt(w * off);
         Step<double> const a = weighted.update(psi, y, w);
         Step<double> const b = scaled.update({root * psi[0], root * psi[1], root * psi[2]}, root * y);
-        if (!identical(weighted.filter(), scaled) || a.innovation != b.innovation / root || a.gamma != b.gamma) return false;
+        if (!identical(weighted.filter(), scaled) || a.innovation != b.innovation / root || a.gamma != b.gamma)
+            return false;
         for (int i = 0; i < 3; ++i)
             if (weighted.gain()[i] != root * scaled.gain()[i]) return false;
     }
@@ -116,13 +123,15 @@ TEST(Weighted, LeavesAFilterAsItIsForAWeightThatIsNone) {
     Weighted<Ud<double, 3>> f = made<Weighted<Ud<double, 3>>>();
     f.update({1.0, 2.0, 3.0}, 4, 2);
     auto const before = f.filter();
-    for (double w : {-1.0, double(NAN), double(INFINITY)}) EXPECT_EQ(f.update({1.0, 2.0, 3.0}, 4, w).health, Health::nonfinite);
+    for (double w : {-1.0, double(NAN), double(INFINITY)})
+        EXPECT_EQ(f.update({1.0, 2.0, 3.0}, 4, w).health, Health::nonfinite);
     EXPECT_TRUE(identical(f.filter(), before));
     EXPECT_THROW(f.update({1.0, 2.0}, 4, 2), std::invalid_argument);
     EXPECT_EQ(f.update({1.0, 0.0, 0.0}, 1, 1e300).health, Health::sound);
 }
 
-// --- missing outputs -----------------------------------------------------------------------------------------------------------------
+// --- missing outputs
+// -----------------------------------------------------------------------------------------------------------------
 
 template <class F, class Pass>
 bool time_alone_passes(Pass pass) {
@@ -137,7 +146,8 @@ bool time_alone_passes(Pass pass) {
         if (k % 3 == 2) pass(f), discount(other, T(lambda));
         else f.update(psi, y), other.update(psi, y);
         if (f.stored().F != other.stored().F || f.stored().D != other.stored().D) return false;
-        if (F::name != "information" && Vector<T>(f.theta()) != Vector<T>(other.theta())) return false;  // it solves anew
+        if (F::name != "information" && Vector<T>(f.theta()) != Vector<T>(other.theta()))
+            return false;  // it solves anew
     }
     return true;
 }
@@ -145,7 +155,8 @@ template <class F>
 void check_missing() {
     if constexpr (TimeUpdates<F>) {
         EXPECT_TRUE((time_alone_passes<F>([](auto& f) { EXPECT_EQ(f.missing().health, Health::sound); }))) << F::name;
-        EXPECT_TRUE((time_alone_passes<F>([](auto& f) { f.update(Vector<typename F::scalar>::Ones(3).eval(), 9, 0); }))) << F::name;
+        EXPECT_TRUE((time_alone_passes<F>([](auto& f) { f.update(Vector<typename F::scalar>::Ones(3).eval(), 9, 0); })))
+            << F::name;
         EXPECT_FALSE((time_alone_passes<F>([](auto&) {}))) << F::name;  // no time passes
     }
 }
@@ -157,7 +168,8 @@ TEST(Weighted, LearnsNothingFromAMissingOutput) {
     EXPECT_TRUE(std::isnan(step.innovation) && std::isnan(step.residual));
     EXPECT_EQ(step.gamma, 1);
 }
-/// Every other output is missing. What the guard learns of the noise is what the others say; a row of zeros would teach it silence.
+/// Every other output is missing. What the guard learns of the noise is what the others say; a row of zeros would teach
+/// it silence.
 TEST(Weighted, TeachesAGuardNothingOfTheNoise) {
     using G = Guarded<Ud<double, 3>>;
     for (unsigned seed : {91, 92, 93}) {
@@ -197,12 +209,13 @@ TEST(Weighted, TellsAGuardWhichRowsAreNoisy) {
     }
 }
 
-// --- several outputs -----------------------------------------------------------------------------------------------------------------
+// --- several outputs
+// -----------------------------------------------------------------------------------------------------------------
 
 bool same(Step<double> const& a, Step<double> const& b) {
     auto const bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
-    return bits(a.innovation) == bits(b.innovation) && bits(a.residual) == bits(b.residual) && bits(a.gamma) == bits(b.gamma) &&
-           a.health == b.health;
+    return bits(a.innovation) == bits(b.innovation) && bits(a.residual) == bits(b.residual) &&
+           bits(a.gamma) == bits(b.gamma) && a.health == b.health;
 }
 /// One gain, but that of the row before.
 template <class F>
@@ -318,7 +331,8 @@ TEST(MultiOutput, RefusesWhatMakesNoSense) {
     }
 }
 
-// --- states ------------------------------------------------------------------------------------------------------------------------
+// --- states
+// ---------------------------------------------------------------------------------------------------------------------
 
 template <class F, class Give>
 void check_state(Give give) {

@@ -42,14 +42,17 @@ struct Made {
     template <class T>
     static F of(T forgetting, T variance) {
         Problem<T> const problem{.size = 3, .forgetting = forgetting, .prior = Prior<T>{.variance = variance}};
-        if constexpr (std::constructible_from<F, Problem<T>, WindowOptions<T>>) return F(problem, WindowOptions<T>{.rows = 7});
-        else if constexpr (std::constructible_from<F, Problem<T>, GuardOptions<T>>) return F(problem, GuardOptions<T>{.noise_memory = 20});
+        if constexpr (std::constructible_from<F, Problem<T>, WindowOptions<T>>)
+            return F(problem, WindowOptions<T>{.rows = 7});
+        else if constexpr (std::constructible_from<F, Problem<T>, GuardOptions<T>>)
+            return F(problem, GuardOptions<T>{.noise_memory = 20});
         else return F(problem);
     }
     static F saved() { return of<typename F::scalar>(0.9375, 64); }
     static F other() { return of<typename F::scalar>(0.5, 4); }
 };
-/// Good rows, then silence, outliers, a NaN, a change of sign: whatever the guard and the window know of comes up. Each row's report.
+/// Good rows, then silence, outliers, a NaN, a change of sign: whatever the guard and the window know of comes up. Each
+/// row's report.
 template <class F>
 std::vector<double> reports(F& f, int rows, Seed seed) {
     using T = typename F::scalar;
@@ -63,7 +66,8 @@ std::vector<double> reports(F& f, int rows, Seed seed) {
         if (part == 70) y += T(1e5);
         if (part == 75) psi[1] = T(NAN);
         Step<T> const step = f.update(psi, y);
-        for (T const x : {step.innovation, step.residual, step.gamma, f.theta()[0], f.theta()[2], f.gain()[1]}) out.push_back(double(x));
+        for (T const x : {step.innovation, step.residual, step.gamma, f.theta()[0], f.theta()[2], f.gain()[1]})
+            out.push_back(double(x));
         out.push_back(double(int(step.health)));
     }
     return out;
@@ -122,7 +126,8 @@ TEST(State, OfARuleContinuesBitForBit) {
 /// The file of version 1 that holds f after 250 rows. Never write it anew.
 template <class F>
 void check_version_one(std::string const& name) {
-    std::filesystem::path const path = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1" / (name + ".state");
+    std::filesystem::path const path =
+        std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1" / (name + ".state");
     F f = Made<F>::saved(), g = Made<F>::other();
     reports(f, 250, Seed{11});
     std::ifstream file(path, std::ios::binary);
@@ -167,7 +172,8 @@ TEST(State, NamesRulesPoliciesAndOptions) {
     EXPECT_EQ(crossed(Weighted<F>(p), Assessed<F>(p)), StateFault::layout);
     EXPECT_EQ(crossed(Assessed<F>(p), Assessed<F>(p, {.noise_memory = 7})), StateFault::options);
     EXPECT_EQ(crossed(MultiOutput<F>(p, 2), MultiOutput<F>(p, 2, MissingOutput::stands)), StateFault::options);
-    EXPECT_EQ(crossed(Relay<Symmetric<double>, F>(p), Relay<Symmetric<double>, F>(p, {.bits = 9})), StateFault::options);
+    EXPECT_EQ(crossed(Relay<Symmetric<double>, F>(p), Relay<Symmetric<double>, F>(p, {.bits = 9})),
+              StateFault::options);
 }
 /// A variant whose bits have changed.
 struct NextUd : Ud<double, 3> {
@@ -187,7 +193,8 @@ TEST(State, OfAnotherEditionLoadsOnlyWhereThatIsSaid) {
     Guarded<Ud<double, 3>> guarded({});
     Guarded<NextUd> guarded_next({});
     EXPECT_EQ(load(guarded_next, bytes_of(guarded)), StateFault::edition);
-    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/guarded-ridge-ud.state", std::ios::binary);
+    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/guarded-ridge-ud.state",
+                       std::ios::binary);
     std::string const text{std::istreambuf_iterator<char>(file), {}};  // version 1 is the first edition
     Guarded<Forgetting<NextUd, RotatingRidge<double>>> of_version_1({});
     EXPECT_EQ(load(of_version_1, std::as_bytes(std::span(text))), StateFault::edition);
@@ -222,14 +229,15 @@ TEST(State, OfVersionOneCountedTheRowsOfAllLanes) {
     Vector<P> psi(2);
     for (int lane = 0; lane < 4; ++lane) psi[0].set(lane, lane), psi[1].set(lane, 1);
     f.update(psi, psi[0]);
-    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/information-pack.state", std::ios::binary);
+    std::ifstream file(std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/information-pack.state",
+                       std::ios::binary);
     std::string const text{std::istreambuf_iterator<char>(file), {}};
     ASSERT_EQ(load(g, std::as_bytes(std::span(text))), StateFault::none);
     EXPECT_EQ(bytes_of(f), bytes_of(g));
 }
 
-/// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one coordinate
-/// corrects, or what counts, is not among them.
+/// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one
+/// coordinate corrects, or what counts, is not among them.
 template <class F, size_t i>
 bool is_missed() {
     for (int before : {20, 250}) {
@@ -299,7 +307,8 @@ Bytes forged(Bytes bytes, size_t at, std::uint64_t number) {
     detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
     return bytes;
 }
-/// A forged checksum does not make a program reach outside its memory: places in a ring and counts of what is kept have an end.
+/// A forged checksum does not make a program reach outside its memory: places in a ring and counts of what is kept have
+/// an end.
 TEST(State, OfAWindowHoldsNoPlaceOutsideItsRing) {
     using W = Windowed<Ud<float, 3>>;
     W f = Made<W>::saved();

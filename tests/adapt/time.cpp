@@ -36,10 +36,12 @@ F warm(double lambda = 0.96875) {
 template <class F>
 constexpr bool keeps_theta = !ReportsInformation<F>;
 
-// The budgets: X is read off a factor, or inverted, at a condition number below 100; a law's own roundings are a few u of max |P|.
+// The budgets: X is read off a factor, or inverted, at a condition number below 100; a law's own roundings are a few u
+// of max |P|.
 constexpr double budget = 2000 * u;
 
-// --- discount -----------------------------------------------------------------------------------------------------------------
+// --- discount
+// -----------------------------------------------------------------------------------------------------------------
 
 /// How far P is from P_before / lambda; infinite where a stored theta changed a bit.
 template <class F, class Operation>
@@ -92,7 +94,8 @@ TEST(Forgetting, IsSetBitForBit) {
     });
 }
 
-// --- inflation ----------------------------------------------------------------------------------------------------------------
+// --- inflation
+// ----------------------------------------------------------------------------------------------------------------
 
 double const direction[] = {1, -0.5, 2, 0.25};
 
@@ -114,7 +117,8 @@ void check_inflation() {
     if constexpr (Inflates<F>) {
         auto const right = [](F& f, double c) { inflate(f, c, direction); };
         for (double c : {1e-3, 1.0, 1e3}) EXPECT_LE(inflation_error<F>(right, c), budget * (1 + c)) << F::name << c;
-        EXPECT_GT(inflation_error<F>([](F& f, double c) { inflate(f, c * (1 + 1e-9), direction); }, 1.0), budget) << F::name;
+        EXPECT_GT(inflation_error<F>([](F& f, double c) { inflate(f, c * (1 + 1e-9), direction); }, 1.0), budget)
+            << F::name;
         F f = warm<F>(), same = f;
         inflate(f, 0.0, direction);
         EXPECT_TRUE(identical(f, same)) << F::name;
@@ -141,12 +145,14 @@ TEST(Asymmetry, IsThatOfThePairThatDiffersMost) {
     auto f = warm<Conventional<double, 4>>();
     f.form().P(1, 2) = 1;
     f.form().P(2, 1) = -0.5;
-    EXPECT_EQ(asymmetry(f, 2), 1.5 / std::max({1.0, std::abs(f.form().P(0, 2)), std::abs(f.form().P(2, 2)), std::abs(f.form().P(3, 2))}));
+    EXPECT_EQ(asymmetry(f, 2), 1.5 / std::max({1.0, std::abs(f.form().P(0, 2)), std::abs(f.form().P(2, 2)),
+                                               std::abs(f.form().P(3, 2))}));
     f.form().P(1, 2) = NAN;
     EXPECT_TRUE(std::isnan(asymmetry(f, 2)));
 }
 
-// --- single numbers -------------------------------------------------------------------------------------------------------------
+// --- single numbers
+// -------------------------------------------------------------------------------------------------------------
 
 TEST(Signals, AreThoseOfP) {
     for_each_form([]<class F>() {
@@ -161,7 +167,8 @@ TEST(Signals, AreThoseOfP) {
     });
 }
 
-// --- reset ----------------------------------------------------------------------------------------------------------------------
+// --- reset
+// ---------------------------------------------------------------------------------------------------------------------
 
 TEST(Reset, MakesPAMultipleOfIAndKeepsTheta) {
     for_each_form([]<class F>() {
@@ -178,7 +185,8 @@ TEST(Reset, MakesPAMultipleOfIAndKeepsTheta) {
     });
 }
 
-// --- removal --------------------------------------------------------------------------------------------------------------------
+// --- removal
+// --------------------------------------------------------------------------------------------------------------------
 
 /// A row comes and goes: how far X and theta are from what they were.
 template <class F, class Operation>
@@ -193,7 +201,9 @@ double removal_error(Operation operation) {
 }
 TEST(Remove, TakesBackWhatARowGave) {
     for_each_form([]<class F>() {
-        auto const taken_back = [](double y, double w) { return [=](F& f) { remove(f, Regressor<double>(direction, 4), y, w); }; };
+        auto const taken_back = [](double y, double w) {
+            return [=](F& f) { remove(f, Regressor<double>(direction, 4), y, w); };
+        };
         EXPECT_LE(removal_error<F>(taken_back(3, 1)), budget) << F::name;
         EXPECT_GT(removal_error<F>(taken_back(3, 0.999)), budget) << F::name;
         EXPECT_GT(removal_error<F>(taken_back(3.001, 1)), budget) << F::name;
@@ -215,7 +225,8 @@ void check_sizes() {
             Vector<double> const theta = f.theta(), psi = rows.col(0) * 100;
             f.update(psi, 3);
             Removal<double> const removal = remove(f, Regressor<double>(psi.data(), d), 3.0, 1.0);
-            double const sized = 200 * u * double(d) * removal.noise / removal.remaining;  // 1e4 u d, 1e8 u d where P is stored
+            double const sized =
+                200 * u * double(d) * removal.noise / removal.remaining;  // 1e4 u d, 1e8 u d where P is stored
             EXPECT_LE(relative(covariance_of(f).inverse(), X), sized) << F::name << d;
             EXPECT_LE((f.theta() - theta).norm(), sized * theta.norm()) << F::name << d;
             EXPECT_GT(f.stored().F.diagonal().minCoeff(), 0) << F::name << d;

@@ -48,7 +48,8 @@ bool same(F const& a, F const& b) {
     return x.F == y.F && x.D == y.D && a.theta() == b.theta();
 }
 
-// --- the bits ---------------------------------------------------------------------------------------------------------------------
+// --- the bits
+// ---------------------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_refactored(Problem<double> const& problem) {
@@ -104,7 +105,8 @@ TEST(Windowed, OfFewerRowsThanParametersStillAnswers) {
     EXPECT_LE(relative(covariance_of(w), covariance_of(fresh<Ud<double, d>>(problem, records, 50, 1))), 1e-12);
 }
 
-// --- the error --------------------------------------------------------------------------------------------------------------------
+// --- the error
+// --------------------------------------------------------------------------------------------------------------------
 
 struct Worst {
     double window = 0;  ///< error of P over that of fresh filters, the largest of the last two windows' lengths
@@ -123,10 +125,12 @@ Worst worst(Problem<double> const& problem, double q, WindowOptions<typename F::
     for (int k = 0; k < rows; ++k) {
         take(w, records, k);
         if (k + 1 < 2 * W || k % 2 != 0) continue;
-        Records const kept{.psi = records.psi.middleCols(k + 1 - W, W), .y = records.y.segment(k + 1 - W, W), .names = {}};
+        Records const kept{
+            .psi = records.psi.middleCols(k + 1 - W, W), .y = records.y.segment(k + 1 - W, W), .names = {}};
         CertifiedSolution const exact = certified(problem, kept, {W}).front();
         auto const error = [&](F const& f) {
-            double const digits = exact.covariance_digits(f.stored().template mapped<Reference>([](T const& x) { return widen(x); }));
+            double const digits =
+                exact.covariance_digits(f.stored().template mapped<Reference>([](T const& x) { return widen(x); }));
             return std::isnan(digits) ? INFINITY : std::pow(10, -digits);
         };
         errors.push_back(error(fresh<F>(rounded, records, k + 1)));
@@ -158,14 +162,18 @@ TEST(Windowed, IsWithinTenTimesAFreshFilterWhateverLeaves) {
 TEST(Windowed, IsSoInFloatToo) {
     for (unsigned seed : {81, 82, 83})
         for (double q : {0.0, 3.0, 6.0})
-            EXPECT_LE((worst<Ud<float, d>>({.size = d, .prior = Prior<double>{.variance = 64}}, q, {.rows = W}, Seed{seed}).window), 10)
+            EXPECT_LE(
+                (worst<Ud<float, d>>({.size = d, .prior = Prior<double>{.variance = 64}}, q, {.rows = W}, Seed{seed})
+                     .window),
+                10)
                 << q << ", seed " << seed;
 }
 /// Where P is stored, rounding may make 1 - psi'P psi large, and no digit is left: from outliers of 1/sqrt(u) on.
 TEST(Windowed, KnowsWhatItDoesNotKnowOfTheRemainder) {
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
     for (unsigned seed : {81, 82, 83})
-        for (double q : {4.0, 5.0, 6.0}) EXPECT_LE((worst<Symmetric<float, d>>(problem, q, {.rows = W}, Seed{seed}).window), 100) << q;
+        for (double q : {4.0, 5.0, 6.0})
+            EXPECT_LE((worst<Symmetric<float, d>>(problem, q, {.rows = W}, Seed{seed}).window), 100) << q;
 }
 /// Of theta, not of P: a large y that has left leaves the rounding errors of a large theta.
 template <class F>
@@ -202,10 +210,14 @@ TEST(Windowed, LosesNoDigitOfThetaToALargeOutputThatHasLeft) {
 }
 TEST(Windowed, StartsFromNothingAndForgetsInside) {
     for (unsigned seed : {81, 82, 83})
-        EXPECT_LE((worst<Qr<double, d>>({.size = d, .forgetting = 0.96875, .prior = std::nullopt}, 4, {.rows = W}, Seed{seed}).window), 10);
+        EXPECT_LE(
+            (worst<Qr<double, d>>({.size = d, .forgetting = 0.96875, .prior = std::nullopt}, 4, {.rows = W}, Seed{seed})
+                 .window),
+            10);
 }
-/// theta falls from 1000 to 1 on rows without noise. What is left of 1000 when the last such row has left, without an alarm: a row must
-/// leave with the weight that it has. The root of this lambda is rounded by 0.44 u, 1000 steps wear a row by that 2000 times.
+/// theta falls from 1000 to 1 on rows without noise. What is left of 1000 when the last such row has left, without an
+/// alarm: a row must leave with the weight that it has. The root of this lambda is rounded by 0.44 u, 1000 steps wear a
+/// row by that 2000 times.
 double left_after_a_jump(Seed seed) {
     constexpr int rows = 1000;
     Windowed<Qr<float, 2>> w({.forgetting = 0.999009907f}, {.rows = rows, .worse = std::numeric_limits<float>::max()});
@@ -216,14 +228,17 @@ double left_after_a_jump(Seed seed) {
     return std::hypot(double(w.theta()[0]) - 1, double(w.theta()[1]) + 1);
 }
 TEST(Windowed, TakesARowBackWithTheWeightThatItHas) {
-    for (unsigned seed : {85, 86, 87}) EXPECT_LE(left_after_a_jump(Seed{seed}), 0.007) << seed;  // lambda^W for the weight leaves 0.012
+    for (unsigned seed : {85, 86, 87})
+        EXPECT_LE(left_after_a_jump(Seed{seed}), 0.007) << seed;  // lambda^W for the weight leaves 0.012
 }
-/// Regression: a library's window, seeded for another covariance than it starts from, fails two downdates in its first window.
+/// Regression: a library's window, seeded for another covariance than it starts from, fails two downdates in its first
+/// window.
 TEST(Windowed, TakesBackItsFirstRowsFromAnyPrior) {
     for (double variance : {1.0, 10.0, 100.0, 0x1p40}) {
         Windowed<Symmetric<double, 2>> w({.prior = Prior<double>{.variance = variance}}, {.rows = 10, .worse = 1e300});
         Seed seed{1};
-        for (int k = 0; k < 25; ++k) EXPECT_EQ(w.update({seed.bell(), seed.bell()}, seed.bell()).health, Health::sound) << variance;
+        for (int k = 0; k < 25; ++k)
+            EXPECT_EQ(w.update({seed.bell(), seed.bell()}, seed.bell()).health, Health::sound) << variance;
         EXPECT_EQ(w.refactored(), 0) << variance;
     }
 }

@@ -91,7 +91,8 @@ TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
     EXPECT_EQ(window.second, 0);
     EXPECT_EQ((allocations_of<RowsOf<20, Qr<double, 4>>>().second), 0);
     none(allocations_of<Weighted<Assessed<Guarded<Ud<double, 4>>>>>(), "weighted, assessed, guarded");
-    none(allocations_of<Guarded<Relay<Symmetric<double, 4>, Ud<double, 4>>, handing_over>>(), "a relay that does not hand over");
+    none(allocations_of<Guarded<Relay<Symmetric<double, 4>, Ud<double, 4>>, handing_over>>(),
+         "a relay that does not hand over");
     EXPECT_EQ((allocations_of<Guarded<RowsOf<20, Ud<double>>>>().second), 0);
 }
 

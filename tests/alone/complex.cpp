@@ -1,4 +1,5 @@
-// Complex scalars in rounded arithmetic: what holds bit for bit, what within a budget, what costs no heap, and what is refused.
+// Complex scalars in rounded arithmetic: what holds bit for bit, what within a budget, what costs no heap, and what is
+// refused.
 #include "tests/common/complex.hpp"
 #include "tests/alone/counted_heap.hpp"
 
@@ -16,10 +17,11 @@ namespace rlslab {
 namespace {
 using namespace complex_tests;
 
-// --- laws without a tolerance ---------------------------------------------------------------------------------------------
+// --- laws without a tolerance
+// ---------------------------------------------------------------------------------------------
 
-/// Law 2: psi -> i psi with y -> -i y leaves theta, P and gamma, and e -> -i e. No bit changes: a product with i only exchanges parts, and
-/// a b has the bits of b a.
+/// Law 2: psi -> i psi with y -> -i y leaves theta, P and gamma, and e -> -i e. No bit changes: a product with i only
+/// exchanges parts, and a b has the bits of b a.
 template <class F>
 bool turns_with_i(Index d, bool prior) {
     using C = typename F::scalar;
@@ -36,9 +38,12 @@ bool turns_with_i(Index d, bool prior) {
         C const y = as<C>(rows.y[k]);
         Step<C> const a = f.update(psi, y), b = g.update(turned, minus_i * y);
         if (a.health != b.health || !(a.gamma == b.gamma)) return false;
-        if (a.health == Health::sound && !(b.innovation == minus_i * a.innovation && b.residual == minus_i * a.residual)) return false;
+        if (a.health == Health::sound &&
+            !(b.innovation == minus_i * a.innovation && b.residual == minus_i * a.residual))
+            return false;
     }
-    return equal(Vector<C>(f.theta()), Vector<C>(g.theta())) && equal(f.stored().F, g.stored().F) && equal(f.stored().D, g.stored().D);
+    return equal(Vector<C>(f.theta()), Vector<C>(g.theta())) && equal(f.stored().F, g.stored().F) &&
+           equal(f.stored().D, g.stored().D);
 }
 
 /// Law 3: real data give the real filter's numbers, and imaginary parts of zero.
@@ -103,7 +108,8 @@ TEST(Complex, LawsWithoutToleranceInDouble) { bitwise_laws<double>(); }
 TEST(Complex, LawsWithoutToleranceInFloat) {
     bitwise_laws<float>();
     for_each(Variants<Complex<float>>{}, []<class F>() {  // where squares leave the range
-        for (double const scale : {0x1p-72, 0x1p-66, 0x1p62, 0x1p70}) EXPECT_TRUE(is_real_for_real_data<F>(9, scale)) << F::name << scale;
+        for (double const scale : {0x1p-72, 0x1p-66, 0x1p62, 0x1p70})
+            EXPECT_TRUE(is_real_for_real_data<F>(9, scale)) << F::name << scale;
     });
 }
 TEST(Complex, LawsWithoutToleranceInBfloat16) { bitwise_laws<Chopped<bfloat16>>(); }
@@ -115,7 +121,8 @@ TEST(Complex, LawsWithoutToleranceFindTheirSaboteurs) {
     EXPECT_FALSE((turns_with_i<Plain<C, Broken::innovation_variance>>(3, true)));
     EXPECT_FALSE((turns_with_i<Plain<C, Broken::covariance>>(3, true)));
     EXPECT_FALSE((turns_with_i<Plain<C, Broken::gain>>(3, true)));
-    EXPECT_FALSE((is_real_for_real_data<Plain<C, Broken::nothing>>(9, 1)));  // other order of sums than the real filter's
+    EXPECT_FALSE(
+        (is_real_for_real_data<Plain<C, Broken::nothing>>(9, 1)));  // other order of sums than the real filter's
 }
 
 TEST(Complex, WhatIsHermitianIsSoToTheBit) {
@@ -139,9 +146,11 @@ TEST(Complex, WhatIsHermitianIsSoToTheBit) {
     });
 }
 
-// --- within a budget ------------------------------------------------------------------------------------------------------
+// --- within a budget
+// ------------------------------------------------------------------------------------------------------
 
-/// Law 1 in double: distance of theta and of P (or P^-1) from the real filter of twice the size, in epsilons of their norms, at lambda = 1.
+/// Law 1 in double: distance of theta and of P (or P^-1) from the real filter of twice the size, in epsilons of their
+/// norms, at lambda = 1.
 template <class F>
 double from_the_real_filter(Index d, std::uint64_t seed, bool prior) {
     using C = typename F::scalar;
@@ -176,11 +185,13 @@ double from_the_real_filter(Index d, std::uint64_t seed, bool prior) {
             add(of_X, X(i, j).im, pairs(d + i, j));
         }
     }
-    double const worst = std::max(std::sqrt(of_theta) / pair.norm(), std::sqrt(of_X) / pairs.norm()) / epsilon<double>();
+    double const worst =
+        std::max(std::sqrt(of_theta) / pair.norm(), std::sqrt(of_X) / pairs.norm()) / epsilon<double>();
     return worst <= 1e30 ? worst : 1e30;
 }
-/// Each of n = 12 + 4d rows makes errors of a few epsilons in both filters; nothing is forgotten, so that they add. P goes from 16 to
-/// about 1/(2n): the first rows' errors, relative to P then, are up to kappa = 32 n as large relative to P now in the forms that subtract.
+/// Each of n = 12 + 4d rows makes errors of a few epsilons in both filters; nothing is forgotten, so that they add. P
+/// goes from 16 to about 1/(2n): the first rows' errors, relative to P then, are up to kappa = 32 n as large relative
+/// to P now in the forms that subtract.
 double budget(Index d) { return 32.0 * double(12 + 4 * d); }
 
 TEST(Complex, IsTheRealFilterOfTwiceTheSize) {
@@ -203,7 +214,8 @@ TEST(Complex, IsTheRealFilterOfTwiceTheSize) {
 
 TEST(Complex, BlocksAreTheirRows) {
     using C = Complex<double>;
-    QrBlock<C> blocks(problem<C>(4)), rows(problem<C>(4)), part({.size = 4, .forgetting = 0.9375, .prior = std::nullopt});
+    QrBlock<C> blocks(problem<C>(4)), rows(problem<C>(4)),
+        part({.size = 4, .forgetting = 0.9375, .prior = std::nullopt});
     QrBlock<C> merged = rows;
     ComplexRows const data = complex_rows(4, 20, 51);
     Matrix<C> psi(4, 20);
@@ -254,8 +266,8 @@ TEST(Complex, APriorMayBeWhatAnotherFormStores) {
             EXPECT_THROW(handed_over<Ud<C>>(from), std::invalid_argument);
             return;
         }
-        // A few roundings an entry. Plain storage: the factors read one triangle, and the other differs from it by rounding errors, which
-        // one vector for row and column makes grow by lambda^-20.
+        // A few roundings an entry. Plain storage: the factors read one triangle, and the other differs from it by
+        // rounding errors, which one vector for row and column makes grow by lambda^-20.
         bool const grows = F::name == "conventional" || F::name == "kalman";
         double const budget = grows ? 1e4 : F::name == "conventional_two_sided" || F::name == "joseph" ? 500 : 20;
         EXPECT_LE(handed_over<Ud<C>>(from), budget) << F::name;
@@ -267,7 +279,8 @@ TEST(Complex, APriorMayBeWhatAnotherFormStores) {
     });
 }
 
-// --- state, health, heap, what is refused -----------------------------------------------------------------------------------
+// --- state, health, heap, what is refused
+// -----------------------------------------------------------------------------------
 
 TEST(Complex, IsSavedAndLoaded) {
     using C = Complex<float>;
@@ -360,12 +373,16 @@ concept HasUd = requires { typename Ud<T>; };
 template <class F>
 concept Multiplies = requires { typename MultiOutput<F, 2>; };
 
-static_assert(GainPerturbable<Ud<Complex<float>, 3>> && StartsWithoutPrior<Qr<Complex<double>>> && Merges<QrBlock<Complex<double>>>);
-static_assert(!Field<Complex<double>> && !Real<Complex<double>> && !HasUd<std::complex<float>> && HasUd<Complex<float>>);
+static_assert(GainPerturbable<Ud<Complex<float>, 3>> && StartsWithoutPrior<Qr<Complex<double>>> &&
+              Merges<QrBlock<Complex<double>>>);
+static_assert(!Field<Complex<double>> && !Real<Complex<double>> && !HasUd<std::complex<float>> &&
+              HasUd<Complex<float>>);
 static_assert(!std::convertible_to<double, Complex<double>> && !std::convertible_to<Complex<double>, double>);
-static_assert(std::convertible_to<std::complex<float>, Complex<float>> && std::convertible_to<Complex<float>, std::complex<float>>);
+static_assert(std::convertible_to<std::complex<float>, Complex<float>> &&
+              std::convertible_to<Complex<float>, std::complex<float>>);
 static_assert(!TimeUpdates<Ud<Complex<double>>> && !Inflates<Ud<Complex<double>>> && !Downdates<Ud<Complex<double>>>);
-static_assert(!Guardable<Ud<Complex<double>>> && !ReportsVariances<Ud<Complex<double>>> && !Multiplies<Ud<Complex<double>>>);
+static_assert(!Guardable<Ud<Complex<double>>> && !ReportsVariances<Ud<Complex<double>>> &&
+              !Multiplies<Ud<Complex<double>>>);
 static_assert(GoesAround<Windowed, Ud<double>> && !GoesAround<Windowed, Ud<Complex<double>>>);
 static_assert(GoesAround<Weighted, Ud<double>> && !GoesAround<Weighted, Ud<Complex<double>>>);
 

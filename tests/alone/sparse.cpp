@@ -1,4 +1,5 @@
-// The sparse variants where they matter: rows with a few numbers in a band, as many parameters as no dense form could hold.
+// The sparse variants where they matter: rows with a few numbers in a band, as many parameters as no dense form could
+// hold.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/variants/cholesky_sparse.hpp>
@@ -32,7 +33,9 @@ struct Banded {
     }
 };
 
-double distance(Vector<double> const& a, Vector<double> const& b) { return (a - b).norm() / b.norm() / epsilon<double>(); }
+double distance(Vector<double> const& a, Vector<double> const& b) {
+    return (a - b).norm() / b.norm() / epsilon<double>();
+}
 
 /// In epsilons: five times what these well-conditioned rows leave between any two forms.
 constexpr double budget = 400;
@@ -50,7 +53,8 @@ TEST(Sparse, AgreesWithTheDenseFormsOnABand) {
         for (Index k = 0; k < rows; ++k) {
             SparseRow const psi = column(data.psi, k);
             Vector<double> const dense = psi;
-            Step<double> const step = sparse_rows.update(psi, data.y[k]), as_dense = dense_rows.update(dense, data.y[k]);
+            Step<double> const step = sparse_rows.update(psi, data.y[k]),
+                               as_dense = dense_rows.update(dense, data.y[k]);
             EXPECT_EQ(step.innovation, as_dense.innovation);
             EXPECT_EQ(step.gamma, as_dense.gamma);
             Step<double> const ud_step = ud.update(dense, data.y[k]);
@@ -109,11 +113,13 @@ TEST(Sparse, TwentyThousandParametersFitInMemoryAndTime) {
     EXPECT_EQ(cholesky.gain().size(), size);
 }
 
-/// SuiteSparseQR leaves out what is zero, the pivot too: then nothing is solved for, by whatever entry stands last in the column.
+/// SuiteSparseQR leaves out what is zero, the pivot too: then nothing is solved for, by whatever entry stands last in
+/// the column.
 TEST(QrSparse, APivotThatUnderflowedIsNotSound) {
     QrSparse f({.size = 2, .forgetting = 0x1p-1000});
     for (int k = 0; k < 8; ++k) {
-        Step<double> const step = k < 4 ? f.update(Vector<double>{{1.0, 0.0}}, 1.0) : f.update(Vector<double>{{1.0, 1.0}}, 1.0);
+        Step<double> const step =
+            k < 4 ? f.update(Vector<double>{{1.0, 0.0}}, 1.0) : f.update(Vector<double>{{1.0, 1.0}}, 1.0);
         EXPECT_EQ(step.health == Health::sound, k < 2) << k << ' ' << name_of(step.health);
         EXPECT_EQ(f.theta().allFinite() && f.gain().allFinite(), k < 2) << k;
     }

@@ -92,14 +92,17 @@ void update_filters_of_their_own() {
     });
 }
 TEST(Threads, UpdateFiltersOfTheirOwnInDouble) { update_filters_of_their_own<double>(); }
-TEST(Threads, UpdateFiltersOfTheirOwnWhileRoundingAtRandom) { update_filters_of_their_own<Chopped<bfloat16, Rounding::stochastic>>(); }
+TEST(Threads, UpdateFiltersOfTheirOwnWhileRoundingAtRandom) {
+    update_filters_of_their_own<Chopped<bfloat16, Rounding::stochastic>>();
+}
 
 TEST(Threads, WorkInsideTheLibraryOnSharedRows) {
     Records const records = laws::noise_records(d, rows, Seed{31});
     Problem<double> without_prior = problem<double>();
     without_prior.prior.reset();
     auto const one = bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 1, 8));
-    at_once([&](int) { EXPECT_EQ(bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 3, 8)), one); });
+    at_once(
+        [&](int) { EXPECT_EQ(bytes_of(fold_all<QrBlock<double>>(without_prior, RowsInMemory(records), 3, 8)), one); });
 
     using F = Ud<Pack<double, 4>, 3>;
     constexpr Index filters = 50;

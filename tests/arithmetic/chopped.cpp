@@ -39,7 +39,9 @@ std::vector<double> numbers_around(Format f, double x) {
 }
 
 /// The same number, with the same sign of zero; NaN is NaN.
-bool same(double a, double b) { return (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b)); }
+bool same(double a, double b) {
+    return (a == b && std::signbit(a) == std::signbit(b)) || (std::isnan(a) && std::isnan(b));
+}
 
 /// The three roundings of head + tail behind one signature; u is the stochastic one's draw.
 using Rounder = std::function<double(double head, double tail, double u)>;
@@ -64,7 +66,8 @@ bool rounds_to_nearest_even(Rounder const& round, std::vector<double> const& all
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         bool const last = i + 2 == all.size();
         double const here = all[i], next = last ? infinity : all[i + 1], middle = (here + all[i + 1]) / 2;
-        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0)}) good = good && symmetric(round, x, 0, 0, here);
+        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0)})
+            good = good && symmetric(round, x, 0, 0, here);
         good = good && symmetric(round, middle, 0, 0, i % 2 ? next : here);
         for (double const x : {std::nextafter(middle, infinity), std::nextafter(all[i + 1], 0)})
             good = good && symmetric(round, x, 0, 0, next);
@@ -78,8 +81,8 @@ bool rounds_toward_zero(Rounder const& round, std::vector<double> const& all) {
     for (double const x : {all.back(), 1e300}) good = good && symmetric(round, x, 0, 0, top);
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
         double const here = all[i], next = all[i + 1], middle = (here + next) / 2, tiny = next * 0x1p-100;
-        for (double const x :
-             {std::nextafter(here, infinity), std::nextafter(middle, 0), middle, std::nextafter(middle, infinity), std::nextafter(next, 0)})
+        for (double const x : {std::nextafter(here, infinity), std::nextafter(middle, 0), middle,
+                               std::nextafter(middle, infinity), std::nextafter(next, 0)})
             good = good && symmetric(round, x, 0, 0, here);
         good = good && symmetric(round, next, -tiny, 0, here) && (here == 0 || symmetric(round, here, tiny, 0, here));
     }
@@ -94,15 +97,16 @@ bool rounds_up_iff_the_draw_is_below_the_fraction(Rounder const& round, std::vec
         double const here = all[i], gap = all[i + 1] - here, next = i + 2 == all.size() ? infinity : all[i + 1];
         double const just_above = here == 0 ? gap * 0x1p-200 : std::nextafter(here, infinity);
         double const middle = here + gap / 2;
-        for (double const x : {just_above, here + gap / 4, std::nextafter(middle, 0), middle, std::nextafter(middle, infinity),
-                               middle + gap / 8, std::nextafter(all[i + 1], 0)}) {
+        for (double const x : {just_above, here + gap / 4, std::nextafter(middle, 0), middle,
+                               std::nextafter(middle, infinity), middle + gap / 8, std::nextafter(all[i + 1], 0)}) {
             double const fraction = (x - here) / gap, tiny = std::min(x, gap) * 0x1p-80;
             double const highest_up = draw * (std::ceil(fraction / draw) - 1);
             good = good && symmetric(round, x, 0, 0, next) && symmetric(round, x, 0, highest_up, next) &&
                    symmetric(round, x, 0, highest_up + draw, here) && symmetric(round, x, 0, last_draw, here);
             if (std::fmod(fraction, draw) == 0)  // the tail decides
-                good = good && symmetric(round, x, tiny, fraction, next) && symmetric(round, x, tiny, fraction + draw, here) &&
-                       symmetric(round, x, -tiny, fraction, here) && symmetric(round, x, -tiny, highest_up, next);
+                good = good && symmetric(round, x, tiny, fraction, next) &&
+                       symmetric(round, x, tiny, fraction + draw, here) && symmetric(round, x, -tiny, fraction, here) &&
+                       symmetric(round, x, -tiny, highest_up, next);
         }
         double const tiny = gap * 0x1p-80;
         good = good && symmetric(round, all[i + 1], -tiny, last_draw, next) &&
@@ -115,7 +119,8 @@ template <Format F>
 void round_everything() {
     auto const all = numbers(F);
     EXPECT_TRUE(largest(F) == all[all.size() - 2] && smallest_subnormal(F) == all[1]);
-    for (Rounding r : {Rounding::nearest, Rounding::toward_zero, Rounding::stochastic}) EXPECT_TRUE(keeps_every_number(rounder<F>(r), all));
+    for (Rounding r : {Rounding::nearest, Rounding::toward_zero, Rounding::stochastic})
+        EXPECT_TRUE(keeps_every_number(rounder<F>(r), all));
     EXPECT_TRUE(rounds_to_nearest_even(rounder<F>(Rounding::nearest), all));
     EXPECT_TRUE(rounds_toward_zero(rounder<F>(Rounding::toward_zero), all));
     EXPECT_TRUE(rounds_up_iff_the_draw_is_below_the_fraction(rounder<F>(Rounding::stochastic), all));
@@ -207,7 +212,8 @@ double operate(char op, double x, double y) {
 
 /// One operation under a stream of its own: the value, and that a draw is taken if and only if the result is inexact.
 /// (What overflows may draw or not: no draw can change it.)
-bool rounds_once(Operation const& f, std::vector<double> const& all, Rounding rounding, char op, double a, double b, Seed seed) {
+bool rounds_once(Operation const& f, std::vector<double> const& all, Rounding rounding, char op, double a, double b,
+                 Seed seed) {
     Seed copy = seed, used = seed;
     double const u = copy.uniform();
     StochasticStream const stream(used);
@@ -227,7 +233,9 @@ Seed seed_drawing(std::uint64_t k) {
 }
 /// Up at the last draw below the exact fraction, down at the next: it takes the right tail to the last bit of a draw.
 bool turns_at_the_fraction(Operation const& f, std::vector<double> const& all, char op, double a, double b) {
-    auto const expected = [&](std::uint64_t k) { return oracle(all, Rounding::stochastic, op, a, b, double(k) * 0x1p-53); };
+    auto const expected = [&](std::uint64_t k) {
+        return oracle(all, Rounding::stochastic, op, a, b, double(k) * 0x1p-53);
+    };
     std::uint64_t up = 0, down = std::uint64_t{1} << 53;
     if (same(expected(up), expected(down))) return true;  // exact
     while (down - up > 1) {
@@ -284,8 +292,9 @@ template <Format F, Rounding R>
 void operate_on_specials_and_samples() {
     std::size_t const all = last_place(F), normal = binade(F), one = normal * std::size_t(1 - F.min_exp);
     std::vector<double> some;
-    for (std::size_t const place : {std::size_t{0}, std::size_t{1}, normal - 1, normal, normal + 1, one / 2, one - 1, one, one + 1,
-                                    one + normal / 2, one + normal, one + 3 * normal / 2, all - 2, all - 1})
+    for (std::size_t const place :
+         {std::size_t{0}, std::size_t{1}, normal - 1, normal, normal + 1, one / 2, one - 1, one, one + 1,
+          one + normal / 2, one + normal, one + 3 * normal / 2, all - 2, all - 1})
         some.push_back(number(F, place));
     EXPECT_TRUE(all_pairs(&operate<Chopped<F, R>>, numbers(F), R, with_signs_and_specials(some)));
     operate_on_samples<F, R>();

@@ -105,7 +105,8 @@ using Product = std::function<void(Counted<double> const* x, Counted<double> con
 bool costs_what_a_dot_product_costs(Product const& product) {
     std::vector<Counted<double>> const x(40), y(40);
     bool good = true;
-    for (Index n = 1; n <= 40; ++n) good = good && counted([&] { product(x.data(), y.data(), n); }) == Tally{n - 1, n, 0, 0};
+    for (Index n = 1; n <= 40; ++n)
+        good = good && counted([&] { product(x.data(), y.data(), n); }) == Tally{n - 1, n, 0, 0};
     return good;
 }
 TEST(Counted, DotProducts) {

@@ -56,9 +56,12 @@ TEST(Elementary, ResultsAreTheNearestDoubles) {
                   correctly::sin, [](Reference const& x) { return Reference(sin(x)); }, -1e4, 1e4),
               0);
     EXPECT_EQ(wrong([](double x) { return correctly::pow(10, x); }, base_ten, -320, 308), 0);
-    EXPECT_EQ(wrong([](double x) { return correctly::pow(x, 7.5); }, [](Reference const& x) { return pow(x, Reference(7.5)); }, 0, 1e3), 0);
-    EXPECT_EQ(
-        wrong([](double x) { return correctly::hypot(x, 3); }, [](Reference const& x) { return Reference(sqrt(x * x + 9)); }, -20, 20), 0);
+    EXPECT_EQ(wrong([](double x) { return correctly::pow(x, 7.5); },
+                    [](Reference const& x) { return pow(x, Reference(7.5)); }, 0, 1e3),
+              0);
+    EXPECT_EQ(wrong([](double x) { return correctly::hypot(x, 3); },
+                    [](Reference const& x) { return Reference(sqrt(x * x + 9)); }, -20, 20),
+              0);
     EXPECT_GT(wrong([](double x) { return correctly::exp2(x * 3.3219280948873623); }, base_ten, -320, 308), 0);
 }
 TEST(Elementary, EndsAndSpecialValues) {
@@ -67,7 +70,8 @@ TEST(Elementary, EndsAndSpecialValues) {
     EXPECT_EQ(correctly::exp(-745.1), 5e-324);
     EXPECT_EQ(correctly::exp(710), inf);
     EXPECT_EQ(correctly::log(0), -inf);
-    EXPECT_TRUE(std::isnan(correctly::log(-1)) && std::isnan(correctly::log(nan)) && std::isnan(correctly::pow(nan, 1)));
+    EXPECT_TRUE(std::isnan(correctly::log(-1)) && std::isnan(correctly::log(nan)) &&
+                std::isnan(correctly::pow(nan, 1)));
     EXPECT_EQ(correctly::pow(nan, 0), 1);
     EXPECT_EQ(correctly::pow(10, -324), 0);
     EXPECT_EQ(correctly::pow(10, -323), 1e-323);

@@ -23,8 +23,8 @@ template <class T>
 
 template <class T>
 struct EmptySum : testing::Test {};
-using Scalars =
-    testing::Types<BFloat16, BFloat16Stochastic, VariablePrecision, float, double, long double, Quad, Reference, Rational, Counted<double>>;
+using Scalars = testing::Types<BFloat16, BFloat16Stochastic, VariablePrecision, float, double, long double, Quad,
+                               Reference, Rational, Counted<double>>;
 TYPED_TEST_SUITE(EmptySum, Scalars);
 TYPED_TEST(EmptySum, IsZero) {
     litter();

@@ -1,5 +1,5 @@
-// No operator has two operands that both round: C++ does not define which comes first, and with stochastic rounding the result depends on
-// it. (Arguments of one call are seen by tests/compilers/ alone.)
+// No operator has two operands that both round: C++ does not define which comes first, and with stochastic rounding the
+// result depends on it. (Arguments of one call are seen by tests/compilers/ alone.)
 #include "tests/compilers/everything.hpp"
 
 #include <rlslab/arithmetic/storage_traits.hpp>

@@ -1,4 +1,5 @@
-// Fixed point against exact rationals: all pairs of 8-bit words, samples of longer ones; sums, marks, counts, every dense variant.
+// Fixed point against exact rationals: all pairs of 8-bit words, samples of longer ones; sums, marks, counts, every
+// dense variant.
 //
 // Every check is a predicate over the thing checked, so that a saboteur shows that it can fail.
 #include <rlslab/many/fold_all.hpp>
@@ -86,7 +87,8 @@ V some_word(Seed& seed) {
     std::uint64_t const kind = seed.next() % 16;
     if (kind == 0) return word(-limit);
     if (kind == 1) return word(limit - 1);
-    std::int64_t const n = std::int64_t(seed.next() & std::uint64_t(limit - 1)) >> (seed.next() % std::uint64_t(f.bits - 1));
+    std::int64_t const n =
+        std::int64_t(seed.next() & std::uint64_t(limit - 1)) >> (seed.next() % std::uint64_t(f.bits - 1));
     return word(seed.next() % 2 ? n : -n);
 }
 bool for_samples(Operation const& operation, int samples, Seed seed) {
@@ -113,7 +115,8 @@ TEST(Fixed, SamplesOfLongerWordsLikewise) {
         for (Overflow const overflow : policies)
             for (auto const& [bits, fraction] : {std::pair{16, 10}, {16, 15}, {32, 20}, {48, 31}}) {
                 FixedScope const scope({bits, fraction, rounding, overflow});
-                for (Operation const& operation : operations()) EXPECT_TRUE(for_samples(operation, 3000, Seed{std::uint64_t(bits)}));
+                for (Operation const& operation : operations())
+                    EXPECT_TRUE(for_samples(operation, 3000, Seed{std::uint64_t(bits)}));
             }
 }
 TEST(Fixed, TheChecksOfRoundingCanFail) {
@@ -134,9 +137,11 @@ TEST(Fixed, TheChecksOfRoundingCanFail) {
         double const x = a.value() * b.value() * 32;
         return word(std::clamp(std::int64_t(x < 0 ? x - 0.5 : x + 0.5), std::int64_t{-128}, std::int64_t{127}));
     }));
-    EXPECT_TRUE(refuted(3, [](V const& a, V const& b) { return b.word() == 0 ? b : V(a.value() / b.value() + 0x1p-20); }));
     EXPECT_TRUE(
-        refuted(1, [](V const& a, V const& b) { return word(std::clamp<std::int64_t>(a.word() - b.word(), -128, 127)); }));  // no mark
+        refuted(3, [](V const& a, V const& b) { return b.word() == 0 ? b : V(a.value() / b.value() + 0x1p-20); }));
+    EXPECT_TRUE(refuted(1, [](V const& a, V const& b) {
+        return word(std::clamp<std::int64_t>(a.word() - b.word(), -128, 127));
+    }));  // no mark
 }
 
 bool is_the_root(FixedFormat f, V const& a, V const& root) {
@@ -148,7 +153,8 @@ TEST(Fixed, RootsAreRoundedOnce) {
     for (FixedRounding const rounding : roundings) {
         for (int const fraction : {1, 5, 6}) {
             FixedScope const scope({8, fraction, rounding});
-            for (std::int64_t n = 0; n < 128; ++n) EXPECT_TRUE(is_the_root(V::format(), word(n), sqrt(word(n)))) << n << ' ' << fraction;
+            for (std::int64_t n = 0; n < 128; ++n)
+                EXPECT_TRUE(is_the_root(V::format(), word(n), sqrt(word(n)))) << n << ' ' << fraction;
         }
         for (auto const& [bits, fraction] : {std::pair{16, 10}, {32, 20}, {48, 40}}) {
             FixedScope const scope({bits, fraction, rounding});
@@ -184,7 +190,8 @@ bool products_are_rounded_once(Index d, Seed seed) {
             across += exact(A(i, j)) * exact(x[j]);
             down += exact(A(j, i)) * exact(x[j]);
         }
-        good = good && held(across, T::format()).word == by_columns[i].word() && held(down, T::format()).word == by_rows[i].word();
+        good = good && held(across, T::format()).word == by_columns[i].word() &&
+               held(down, T::format()).word == by_rows[i].word();
     }
     return good;
 }
@@ -196,14 +203,16 @@ TEST(Fixed, SumsAreExactUntilTheyAreStored) {
     for (int i = 0; i < 3000; ++i) {
         V const a = some_word(seed), b = some_word(seed), c = some_word(seed), e = some_word(seed);
         V const x = a * b - c * e + a;
-        EXPECT_EQ((Held{x.word(), x.marked()}), held(exactly(a) * exactly(b) - exactly(c) * exactly(e) + exactly(a), V::format()));
+        EXPECT_EQ((Held{x.word(), x.marked()}),
+                  held(exactly(a) * exactly(b) - exactly(c) * exactly(e) + exactly(a), V::format()));
         EXPECT_EQ(a * b < c * e, exactly(a) * exactly(b) < exactly(c) * exactly(e));
         EXPECT_EQ(a * b == c, exactly(a) * exactly(b) == exactly(c));
     }
     V const top = word(32767);
     EXPECT_EQ(V(top + top - top).word(), 32767);  // no overflow on the way
     EXPECT_FALSE(V(top + top - top).marked());
-    EXPECT_TRUE(VariableFixedRounded(VariableFixedRounded(7.9) + VariableFixedRounded(7.9) - VariableFixedRounded(7.9)).marked());
+    EXPECT_TRUE(VariableFixedRounded(VariableFixedRounded(7.9) + VariableFixedRounded(7.9) - VariableFixedRounded(7.9))
+                    .marked());
 }
 
 TEST(Fixed, TheFormatMayBeAConstant) {
@@ -221,7 +230,8 @@ TEST(Fixed, TheFormatMayBeAConstant) {
     EXPECT_EQ(significand_bits<V>(), 13);
     EXPECT_EQ(widen(C(-0.5)), Reference(-0.5));
     EXPECT_FALSE(is_finite(widen(C(9.0))));
-    for (FixedFormat const f : {FixedFormat{1, 0}, {49, 0}, {16, 16}, {16, -1}}) EXPECT_THROW(FixedScope{f}, std::invalid_argument);
+    for (FixedFormat const f : {FixedFormat{1, 0}, {49, 0}, {16, 16}, {16, -1}})
+        EXPECT_THROW(FixedScope{f}, std::invalid_argument);
     EXPECT_EQ(FixedScope::format(), (FixedFormat{16, 12}));
 }
 TEST(Fixed, DataAreRoundedToNearestAndSaturated) {
@@ -296,8 +306,8 @@ double error(int fraction, int bits) {
     for (Index i = 0; i < 9; ++i) out = std::max(out, std::abs(double(F_(i)) - E(i)));
     return out;
 }
-// A rounding of q = 2^-F is amplified by numbers up to 20, over a memory of 16 rows and through a dozen operations; errors of conventional
-// and kalman grow by lambda^-60 = 48 besides. 2^12 q is that with a factor 2 to spare.
+// A rounding of q = 2^-F is amplified by numbers up to 20, over a memory of 16 rows and through a dozen operations;
+// errors of conventional and kalman grow by lambda^-60 = 48 besides. 2^12 q is that with a factor 2 to spare.
 TEST(Fixed, EveryDenseVariantRunsIn16And32Bits) {
     int variants = 0, all = 0;
     for_each(Variants<V>{}, [&]<class F>() {
@@ -315,7 +325,8 @@ TEST(Fixed, EveryDenseVariantRunsIn16And32Bits) {
     EXPECT_GE(all, 15);
 }
 
-/// P grows as lambda^-k where nothing excites it: what a step says, and whether anything had overflowed when it was done.
+/// P grows as lambda^-k where nothing excites it: what a step says, and whether anything had overflowed when it was
+/// done.
 struct Said {
     bool sound, overflowed;
 };
@@ -344,8 +355,8 @@ bool overflow_is_reported(std::vector<Said> const& said) {
 }
 TEST(Fixed, OverflowIsABreakdownThatTheStepReports) {
     for (Overflow const overflow : policies)
-        for_each(TypeList<Conventional<V>, ConventionalTwoSided<V>, Symmetric<V>, Joseph<V>, JosephRankTwo<V>, Kalman<V>, Potter<V>,
-                          Carlson<V>, Ud<V>, InverseQr<V>>{},
+        for_each(TypeList<Conventional<V>, ConventionalTwoSided<V>, Symmetric<V>, Joseph<V>, JosephRankTwo<V>,
+                          Kalman<V>, Potter<V>, Carlson<V>, Ud<V>, InverseQr<V>>{},
                  [&]<class F>() { EXPECT_TRUE(overflow_is_reported(run_into_overflow<F>(overflow))) << F::name; });
     EXPECT_FALSE(overflow_is_reported(std::vector<Said>(30, {true, false})));
     EXPECT_FALSE(overflow_is_reported({{true, false}, {true, true}, {true, true}}));

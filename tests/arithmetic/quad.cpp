@@ -79,7 +79,8 @@ int differences(One* ours, Theirs* theirs, int cases, int around, int spread) {
         int const e = around + int(seed.next() % std::uint64_t(2 * spread + 1)) - spread;
         Quad const a = random_parts(seed, e).quad(), b = random_parts(seed, e + distance(seed)).quad();
         Reference const wide_a = widen(a), wide_b = widen(b);
-        Binary128 const right([&](mpfr_ptr x) { return theirs(x, wide_a.backend().data(), wide_b.backend().data(), MPFR_RNDN); });
+        Binary128 const right(
+            [&](mpfr_ptr x) { return theirs(x, wide_a.backend().data(), wide_b.backend().data(), MPFR_RNDN); });
         wrong += !right.is(ours(a, b));
     }
     return wrong;
@@ -96,7 +97,9 @@ TEST(Quad, RoundsEveryOperationOnce) {
     EXPECT_EQ(differences(times, &mpfr_mul, 150000, 0, 100), 0);
     EXPECT_EQ(differences(over, &mpfr_div, 150000, 0, 100), 0);
     EXPECT_EQ(differences(root, &root_of_first, 100000, 0, 5000), 0);
-    EXPECT_GT(differences([](Quad const& a, Quad const& b) { return a + (b + Quad(0x1p-120) * a); }, &mpfr_add, 2000, 0, 3), 0);
+    EXPECT_GT(
+        differences([](Quad const& a, Quad const& b) { return a + (b + Quad(0x1p-120) * a); }, &mpfr_add, 2000, 0, 3),
+        0);
 }
 TEST(Quad, HasNoFalseTies) {
     Quad const ulp = ldexp(Quad(1), -112), a = Quad(1) + ulp;
@@ -179,7 +182,8 @@ Quad quad_of(Theirs128 x) {
 }
 Theirs128 theirs_of(Parts const& p) {  // normal numbers
     std::uint64_t const mantissa_high = p.high >> 7, mantissa_low = p.high << 57 | p.low;
-    std::uint64_t const word[2] = {mantissa_low, (std::uint64_t(p.negative) << 63) | (std::uint64_t(p.exponent + 112 + 16383) << 48) |
+    std::uint64_t const word[2] = {mantissa_low, (std::uint64_t(p.negative) << 63) |
+                                                     (std::uint64_t(p.exponent + 112 + 16383) << 48) |
                                                      (mantissa_high & 0xffffffffffff)};
     Theirs128 x;
     std::memcpy(&x, word, 16);

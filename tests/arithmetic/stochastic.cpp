@@ -27,7 +27,9 @@ TEST(Stochastic, MeansAreExact) {
         return double(HalfStochastic(1) + HalfStochastic(x));
     }));
     auto const drawing = [](auto draw) {
-        return [draw](double x, Seed& seed) { return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); }); };
+        return [draw](double x, Seed& seed) {
+            return round_stochastically<binary16>(1 + x, 0, [&] { return draw(seed); });
+        };
     };
     EXPECT_TRUE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return seed.uniform(); })));
     EXPECT_FALSE(a_quarter_goes_up_a_quarter_of_the_time(drawing([](Seed& seed) { return 0.9 * seed.uniform(); })));
@@ -64,7 +66,8 @@ std::uint64_t seeded_run(Seed seed, int steps = 4000) {
 }
 
 TEST(Stochastic, IsReplayedBySeedAndThreadsDoNotInteract) {
-    std::uint64_t const alone = seeded_run<BFloat16Stochastic>(Seed{5}), other = seeded_run<BFloat16Stochastic>(Seed{6});
+    std::uint64_t const alone = seeded_run<BFloat16Stochastic>(Seed{5}),
+                        other = seeded_run<BFloat16Stochastic>(Seed{6});
     EXPECT_EQ(alone, seeded_run<BFloat16Stochastic>(Seed{5}));
     EXPECT_NE(alone, other);
     std::uint64_t there = 0;

@@ -145,7 +145,8 @@ TEST(Rational, IsExactAndAlwaysFinite) {
     EXPECT_EQ(Eigen::NumTraits<Rational>::epsilon(), 0);
 }
 
-/// lowest() is -highest(), the largest number there is: twice it is no number. Boost's own of the Reference is the smallest positive.
+/// lowest() is -highest(), the largest number there is: twice it is no number. Boost's own of the Reference is the
+/// smallest positive.
 template <class T, class Storage>
 bool bounds_are_right() {
     return Storage::lowest() < T(0) && Storage::lowest() == -Storage::highest() && is_finite(Storage::highest()) &&
@@ -195,8 +196,8 @@ bool are_exponents_of_normal_numbers(int min_exp, int max_exp) {
 }
 template <class T>
 struct Traits : testing::Test {};
-using Nearest = testing::Types<Half, BFloat16, Tf32, Chopped<Format{25, -400, 400}>, float, double, long double, Quad, Reference,
-                               Counted<double>, Counted<Half>>;
+using Nearest = testing::Types<Half, BFloat16, Tf32, Chopped<Format{25, -400, 400}>, float, double, long double, Quad,
+                               Reference, Counted<double>, Counted<Half>>;
 TYPED_TEST_SUITE(Traits, Nearest);
 
 TYPED_TEST(Traits, EpsilonIsTheDistanceToTheNextNumber) {
@@ -245,7 +246,8 @@ bool all_names_differ(std::tuple<T...>*) {
     return std::set<std::string_view>{ArithmeticTraits<T>::name...}.size() == sizeof...(T);
 }
 TEST(Names, AreUnique) {
-    using Others = std::tuple<HalfZero, BFloat16Zero, Tf32, Tf32Zero, Tf32Stochastic, Counted<double>, Chopped<Format{4, -3, 4}>>;
+    using Others =
+        std::tuple<HalfZero, BFloat16Zero, Tf32, Tf32Zero, Tf32Stochastic, Counted<double>, Chopped<Format{4, -3, 4}>>;
     EXPECT_TRUE(all_names_differ(static_cast<Arithmetics*>(nullptr)));
     EXPECT_TRUE(all_names_differ(static_cast<decltype(std::tuple_cat(Arithmetics(), Others()))*>(nullptr)));
     EXPECT_FALSE(all_names_differ(static_cast<std::tuple<Half, BFloat16, Half>*>(nullptr)));

@@ -1,4 +1,5 @@
-// What moved since a baseline: a planted slowdown is told, scatter and another clock are not. How a run stands to a limit.
+// What moved since a baseline: a planted slowdown is told, scatter and another clock are not. How a run stands to a
+// limit.
 #include "bench/limits.hpp"
 #include "bench/measured.hpp"
 
@@ -12,14 +13,17 @@ namespace {
 
 using namespace rlslab::bench;
 
-/// A run: the yardstick, in its last repetition so many times as long, and a row whose times are these, both on a clock of its own.
+/// A run: the yardstick, in its last repetition so many times as long, and a row whose times are these, both on a clock
+/// of its own.
 std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1) {
     std::string rows;
     for (size_t i = 0; i < times.size(); ++i)
-        for (auto const& [name, time] : {std::pair{std::string(yardstick), i + 1 < times.size() ? 10.0 : 10 * disturbed},
-                                         std::pair{std::string("update/ud/double/16"), times[i]}})
-            rows += fmt::format(R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
-                                rows.empty() ? "" : ",", name, i, time * clock);
+        for (auto const& [name, time] :
+             {std::pair{std::string(yardstick), i + 1 < times.size() ? 10.0 : 10 * disturbed},
+              std::pair{std::string("update/ud/double/16"), times[i]}})
+            rows += fmt::format(
+                R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
+                rows.empty() ? "" : ",", name, i, time * clock);
     return R"({"context": {"cpu": "a processor", "compiler": "a compiler"}, "benchmarks": [)" + rows + "]}";
 }
 std::vector<double> const quiet{100, 101, 102, 100, 103, 101, 102};
@@ -36,14 +40,17 @@ TEST(BenchBaseline, TellsOfARowThatBecameSlower) {
 }
 TEST(BenchBaseline, IsSilentAboutScatterAboutASmallStepAndAboutAnotherClock) {
     Baseline const before = baseline_of(run(quiet));
-    EXPECT_TRUE(moved(before, baseline_of(run({115, 112, 101, 118, 113, 112, 114}))).empty()) << "one repetition among the old ones";
+    EXPECT_TRUE(moved(before, baseline_of(run({115, 112, 101, 118, 113, 112, 114}))).empty())
+        << "one repetition among the old ones";
     EXPECT_TRUE(moved(before, baseline_of(run({104, 104, 105, 104, 105, 104, 104}))).empty()) << "4 %";
     EXPECT_TRUE(moved(before, baseline_of(run(quiet, 1.7))).empty());
 }
-/// Google Benchmark writes NaN for the relative scatter of numbers whose mean is 0: thirteen minutes of benchmarks ended in a parse error.
+/// Google Benchmark writes NaN for the relative scatter of numbers whose mean is 0: thirteen minutes of benchmarks
+/// ended in a parse error.
 TEST(BenchBaseline, ReadsAnAggregateThatIsNotANumber) {
     std::string text = run(quiet);
-    text.insert(text.rfind("]}"), R"(,{"run_name": "r", "run_type": "aggregate", "ns_per_update": 0.1, "ns_longest": NaN,
+    text.insert(text.rfind("]}"),
+                R"(,{"run_name": "r", "run_type": "aggregate", "ns_per_update": 0.1, "ns_longest": NaN,
         "digits": -Infinity, "label": "NaN, in words"})");
     EXPECT_EQ(baseline_of(text).rows, baseline_of(run(quiet)).rows);
 }
@@ -72,8 +79,8 @@ TEST(BenchLimits, GiveARatioOfMediansAndItsInterval) {
     EXPECT_EQ(scattered.low, 2);
     EXPECT_EQ(scattered.high, 102.0 / 50);
 }
-/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few: once in ten is let
-/// pass.
+/// Two rows of the same law: the interval leaves out the ratio 1 about once in twenty times. Seven repetitions are few:
+/// once in ten is let pass.
 TEST(BenchLimits, CoverTheTrueRatio) {
     rlslab::Seed seed{5};
     auto const repetitions = [&] {
@@ -118,12 +125,14 @@ TEST(BenchTable, HasNanosecondsInTheOrderOfTheRunAndDlibLast) {
     add("update/conventional/double/16", 80, 1), add("update/qr/double/4", 35, 17.8), add("update/qr/float/16", 3, 3);
     add("block/ud/double/4", 3, 3), add("update/ud/double/8", 3, 3), add("peer/liquid/double/4", 3, 3);
     auto const table = [](std::string const& of) {
-        return table_of_times(
-            run_of(R"({"context": {"cpu": "a processor", "compiler": "g++", "date": "2026-11-23T01:02"}, "benchmarks": [)" + of + "]}"));
+        return table_of_times(run_of(
+            R"({"context": {"cpu": "a processor", "compiler": "g++", "date": "2026-11-23T01:02"}, "benchmarks": [)" +
+            of + "]}"));
     };
     EXPECT_EQ(table(rows),
               "| ns an update, `double` | 4 parameters | 16 | 64 |\n|---|---|---|---|\n"
-              "| `ud` | 30 |  | 1300 |\n| `conventional` |  | 80 |  |\n| `qr` | 35 + 18 |  |  |\n| dlib's `rls` | 140 |  |  |\n"
+              "| `ud` | 30 |  | 1300 |\n| `conventional` |  | 80 |  |\n| `qr` | 35 + 18 |  |  |\n| dlib's `rls` | 140 "
+              "|  |  |\n"
               "\na processor, g++, 2026-11-23. After +: what `theta()` takes where it has to be solved for.\n");
     EXPECT_THROW(table(""), std::runtime_error);
 }

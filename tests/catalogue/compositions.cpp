@@ -24,7 +24,8 @@ namespace {
 
 using namespace composed_laws;
 
-// --- the bits -----------------------------------------------------------------------------------------------------------------------
+// --- the bits
+// ---------------------------------------------------------------------------------------------------------------------
 
 template <class F>
 bool same_numbers(F const& typed, AnyFilter const& composed) {
@@ -56,7 +57,8 @@ class Typed {
 
 public:
     explicit Typed(double forgetting)
-        : given_{.size = d, .forgetting = forgetting, .prior = Prior<double>{.variance = 64}}, problem_(problem_as<T>(given_)) {}
+        : given_{.size = d, .forgetting = forgetting, .prior = Prior<double>{.variance = 64}},
+          problem_(problem_as<T>(given_)) {}
     Problem<T> const& problem() const { return problem_; }
     template <class Composed>
     void check(Composed const& typed, Composition const& composition) const {
@@ -67,7 +69,8 @@ public:
     }
     void alone_is_another(Composition const& composition) const {
         auto const made = composed(composition, F::name, ArithmeticTraits<T>::name, given_);
-        EXPECT_LT(rows_alike(F(problem_), *made, records_), records_.rows()) << composition.control << composition.guard;
+        EXPECT_LT(rows_alike(F(problem_), *made, records_), records_.rows())
+            << composition.control << composition.guard;
     }
 };
 template <class F>
@@ -96,14 +99,18 @@ void check_others() {
     t.check(Guarded<Relay<F, Ud<std::conditional_t<std::same_as<T, float>, double, Quad>>>, handing_over>(t.problem()),
             {.guard = "hand_over"});
     t.check(Guarded<W, resetting>(W(t.problem(), {.rows = 30}), t.problem()), {.window = 30, .guard = "reset"});
-    t.check(Forgetting<F, RotatingRidge<T>>(t.problem(), {.ridge = T(0.25)}), {.control = "ridge", .parameters = {0.25}});
-    t.check(Forgetting<F, CovarianceReset<T>>(t.problem(), {.period = 70, .variance = T(9)}), {.control = "reset", .parameters = {70, 9}});
-    t.check(Forgetting<F, RandomWalk<T>>(t.problem(), {.variance = T(0.01)}), {.control = "random_walk", .parameters = {0.01}});
+    t.check(Forgetting<F, RotatingRidge<T>>(t.problem(), {.ridge = T(0.25)}),
+            {.control = "ridge", .parameters = {0.25}});
+    t.check(Forgetting<F, CovarianceReset<T>>(t.problem(), {.period = 70, .variance = T(9)}),
+            {.control = "reset", .parameters = {70, 9}});
+    t.check(Forgetting<F, RandomWalk<T>>(t.problem(), {.variance = T(0.01)}),
+            {.control = "random_walk", .parameters = {0.01}});
     using Walks = Forgetting<F, RandomWalk<T>>;
     t.check(Guarded<Walks, resetting>(Walks(t.problem(), {.variance = T(0.01)}), t.problem()),
             {.control = "random_walk", .parameters = {0.01}, .guard = "reset"});
     if constexpr (ReportsInformationAlong<F>)
-        t.check(Forgetting<F, CaoSchwartz<T>>(t.problem(), {.forgetting = T(0.9)}), {.control = "cao_schwartz", .parameters = {0.9, 0}});
+        t.check(Forgetting<F, CaoSchwartz<T>>(t.problem(), {.forgetting = T(0.9)}),
+                {.control = "cao_schwartz", .parameters = {0.9, 0}});
 }
 
 TEST(Compositions, HaveTheBitsOfTheTypesInDouble) {
@@ -156,18 +163,24 @@ TEST(Compositions, WalkAsKalmansOwnFilterDoes) {
 }
 TEST(Compositions, RefuseNumbersThatTheArithmeticCannotHold) {
     Problem<double> const problem{.size = d, .prior = Prior<double>{.variance = 64}};
-    EXPECT_THROW(composed({.control = "fortescue", .parameters = {1e-300, 100, 0.5}}, "ud", "float", problem), std::invalid_argument);
-    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "float", problem), std::invalid_argument);
-    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "kalman", "float", problem), std::invalid_argument);
-    EXPECT_THROW(composed({.control = "random_walk", .parameters = {NAN}}, "ud", "double", problem), std::invalid_argument);
+    EXPECT_THROW(composed({.control = "fortescue", .parameters = {1e-300, 100, 0.5}}, "ud", "float", problem),
+                 std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "float", problem),
+                 std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {1e300}}, "kalman", "float", problem),
+                 std::invalid_argument);
+    EXPECT_THROW(composed({.control = "random_walk", .parameters = {NAN}}, "ud", "double", problem),
+                 std::invalid_argument);
     EXPECT_NE(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "double", problem), nullptr);
     EXPECT_EQ(composed({.window = 9}, "ud", "quad", problem), nullptr);
 }
-// --- the lists ----------------------------------------------------------------------------------------------------------------------
+// --- the lists
+// ---------------------------------------------------------------------------------------------------------------------
 
 template <class Rule>
 std::string type_of() {
-    std::unique_ptr<char, decltype(&std::free)> const text(abi::__cxa_demangle(typeid(Rule).name(), nullptr, nullptr, nullptr), &std::free);
+    std::unique_ptr<char, decltype(&std::free)> const text(
+        abi::__cxa_demangle(typeid(Rule).name(), nullptr, nullptr, nullptr), &std::free);
     return text.get();
 }
 template <auto member>
@@ -184,9 +197,12 @@ TEST(Compositions, RulesAndPoliciesArePrintedAsTheyAreWritten) {
             EXPECT_THAT(written, testing::HasSubstr("::" + std::string(member)));
         };
         [&]<size_t... I>(std::index_sequence<I...>) {
-            (check(std::get<I>(detail::numbers_of<Rule>()).member, text_of<std::get<I>(detail::numbers_of<Rule>()).at>()), ...);
+            (check(std::get<I>(detail::numbers_of<Rule>()).member,
+                   text_of<std::get<I>(detail::numbers_of<Rule>()).at>()),
+             ...);
         }(std::make_index_sequence<std::tuple_size_v<decltype(detail::numbers_of<Rule>())>>());
-        EXPECT_TRUE(std::ifstream(std::string(RLSLAB_SOURCE_DIR "/src/rlslab/") + std::string(control_named(Rule::name).header) + ".hpp"));
+        EXPECT_TRUE(std::ifstream(std::string(RLSLAB_SOURCE_DIR "/src/rlslab/") +
+                                  std::string(control_named(Rule::name).header) + ".hpp"));
     });
     std::ifstream in(RLSLAB_SOURCE_DIR "/src/rlslab/adapt/guard_policy.hpp");
     std::string const header{std::istreambuf_iterator<char>(in), {}};
@@ -218,11 +234,13 @@ TEST(Compositions, ExistWhereNothingStandsInTheWay) {
             for (char const* arithmetic : {"float", "double"}) {
                 bool const none = !contradiction(c).empty() || !obstacle(c, entry->variant).empty();
                 auto const made = composed(c, entry->variant, arithmetic, problem);
-                ASSERT_EQ(made == nullptr, none) << entry->variant << ' ' << c.control << ' ' << c.window << ' ' << c.guard;
+                ASSERT_EQ(made == nullptr, none)
+                    << entry->variant << ' ' << c.control << ' ' << c.window << ' ' << c.guard;
                 if (!made) continue;
                 ++made_of[entry->variant];
                 Records const records = rows_of(130, 1e3, 60, Seed{14});
-                for (Index k = 0; k < records.rows(); ++k) made->update(records.sample(k), records.y[k]);  // nothing is asked in vain
+                for (Index k = 0; k < records.rows(); ++k)
+                    made->update(records.sample(k), records.y[k]);  // nothing is asked in vain
                 EXPECT_EQ(made->interval(0, 1).value, static_cast<double>(made->theta()[0])) << entry->variant;
                 made->prediction(records.sample(0), 1);
             }
@@ -231,13 +249,15 @@ TEST(Compositions, ExistWhereNothingStandsInTheWay) {
     EXPECT_GT(made_of["potter"], made_of["kalman"]);
 }
 
-// --- the command line ---------------------------------------------------------------------------------------------------------------
+// --- the command line
+// ---------------------------------------------------------------------------------------------------------------
 
 using nlohmann::json;
 
 class ComposedCommand : public Program {
 protected:
-    std::string const sales = "compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --detrend --no-timings ";
+    std::string const sales =
+        "compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --detrend --no-timings ";
     json compared(std::string const& options) const {
         Outcome const run = shell("rlslab " + sales + options + " --json");
         EXPECT_LE(run.code, 1) << options << run.err;
@@ -251,17 +271,22 @@ TEST_F(ComposedCommand, RefusesWhatMakesNoSense) {
     refused(sales + "--guard rest", "--guard: no policy \"rest\" (did you mean \"reset\"?)");
     refused(sales + "--window 0", "--window");
     refused(sales + "--window 1.5", "--window");
-    refused(sales + "--window 60 --control kulhavy", "do not go together: a window takes rows back, whose weight a rule has changed");
+    refused(sales + "--window 60 --control kulhavy",
+            "do not go together: a window takes rows back, whose weight a rule has changed");
     refused(sales + "--window 60 --guard hand_over", "do not go together");
     refused(sales + "--control random_walk", "--control: expected random_walk:VARIANCE");
-    refused(sales + "--control random_walk:nan", "--control random_walk: VARIANCE: expected a number from 0, found \"nan\"");
+    refused(sales + "--control random_walk:nan",
+            "--control random_walk: VARIANCE: expected a number from 0, found \"nan\"");
     refused(sales + "--control random_walk:1e999", "VARIANCE: expected a number");
-    refused(sales + "--control kulhavy:1.5", "--control kulhavy: LAMBDA: expected a number above 0 to 1, found \"1.5\"");
+    refused(sales + "--control kulhavy:1.5",
+            "--control kulhavy: LAMBDA: expected a number above 0 to 1, found \"1.5\"");
     refused(sales + "--control kulhavy:0.9:0:1", "--control: expected kulhavy[:LAMBDA[:EXCITATION]], found");
-    refused(sales + "--control reset:2.5", "--control reset: PERIOD: expected a whole number from 1 to 10000000, found \"2.5\"");
+    refused(sales + "--control reset:2.5",
+            "--control reset: PERIOD: expected a whole number from 1 to 10000000, found \"2.5\"");
     refused(sales + "--control reset:", "PERIOD");
     refused(sales + "--control ridge", "--control ridge: expected --forgetting below 1");
-    refused(sales + "--window 60 --arithmetic bfloat16", "--control, --window and --guard exist in float and double, not in bfloat16");
+    refused(sales + "--window 60 --arithmetic bfloat16",
+            "--control, --window and --guard exist in float and double, not in bfloat16");
     refused(sales + "--window 60 --all", "--all: does not go with --control, --window or --guard");
     refused(sales + "--guard reset --variants kalman", "kalman shows no state that could be discounted");
 }
@@ -279,34 +304,42 @@ TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     for (json const& r : window["results"]) {
         cannot += !r["obstacle"].is_null();
         EXPECT_TRUE(r["obstacle"].is_null() || r["spread"]["theta"].is_null()) << r["variant"];
-        EXPECT_EQ(r["happened"]["refactored"].size(), r["obstacle"].is_null() ? window["checkpoints"].size() : 0) << r["variant"];
+        EXPECT_EQ(r["happened"]["refactored"].size(), r["obstacle"].is_null() ? window["checkpoints"].size() : 0)
+            << r["variant"];
     }
     EXPECT_GT(cannot, 0);
     Outcome const text = shell("rlslab " + sales + "--window 500 --variants ud,potter,kalman");
-    EXPECT_THAT(text.out, testing::HasSubstr("the window of 500 rows is as long as the record, or longer: no row leaves it"));
+    EXPECT_THAT(text.out,
+                testing::HasSubstr("the window of 500 rows is as long as the record, or longer: no row leaves it"));
     EXPECT_THAT(text.out, testing::HasSubstr("shows no state"));
 }
 TEST_F(ComposedCommand, AnswersTheSameWithAnyNumberOfThreads) {
     for (std::string options : {"--window 60 --guard rebuild --json", "--control fortescue --csv", "--guard hand_over"})
-        EXPECT_EQ(shell("rlslab " + sales + options + " --threads 1").out, shell("rlslab " + sales + options + " --threads 3").out);
+        EXPECT_EQ(shell("rlslab " + sales + options + " --threads 1").out,
+                  shell("rlslab " + sales + options + " --threads 3").out);
 }
 TEST_F(ComposedCommand, SkipsMissingValuesAndNamesAnExactFit) {
-    write("holes.csv", "u,y\n" + rows(80, [](int k) { return k % 9 == 4 ? std::string("NaN") : std::to_string(k * 5 % 13); }));
-    json const holes = json::parse(shell("rlslab compare holes.csv --input u --output y --order 1 --window 20 --guard reset --json").out);
+    write("holes.csv",
+          "u,y\n" + rows(80, [](int k) { return k % 9 == 4 ? std::string("NaN") : std::to_string(k * 5 % 13); }));
+    json const holes = json::parse(
+        shell("rlslab compare holes.csv --input u --output y --order 1 --window 20 --guard reset --json").out);
     EXPECT_GT(holes["data"]["skipped"], 0);
     write(
         "exact.csv", "u,y\n" + [] {
             std::string text;
-            for (int k = 0; k < 40; ++k) text += std::to_string(k * 5 % 13) + "," + std::to_string(2 * (k * 5 % 13)) + "\n";
+            for (int k = 0; k < 40; ++k)
+                text += std::to_string(k * 5 % 13) + "," + std::to_string(2 * (k * 5 % 13)) + "\n";
             return text;
         }());
-    refused("compare exact.csv --regressors u --output y --control fortescue", "none follows from a record that the model fits exactly");
+    refused("compare exact.csv --regressors u --output y --control fortescue",
+            "none follows from a record that the model fits exactly");
     EXPECT_LE(shell("rlslab compare exact.csv --regressors u --output y --control fortescue:0.01").code, 1);
     refused("compare exact.csv --regressors u --output y --control cao_schwartz:1e-400",
             "LAMBDA: expected a number above 0 to 1 that double can hold");
 }
 
-// --- identify -----------------------------------------------------------------------------------------------------------------------
+// --- identify
+// ---------------------------------------------------------------------------------------------------------------------
 
 class ComposedIdentify : public Program {
 protected:
@@ -323,7 +356,8 @@ protected:
         write("data.csv", text);
     }
     json identified(std::string const& options) const {
-        Outcome const run = shell("rlslab identify data.csv --input u --output y --na 1 --nb 0 --delay 1 " + options + " --json");
+        Outcome const run =
+            shell("rlslab identify data.csv --input u --output y --na 1 --nb 0 --delay 1 " + options + " --json");
         EXPECT_EQ(run.code, 0) << options << run.err;
         return run.code == 0 ? json::parse(run.out) : json();
     }
@@ -367,7 +401,8 @@ TEST_F(ComposedIdentify, SaysThatItBrokeDownAndWhatIsOdd) {
 }
 TEST_F(ComposedIdentify, FollowsADrift) {
     record(5, true);
-    json const still = identified("--control constant")["tracked"], walks = identified("--control random_walk:1e-4")["tracked"];
+    json const still = identified("--control constant")["tracked"],
+               walks = identified("--control random_walk:1e-4")["tracked"];
     EXPECT_GT(double(walks["fit_one_step"]), double(still["fit_one_step"]) + 1);
     EXPECT_NEAR(double(walks["rows"].back()["theta"][1]), 2, 0.2);
     EXPECT_GT(std::abs(double(still["rows"].back()["theta"][1]) - 2), 0.3);
@@ -377,12 +412,13 @@ TEST_F(ComposedIdentify, WritesARowForEachRow) {
     identified("--window 50 --guard reset --out model");
     std::string const csv = read(folder / "model/tracked.csv");
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 1199);
-    EXPECT_THAT(
-        csv.substr(0, 120),
-        testing::StartsWith("row,y,predicted,predicted_sd,noise_variance,\"a1\",\"a1_sd\",\"b0\",\"b0_sd\",\"c\",\"c_sd\",refactored,"));
+    EXPECT_THAT(csv.substr(0, 120), testing::StartsWith("row,y,predicted,predicted_sd,noise_variance,\"a1\",\"a1_sd\","
+                                                        "\"b0\",\"b0_sd\",\"c\",\"c_sd\",refactored,"));
     EXPECT_TRUE(csv.find("\n1200,") != std::string::npos);
-    EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --variant kalman --control constant").code, 0);
-    refused("identify data.csv --input u --output y --order 1 --variant kalman --window 9", "--variant kalman: shows no state");
+    EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --variant kalman --control constant").code,
+              0);
+    refused("identify data.csv --input u --output y --order 1 --variant kalman --window 9",
+            "--variant kalman: shows no state");
     refused("identify data.csv --input u --output y --order 1 --control nothing", "--control: no control \"nothing\"");
 }
 

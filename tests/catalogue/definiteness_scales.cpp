@@ -18,7 +18,9 @@ struct Holds final : AnyFilter {
     Shown* shown;
     Holds(Stored<T> stored, Shown* in_double) : held(std::move(stored)), shown(in_double) {}
     Step<double> update(Regressor<double>, double) override { throw std::logic_error("not asked"); }
-    Step<double> update(Regressor<double>, double, Matrix<double> const&) override { throw std::logic_error("not asked"); }
+    Step<double> update(Regressor<double>, double, Matrix<double> const&) override {
+        throw std::logic_error("not asked");
+    }
     Step<double> update_block(Records const&, Index, Index) override { throw std::logic_error("not asked"); }
     Vector<Reference> theta() const override { return {}; }
     Vector<Reference> gain() const override { return {}; }
@@ -39,8 +41,8 @@ T times_power(T x, int e) {
 
 int whole(Seed& seed, int least, int most) { return least + int(seed.next() % std::uint64_t(most - least + 1)); }
 
-/// Small integers times powers of two along rows and columns: singular where `singular` (until a scale underflows), in parts
-/// a triangle, in parts one but for an entry.
+/// Small integers times powers of two along rows and columns: singular where `singular` (until a scale underflows), in
+/// parts a triangle, in parts one but for an entry.
 template <class T>
 Stored<T> random_stored(Seed& seed) {
     using Quantity = typename Stored<T>::Quantity;
@@ -61,10 +63,11 @@ Stored<T> random_stored(Seed& seed) {
         rows.push_back(graded ? all - i * grade : whole(seed, -scale, scale) / 2);
         columns.push_back(graded ? i * grade : whole(seed, -scale, scale) / 2);
     }
-    Stored<T> out{whole(seed, 0, 1) == 0 ? Quantity::covariance : Quantity::information, plain ? Form::plain : Form::factor,
-                  Matrix<T>(d, d)};
+    Stored<T> out{whole(seed, 0, 1) == 0 ? Quantity::covariance : Quantity::information,
+                  plain ? Form::plain : Form::factor, Matrix<T>(d, d)};
     for (Index j = 0; j < d; ++j)
-        for (Index i = 0; i < d; ++i) out.F(i, j) = times_power(T(B(i, j)), rows[size_t(i)] + (plain ? rows : columns)[size_t(j)]);
+        for (Index i = 0; i < d; ++i)
+            out.F(i, j) = times_power(T(B(i, j)), rows[size_t(i)] + (plain ? rows : columns)[size_t(j)]);
     if (!plain && whole(seed, 0, 1) == 0) {
         out.D.resize(d);
         for (T& x : out.D) x = times_power(T(double(whole(seed, 0, 20) - 1)), whole(seed, -scale, scale));
@@ -111,7 +114,9 @@ TYPED_TEST(QuickLook, NeverContradictsTheExactDecision) {
 template <class T>
 int contradictions_of_plain_rounding() {
     return over_random<T>(4000,
-                          [](Stored<T> const& s) { return s.template mapped<double>([](T const& x) { return static_cast<double>(x); }); })
+                          [](Stored<T> const& s) {
+                              return s.template mapped<double>([](T const& x) { return static_cast<double>(x); });
+                          })
         .wrong;
 }
 TEST(ALook, IsMisledByZerosThatRoundingMade) {
@@ -126,7 +131,8 @@ Health of_the_disguised_triangle() {
     T const a = times_power(T(1), -700), b = times_power(T(1), -1400);
     Matrix<T> F(2, 2);
     F << a, T(1), b, a;
-    return breakdown(Holds<T>({Stored<T>::Quantity::covariance, Stored<T>::Form::factor, F}, &in_double<T>), arithmetic_of<T>());
+    return breakdown(Holds<T>({Stored<T>::Quantity::covariance, Stored<T>::Form::factor, F}, &in_double<T>),
+                     arithmetic_of<T>());
 }
 TEST(ALook, SeesThroughADisguisedTriangle) {
     EXPECT_EQ(of_the_disguised_triangle<Quad>(), Health::indefinite);

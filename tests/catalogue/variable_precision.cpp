@@ -1,4 +1,5 @@
-// VariablePrecision rounds as a format of so many bits does: against float, double, the chopped formats, and exact rationals.
+// VariablePrecision rounds as a format of so many bits does: against float, double, the chopped formats, and exact
+// rationals.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "tests/common/laws.hpp"
 
@@ -40,11 +41,15 @@ TEST(VariablePrecision, EveryOperationIsRoundedOnce) {
             double const x = draw(seed, p), y = draw(seed, p);
             PrecisionScope const precision(p);
             Rational const a(x), b(y);
-            EXPECT_EQ(double(VariablePrecision(x) + VariablePrecision(y)), rounded(a + b, p)) << p << ' ' << x << ' ' << y;
-            EXPECT_EQ(double(VariablePrecision(x) - VariablePrecision(y)), rounded(a - b, p)) << p << ' ' << x << ' ' << y;
-            EXPECT_EQ(double(VariablePrecision(x) * VariablePrecision(y)), rounded(a * b, p)) << p << ' ' << x << ' ' << y;
+            EXPECT_EQ(double(VariablePrecision(x) + VariablePrecision(y)), rounded(a + b, p))
+                << p << ' ' << x << ' ' << y;
+            EXPECT_EQ(double(VariablePrecision(x) - VariablePrecision(y)), rounded(a - b, p))
+                << p << ' ' << x << ' ' << y;
+            EXPECT_EQ(double(VariablePrecision(x) * VariablePrecision(y)), rounded(a * b, p))
+                << p << ' ' << x << ' ' << y;
             if (y != 0) {
-                EXPECT_EQ(double(VariablePrecision(x) / VariablePrecision(y)), rounded(a / b, p)) << p << ' ' << x << ' ' << y;
+                EXPECT_EQ(double(VariablePrecision(x) / VariablePrecision(y)), rounded(a / b, p))
+                    << p << ' ' << x << ' ' << y;
             }
         }
 }
@@ -108,7 +113,8 @@ TEST(VariablePrecision, VariantsGiveTheBitsOfTheHardware) {
             CatalogueEntry const* const hardware = find_entry(e.variant, name);
             ASSERT_TRUE(hardware);
             Records const records = as_stored(laws::noise_records(5, 60, Seed{4}), *hardware->arithmetic);
-            auto const f = e.make(laws::problem(5, 0.96875), Seed{1}), g = hardware->make(laws::problem(5, 0.96875), Seed{1});
+            auto const f = e.make(laws::problem(5, 0.96875), Seed{1}),
+                       g = hardware->make(laws::problem(5, 0.96875), Seed{1});
             laws::take_rows(*f, records);
             laws::take_rows(*g, records);
             EXPECT_TRUE(laws::identical(f->stored(), g->stored())) << e.variant << ' ' << bits;

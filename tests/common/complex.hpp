@@ -1,4 +1,5 @@
-// What the tests of complex scalars share: rows of complex numbers, and a plain filter in which a conjugation can be left out.
+// What the tests of complex scalars share: rows of complex numbers, and a plain filter in which a conjugation can be
+// left out.
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
@@ -14,7 +15,8 @@ struct ComplexRows {
     std::vector<std::complex<double>> y;
 };
 
-/// White rows, y = psi'(1 + i, -2 + i/2, 3, ...) + noise; `real`: without imaginary parts. Multiples of 2^-20: short as rationals.
+/// White rows, y = psi'(1 + i, -2 + i/2, 3, ...) + noise; `real`: without imaginary parts. Multiples of 2^-20: short as
+/// rationals.
 inline ComplexRows complex_rows(Index size, Index rows, std::uint64_t from, double scale = 1, bool real = false) {
     ComplexRows out;
     Seed seed{from};
@@ -29,10 +31,11 @@ inline ComplexRows complex_rows(Index size, Index rows, std::uint64_t from, doub
         for (Index i = 0; i < size; ++i) {
             std::complex<double> const psi = number(1);
             out.psi.back().push_back(psi);
-            y += std::conj(psi) * std::complex<double>(i % 2 ? -double(i + 1) : double(i + 1), real ? 0 : 1 - double(i) / 2);
+            y += std::conj(psi) *
+                 std::complex<double>(i % 2 ? -double(i + 1) : double(i + 1), real ? 0 : 1 - double(i) / 2);
         }
-        out.y.push_back(
-            {std::ldexp(std::round(std::ldexp(y.real(), 20)), -20), real ? 0 : std::ldexp(std::round(std::ldexp(y.imag(), 20)), -20)});
+        out.y.push_back({std::ldexp(std::round(std::ldexp(y.real(), 20)), -20),
+                         real ? 0 : std::ldexp(std::round(std::ldexp(y.imag(), 20)), -20)});
     }
     return out;
 }
@@ -61,7 +64,8 @@ bool equal(A const& a, B const& b) {
     return true;
 }
 
-/// The textbook's recursion, every sum from the first term to the last. What it leaves unconjugated, the laws have to find.
+/// The textbook's recursion, every sum from the first term to the last. What it leaves unconjugated, the laws have to
+/// find.
 enum class Broken { nothing, innovation, innovation_variance, covariance, gain };
 template <ComplexScalar T, Broken broken>
 class Plain {

@@ -13,7 +13,9 @@ struct Fit {
     Matrix<Rational> inverse;  // (Phi'Phi)^-1
     Rational J;
     double sigma2(Index freedom) const { return static_cast<double>(Rational(J / freedom)); }
-    double sd(Index i, Index freedom) const { return std::sqrt(static_cast<double>(Rational(J / freedom * inverse(i, i)))); }
+    double sd(Index i, Index freedom) const {
+        return std::sqrt(static_cast<double>(Rational(J / freedom * inverse(i, i))));
+    }
 };
 
 /// By Gauss and Jordan on [Phi'W Phi, Phi'W Y, I], w_k = lambda^(N-1-k); Phi'Phi must be regular. J is weighted.
@@ -53,7 +55,8 @@ inline Fit of(Records const& records, Rational const& lambda = 1) {
 /// P(chi^2_n > x): erfc or exp, then the recurrence in n. Abramowitz & Stegun, 26.4.4, 26.4.5, 26.4.8.
 inline double chi_squared_tail(int n, double x) {
     double p = n % 2 ? std::erfc(std::sqrt(x / 2)) : std::exp(-x / 2);
-    for (int m = n % 2 ? 1 : 2; m < n; m += 2) p += std::exp(m / 2.0 * std::log(x / 2) - x / 2 - std::lgamma(m / 2.0 + 1));
+    for (int m = n % 2 ? 1 : 2; m < n; m += 2)
+        p += std::exp(m / 2.0 * std::log(x / 2) - x / 2 - std::lgamma(m / 2.0 + 1));
     return p;
 }
 

@@ -1,4 +1,5 @@
-// Runs the tests of a program with the kernels of an earlier instruction set than the machine's best: RLSLAB_TEST_ISA=baseline|avx2|avx512.
+// Runs the tests of a program with the kernels of an earlier instruction set than the machine's best:
+// RLSLAB_TEST_ISA=baseline|avx2|avx512.
 #include "tests/common/each_isa.hpp"
 
 #include <gtest/gtest.h>

@@ -20,9 +20,12 @@ bool identical(A const& a, B const& b) {
             if (!identical(Reference(a(i, j)), Reference(b(i, j)))) return false;
     return true;
 }
-inline bool identical(Stored<Reference> const& a, Stored<Reference> const& b) { return identical(a.F, b.F) && identical(a.D, b.D); }
+inline bool identical(Stored<Reference> const& a, Stored<Reference> const& b) {
+    return identical(a.F, b.F) && identical(a.D, b.D);
+}
 
-/// Rows of bell-shaped noise in psi, and y = psi' (1, -2, 3, ...) + noise; exact in binary64, rounded by who takes them.
+/// Rows of bell-shaped noise in psi, and y = psi' (1, -2, 3, ...) + noise; exact in binary64, rounded by who takes
+/// them.
 inline Records noise_records(Index size, Index rows, Seed seed) {
     Records out{.psi = Eigen::MatrixXd(size, rows), .y = Vector<double>(rows), .names = {}};
     for (Index k = 0; k < rows; ++k) {
@@ -71,8 +74,9 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(CatalogueEntry const&
     return identical(g->theta(), twice);
 }
 
-/// Rows taken without a report leave what they leave with one, and the next report is the same. In blocks, or with rounding
-/// at random, nothing is promised. Three nearly dependent columns without a prior: a short word breaks down on the way.
+/// Rows taken without a report leave what they leave with one, and the next report is the same. In blocks, or with
+/// rounding at random, nothing is promised. Three nearly dependent columns without a prior: a short word breaks down on
+/// the way.
 inline bool rows_without_report_leave_the_same_bits(CatalogueEntry const& entry) {
     if (entry.block > 1 || entry.arithmetic->stochastic) return true;
     Problem<double> p = problem(3, 0.96875);
@@ -142,7 +146,8 @@ inline bool a_nan_is_reported(CatalogueEntry const& entry) {
     return f->update(psi, 1).health == Health::nonfinite;
 }
 
-// --- laws with a budget, in units of the arithmetic's epsilon ---------------------------------------------------------
+// --- laws with a budget, in units of the arithmetic's epsilon
+// ---------------------------------------------------------
 
 inline double norm(Vector<Reference> const& x) {
     Reference sum = 0;

@@ -21,8 +21,8 @@ inline std::string read(fs::path const& path) {
 
 /// The command on so many ranks of an MPI job, more of them than cores if need be.
 inline std::string on_ranks(int number, std::string const& command) {
-    return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n " + std::to_string(number) +
-           " " + command;
+    return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe --bind-to none -n " +
+           std::to_string(number) + " " + command;
 }
 
 struct Outcome {
@@ -46,8 +46,8 @@ protected:
         return text;
     }
     Outcome shell(std::string const& command) const {
-        std::string const line =
-            "cd '" + folder.string() + "' && rlslab() { '" + program + "' \"$@\"; } && { " + command + "; } >out.txt 2>err.txt </dev/null";
+        std::string const line = "cd '" + folder.string() + "' && rlslab() { '" + program + "' \"$@\"; } && { " +
+                                 command + "; } >out.txt 2>err.txt </dev/null";
         int const status = std::system(("bash -c '" + quoted(line) + "'").c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder / "out.txt"), read(folder / "err.txt")};
     }

@@ -13,8 +13,8 @@ struct Screen {
     std::string text;
 };
 
-/// Runs it in bash with standard input, output and error on a terminal of so many columns. What `type` first answers to the text so far
-/// is typed.
+/// Runs it in bash with standard input, output and error on a terminal of so many columns. What `type` first answers to
+/// the text so far is typed.
 inline Screen on_a_terminal(std::string const& command, std::function<std::string(std::string const&)> type = {},
                             unsigned short columns = 80) {
     winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
@@ -28,7 +28,8 @@ inline Screen on_a_terminal(std::string const& command, std::function<std::strin
     }
     Screen screen{-1, {}};
     char part[4096];
-    for (ssize_t n; (n = ::read(terminal, part, sizeof part)) > 0;) {  // an error where the last of the terminal's writers is gone
+    for (ssize_t n;
+         (n = ::read(terminal, part, sizeof part)) > 0;) {  // an error where the last of the terminal's writers is gone
         screen.text.append(part, size_t(n));
         std::string const keys = type ? type(screen.text) : "";
         if (keys.empty()) continue;

@@ -1,4 +1,5 @@
-// The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the catalogue's.
+// The code that `compare` prints compiles as it stands, and the filter it makes learns the same bits as the
+// catalogue's.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/composed.hpp>
 #include "compare/answer.hpp"
@@ -56,7 +57,9 @@ std::string learnt_by(std::string const& text, Records const& records) {
     }
     rows.close();
     std::string const in = "cd '" + folder.path.string() + "' && ";
-    if (std::system((in + RLSLAB_COMPILE + " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp -o main").c_str()) != 0)
+    if (std::system(
+            (in + RLSLAB_COMPILE + " -O0 -Wall -Wextra -Wpedantic -Werror -Wno-maybe-uninitialized main.cpp -o main")
+                .c_str()) != 0)
         return "does not compile:\n" + text;
     if (std::system((in + "./main > out.txt").c_str()) != 0) return "does not run:\n" + text;
     std::ifstream out(folder.path / "out.txt");
@@ -72,9 +75,9 @@ std::string learnt_by_the_catalogues(Comparison const& c, Records const& records
         if (entry.variant != r.variant || entry.arithmetic->name != r.arithmetic) continue;
         Problem<double> const problem{.size = records.parameters(), .forgetting = c.options.forgetting, .prior = prior};
         std::unique_ptr<AnyFilter> const filter =
-            c.options.composition.empty()
-                ? entry.make(problem, Seed{1})
-                : std::unique_ptr<AnyFilter>(composed(c.options.composition, entry.variant, entry.arithmetic->name, problem));
+            c.options.composition.empty() ? entry.make(problem, Seed{1})
+                                          : std::unique_ptr<AnyFilter>(composed(c.options.composition, entry.variant,
+                                                                                entry.arithmetic->name, problem));
         for (Index k = 0; k < records.rows(); ++k) {
             filter->update(records.sample(k), records.y[k]);
             for (Reference const& x : filter->theta()) out += hex(static_cast<double>(x)) + " ";
@@ -111,15 +114,17 @@ TEST(GuardedCode, CompilesAndLearnsTheSameBits) {
 
 class ComposedCode : public testing::TestWithParam<Composition> {};
 TEST_P(ComposedCode, CompilesAndLearnsTheSameBits) {
-    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 2),
-                                      {.forgetting = 0.96875, .variants = {"ud"}, .arithmetics = {"float"}, .composition = GetParam()});
+    expect_the_code_to_learn_the_same(
+        arx("data/sales.csv", "lead", "sales", 2),
+        {.forgetting = 0.96875, .variants = {"ud"}, .arithmetics = {"float"}, .composition = GetParam()});
 }
-INSTANTIATE_TEST_SUITE_P(Compositions, ComposedCode,
-                         testing::Values(Composition{.window = 60, .guard = "reset"},
-                                         Composition{.control = "kulhavy", .parameters = {0.97, 0}},
-                                         Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"},
-                                         Composition{.guard = "hand_over"}),
-                         [](auto const& one) { return one.param.control + std::to_string(one.param.window) + one.param.guard; });
+INSTANTIATE_TEST_SUITE_P(
+    Compositions, ComposedCode,
+    testing::Values(Composition{.window = 60, .guard = "reset"},
+                    Composition{.control = "kulhavy", .parameters = {0.97, 0}},
+                    Composition{.control = "random_walk", .parameters = {1e-4}, .guard = "rebuild"},
+                    Composition{.guard = "hand_over"}),
+    [](auto const& one) { return one.param.control + std::to_string(one.param.window) + one.param.guard; });
 
 struct Source {
     char const *file, *input, *output;
@@ -129,7 +134,8 @@ class Code : public testing::TestWithParam<Source> {};
 TEST_P(Code, OfARealRecordCompilesAndLearnsTheSameBits) {
     auto const& [file, input, output, order] = GetParam();
     if (!fs::exists(fs::path(RLSLAB_SOURCE_DIR) / file)) GTEST_SKIP() << "left out: " << file << " is not here";
-    expect_the_code_to_learn_the_same(arx(file, input, output, order), {.forgetting = 0.98, .arithmetics = {"float", "double"}});
+    expect_the_code_to_learn_the_same(arx(file, input, output, order),
+                                      {.forgetting = 0.98, .arithmetics = {"float", "double"}});
 }
 INSTANTIATE_TEST_SUITE_P(Records, Code,
                          testing::Values(Source{"data/sales.csv", "lead", "sales", 2},
@@ -139,8 +145,9 @@ INSTANTIATE_TEST_SUITE_P(Records, Code,
                          [](auto const& source) { return fs::path(source.param.file).stem().string(); });
 
 TEST(Code, OfManyParametersAGivenPriorAndAFactorOfTheInformation) {
-    expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 9, true),
-                                      {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});  // 20: of dynamic size
+    expect_the_code_to_learn_the_same(
+        arx("data/sales.csv", "lead", "sales", 9, true),
+        {.p0 = 1e7, .variants = {"qr"}, .arithmetics = {"double"}});  // 20: of dynamic size
 }
 TEST(Code, OfAWholeNumberThatFloatDoesNotHold) {
     expect_the_code_to_learn_the_same(arx("data/sales.csv", "lead", "sales", 1),
@@ -196,10 +203,13 @@ TEST(Code, TheModelStandsAboveTheFilter) {
               "// y[k] = psi'theta,  psi = (-y[k-1], u[k], 1)\n"
               "// theta = (a1, b0, 1)\n"
               "// the columns as the filter takes them: (u less 0.5, y less -2.25)\n"
-              "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = rlslab::Prior<float>{.variance = 4.0}});\n"
-              "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not rlslab::Health::sound\n");
+              "rlslab::InverseQr<float, 3> filter({.size = 3, .forgetting = 0.98, .prior = "
+              "rlslab::Prior<float>{.variance = 4.0}});\n"
+              "// each row: step = filter.update(psi, y); do not use filter.theta() while step.health is not "
+              "rlslab::Health::sound\n");
     EXPECT_EQ(verdict(c),
-              "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; 10 operations\n");
+              "in float  use inverse_qr  keeps 6.0 digits of theta (5.0 to 7.0), 5.0 of its worst component, 6.0 of P; "
+              "10 operations\n");
 }
 
 }  // namespace

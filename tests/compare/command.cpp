@@ -24,7 +24,8 @@ protected:
         EXPECT_LE(run.code, 1) << arguments << run.err;
         if (run.code > 1) return json();
         json const out = json::parse(run.out);
-        bool const some = std::ranges::any_of(out["recommendation"], [](json const& r) { return !r["variant"].is_null(); });
+        bool const some =
+            std::ranges::any_of(out["recommendation"], [](json const& r) { return !r["variant"].is_null(); });
         EXPECT_EQ(run.code, some ? 0 : 1) << arguments << ": 1 where no variant is recommended";
         return out;
     }
@@ -33,7 +34,9 @@ protected:
         EXPECT_LE(run.code, 1) << run.err;
         return run.out;
     }
-    static std::string recommended(json const& out, size_t arithmetic) { return out["recommendation"][arithmetic]["variant"]; }
+    static std::string recommended(json const& out, size_t arithmetic) {
+        return out["recommendation"][arithmetic]["variant"];
+    }
     static std::set<std::string> arithmetics(json const& out) {
         std::set<std::string> names;
         for (json const& r : out["results"]) names.insert(r["arithmetic"]);
@@ -66,7 +69,8 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     std::string const out = text(sales);
     std::string const in_float = recommended(compared(sales), 0);
     size_t const verdict = out.find("\nin float   use " + in_float + "  keeps "),
-                 code = out.find("\n    #include <rlslab/variants/" + in_float + ".hpp>\n"), table = out.find("\nfloat (24 bits");
+                 code = out.find("\n    #include <rlslab/variants/" + in_float + ".hpp>\n"),
+                 table = out.find("\nfloat (24 bits");
     ASSERT_NE(verdict, out.npos) << out;
     EXPECT_NE(out.find("\nin double  use " + recommended(compared(sales), 1), verdict), out.npos);
     EXPECT_LT(verdict, code);
@@ -95,13 +99,15 @@ TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
 
 TEST_F(CompareCommand, TakesOtherNamesOfArithmetics) {
     std::string const plain = "two.csv --regressors u --output y --variants ud --arithmetic ";
-    EXPECT_EQ(arithmetics(compared(plain + "half,single,fp64")), (std::set<std::string>{"binary16", "float", "double"}));
+    EXPECT_EQ(arithmetics(compared(plain + "half,single,fp64")),
+              (std::set<std::string>{"binary16", "float", "double"}));
     for (std::string const name : {"fp32", "f32", "binary32"})
         EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"float"});
     for (std::string const name : {"fp16", "f16", "float16"})
         EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"binary16"});
     EXPECT_EQ(arithmetics(compared(plain + "bf16")), std::set<std::string>{"bfloat16"});
-    for (std::string const name : {"f64", "binary64"}) EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
+    for (std::string const name : {"f64", "binary64"})
+        EXPECT_EQ(arithmetics(compared(plain + name)), std::set<std::string>{"double"});
     EXPECT_THAT(shell("rlslab compare two.csv --regressors u --output y --intercept --digits 3 --arithmetic f32").out,
                 HasSubstr(" in float"));
 }
@@ -118,23 +124,27 @@ std::vector<std::string> shown_on_a_terminal(std::string const& command, unsigne
 }
 TEST_F(CompareCommand, FitsATerminalAndSaysWhatIsLeftOut) {
     std::string const in = "cd '" + folder.string() + "'; '" + program + "' compare two.csv ";
-    for (std::string const model :
-         {"--input u,v --output y --order 2 --all", "--input u,v --output y --order 2 --variants conventional_two_sided,joseph",
-          "--input u,v --output y --order 2 --p0 1e-9 --detrend", "--input u,v --output y --order 1 --control kulhavy:0.97 --guard reset"})
+    for (std::string const model : {"--input u,v --output y --order 2 --all",
+                                    "--input u,v --output y --order 2 --variants conventional_two_sided,joseph",
+                                    "--input u,v --output y --order 2 --p0 1e-9 --detrend",
+                                    "--input u,v --output y --order 1 --control kulhavy:0.97 --guard reset"})
         for (unsigned short const columns : std::initializer_list<unsigned short>{80, 95, 110}) {
             auto const lines = shown_on_a_terminal(in + model + " --quiet", columns);
             EXPECT_GT(lines.size(), 20u) << model;
             for (std::string const& line : lines) EXPECT_LE(line.size(), columns) << model;
-            std::string const out = columns == 80   ? "Left out, for 80 columns: low, high, asym. A terminal of 114 columns"
+            std::string const out = columns == 80
+                                        ? "Left out, for 80 columns: low, high, asym. A terminal of 114 columns"
                                     : columns == 95 ? "Left out, for 95 columns: high, asym. A terminal"
                                                     : "Left out, for 110 columns: asym. A terminal";
-            EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) { return line.starts_with(out); })) << model << columns;
+            EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) { return line.starts_with(out); }))
+                << model << columns;
         }
     std::string const model = "--input u,v --output y --order 2 --no-timings";
     std::string wide;
     for (std::string const& line : shown_on_a_terminal(in + model, 140)) wide += line + '\n';
     EXPECT_THAT(wide, Not(HasSubstr("Left out")));
-    EXPECT_THAT(wide, HasSubstr("low  mid high    low  mid high    low  mid high  breakdown            asym   ops     ns\n"));
+    EXPECT_THAT(wide,
+                HasSubstr("low  mid high    low  mid high    low  mid high  breakdown            asym   ops     ns\n"));
 }
 
 /// The sums of squares are exact, so nothing but exponents may change: not a digit, not a breakdown.
@@ -197,15 +207,18 @@ TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     std::string const longley =
-        "'" + root + "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
+        "'" + root +
+        "/data/nist/longley.csv' --regressors x1,x2,x3,x4,x5,x6 --output y --intercept --arithmetic double";
     json const out = compared(longley);
     // https://www.itl.nist.gov/div898/strd/lls/data/Longley.shtml
-    constexpr double certified[] = {-3482258.63459582, 15.0618722713733,       -0.358191792925910e-01, -2.02022980381683,
-                                    -1.03322686717359, -0.511041056535807e-01, 1829.15146461355};
+    constexpr double certified[] = {-3482258.63459582, 15.0618722713733,  -0.358191792925910e-01,
+                                    -2.02022980381683, -1.03322686717359, -0.511041056535807e-01,
+                                    1829.15146461355};
     for (size_t i = 0; i < 7; ++i) {
         EXPECT_NEAR(std::stod(out["reference"]["least_squares"][i].get<std::string>()) / certified[i], 1, 1e-14);
         double const with = std::stod(out["reference"]["theta"][i].get<std::string>());
-        EXPECT_NEAR(-std::log10(std::abs(with / certified[i] - 1)), out["reference"]["agreement"][i].get<double>(), 0.01);
+        EXPECT_NEAR(-std::log10(std::abs(with / certified[i] - 1)), out["reference"]["agreement"][i].get<double>(),
+                    0.01);
     }
     EXPECT_LE(out["reference"]["prior_bias"].get<double>(), 1e-3);
     std::string const said = text(longley);
@@ -224,7 +237,8 @@ TEST_F(CompareCommand, TakesSeveralInputs) {
     json const listed = compared("two.csv --regressors 'y[k-1],u[k-1..k-2],v[k-1],v[k-2]' --output y --intercept");
     EXPECT_EQ(listed["data"]["regressors"], (json{"1", "y[k-1]", "u[k-1]", "u[k-2]", "v[k-1]", "v[k-2]"}));
     for (size_t i = 0; i < 6; ++i) {
-        std::string const own = listed["reference"]["least_squares"][i], of_arx = arx["reference"]["least_squares"][(i + 5) % 6];
+        std::string const own = listed["reference"]["least_squares"][i],
+                          of_arx = arx["reference"]["least_squares"][(i + 5) % 6];
         EXPECT_EQ((i == 1 ? "-" : "") + own, of_arx) << "y[k-1] has its own sign";
     }
     EXPECT_THAT(listed["code"].get<std::string>(), HasSubstr("psi = (1, y[k-1], u[k-1], u[k-2], v[k-1], v[k-2])"));
@@ -273,20 +287,22 @@ TEST_F(CompareCommand, WritesAPageThatLoadsNothing) {
     for (char const* figure : {"along", "spread-float", "spread-double", "cost"})
         EXPECT_THAT(page, HasSubstr("<figure id=\"" + std::string(figure) + "\">"));
     std::string const best = recommended(json::parse(read(folder / "made/here/compare.json")), 0);
-    for (std::string const& said : {std::string("as stored: lambda 1, rank 5 of 5"), std::string("<th>asymmetry</th>"),
-                                    "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
-                                    std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
-                                    "digits of theta, float (24 bits): ★ " + best + ", in the code"})
+    for (std::string const& said :
+         {std::string("as stored: lambda 1, rank 5 of 5"), std::string("<th>asymmetry</th>"),
+          "<tr class=\"strong\"><td>★ " + best + "</td>", std::string("class=\"strong\"><svg class=\"key\""),
+          std::string("Not drawn: qr_sparse, cholesky_sparse"), std::string("; conventional loses "),
+          "digits of theta, float (24 bits): ★ " + best + ", in the code"})
         EXPECT_THAT(page, HasSubstr(said));
     for (char const* loads : {"src=", "<link", "@import", "url("}) EXPECT_THAT(page, Not(HasSubstr(loads)));
-    EXPECT_THAT(page, HasSubstr("<pre>#include &lt;rlslab/variants/" + best + ".hpp&gt;\n\n// sales[k] = psi&#39;theta"));
+    EXPECT_THAT(page,
+                HasSubstr("<pre>#include &lt;rlslab/variants/" + best + ".hpp&gt;\n\n// sales[k] = psi&#39;theta"));
     for (char const* nothing : {"nan", "inf<", "-inf"}) EXPECT_THAT(page, Not(HasSubstr(nothing)));
     shell("rlslab compare " + sales + " --no-timings --out again --threads 1");
     EXPECT_EQ(read(folder / "again/compare.html"), page);
 }
 TEST_F(CompareCommand, WritesAPageOfFormsThatBrokeDown) {
-    Outcome const run =
-        shell("rlslab compare " + sales + " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
+    Outcome const run = shell("rlslab compare " + sales +
+                              " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
     ASSERT_EQ(run.code, 0) << run.err;
     std::string const page = read(folder / "out/compare.html");
     EXPECT_THAT(page, HasSubstr("conventional: indefinite at row "));
@@ -304,8 +320,9 @@ TEST_F(CompareCommand, TheTableSaysWhatTheJsonSays) {
         char expected[200];
         int n = std::snprintf(expected, sizeof expected, "%-22s", r["variant"].get<std::string>().c_str());
         for (char const* of : {"theta", "worst", "covariance"})
-            n += std::snprintf(expected + n, sizeof expected - size_t(n), " %5.1f%5.1f%5.1f ", r["spread"][of]["low"].get<double>(),
-                               r["spread"][of]["median"].get<double>(), r["spread"][of]["high"].get<double>());
+            n += std::snprintf(expected + n, sizeof expected - size_t(n), " %5.1f%5.1f%5.1f ",
+                               r["spread"][of]["low"].get<double>(), r["spread"][of]["median"].get<double>(),
+                               r["spread"][of]["high"].get<double>());
         EXPECT_TRUE(std::ranges::any_of(lines, [&](std::string const& line) {
             return line.size() > 2 && line.substr(2).starts_with(expected);
         })) << expected;

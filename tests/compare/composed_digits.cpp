@@ -21,8 +21,8 @@ namespace {
 
 using namespace composed_laws;
 
-Comparison compared(Records const& records, Composition const& composition, double forgetting = 1, std::vector<std::string> variants = {},
-                    std::optional<double> p0 = {}) {
+Comparison compared(Records const& records, Composition const& composition, double forgetting = 1,
+                    std::vector<std::string> variants = {}, std::optional<double> p0 = {}) {
     return compare::compare(records, {.forgetting = forgetting,
                                       .p0 = p0,
                                       .variants = variants,
@@ -50,7 +50,8 @@ void expect_same_paths(Comparison const& a, Comparison const& plain) {
         EXPECT_EQ(x.certified_to, a.rows);
         ASSERT_EQ(x.path.size(), y.path.size());
         for (size_t k = 0; k < x.path.size(); ++k)
-            EXPECT_TRUE(x.path[k].theta == y.path[k].theta && x.path[k].covariance == y.path[k].covariance) << x.entry->variant << k;
+            EXPECT_TRUE(x.path[k].theta == y.path[k].theta && x.path[k].covariance == y.path[k].covariance)
+                << x.entry->variant << k;
     }
     EXPECT_GE(seen, 20);
 }
@@ -69,11 +70,13 @@ TEST(ComposedDigits, OfAWindowAreOfItsRows) {
     for (unsigned seed : {31, 32, 33})
         for (double forgetting : {1.0, 0.96875}) {
             Records const records = rows_of(400, 1e4, 220, Seed{seed});
-            Comparison const c = compared(records, {.window = 40}, forgetting, {"ud", "qr", "carlson", "gentleman"}, 0.5);
+            Comparison const c =
+                compared(records, {.window = 40}, forgetting, {"ud", "qr", "carlson", "gentleman"}, 0.5);
             Index refactored = 0;
             for (Result const& r : c.results) {
                 double const unit = r.entry->arithmetic->decimal_digits();
-                EXPECT_GE(least_digits(c, r), unit - 5) << r.entry->variant << ' ' << r.entry->arithmetic->name << " seed " << seed;
+                EXPECT_GE(least_digits(c, r), unit - 5)
+                    << r.entry->variant << ' ' << r.entry->arithmetic->name << " seed " << seed;
                 EXPECT_EQ(r.certified_to, 400);
                 refactored += r.happened.back().refactored;
             }
@@ -116,7 +119,8 @@ TEST(ComposedDigits, OfARuleAreOfItsOwnRecursion) {
     for (unsigned seed : {41, 42, 43}) {
         Records const records = rows_of(200, 1, 110, Seed{seed});
         for (Composition const& rule : rules) {
-            Comparison const c = compared(records, rule, rule.control == "ridge" ? 0.9375 : 1, {"ud", "qr", "inverse_qr", "kalman"}, 16.0);
+            Comparison const c = compared(records, rule, rule.control == "ridge" ? 0.9375 : 1,
+                                          {"ud", "qr", "inverse_qr", "kalman"}, 16.0);
             for (Result const& r : c.results) {
                 if (!r.obstacle.empty()) continue;
                 EXPECT_GE(least_digits(c, r), r.entry->arithmetic->decimal_digits() - 4)
@@ -134,12 +138,14 @@ TEST(ComposedDigits, OfARuleFallWhereItsNumberIsAnother) {
     CatalogueEntry const& ud = *find_entry("ud");
     CompositionReference right({.control = "kulhavy", .parameters = {0.97, 0}}, stored, 30);
     EXPECT_GE(score_composed(ud, stored, right).spread->theta.low, 12);
-    for (double const agreement : right.recursion("ud").agreement) EXPECT_GE(agreement, 70);  // ud's and qr's, in 77 digits
+    for (double const agreement : right.recursion("ud").agreement)
+        EXPECT_GE(agreement, 70);  // ud's and qr's, in 77 digits
     auto const off = composed({.control = "kulhavy", .parameters = {0.9700001, 0}}, "ud", "double", problem);
     for (Index k = 0; k < 200; ++k) off->update(records.sample(k), records.y[k]);
     double error = 0;
     for (Index i = 0; i < d; ++i)
-        error = std::max(error, std::abs(static_cast<double>(Reference(off->theta()[i] - right.recursion("ud").theta.back()[i]))));
+        error = std::max(
+            error, std::abs(static_cast<double>(Reference(off->theta()[i] - right.recursion("ud").theta.back()[i]))));
     EXPECT_GT(error, 1e-10);
 }
 TEST(ComposedDigits, OfAGuardAreOfItsRecursionFromWhereItActs) {
@@ -150,7 +156,8 @@ TEST(ComposedDigits, OfAGuardAreOfItsRecursionFromWhereItActs) {
         for (Result const& r : c.results) {
             EXPECT_EQ(r.happened.back().outliers, 1) << r.entry->variant;
             EXPECT_EQ(r.certified_to, *(std::ranges::upper_bound(c.checkpoints, Index(160)) - 1));
-            EXPECT_GE(least_digits(c, r), r.entry->arithmetic->decimal_digits() - 4) << r.entry->variant << r.entry->arithmetic->name;
+            EXPECT_GE(least_digits(c, r), r.entry->arithmetic->decimal_digits() - 4)
+                << r.entry->variant << r.entry->arithmetic->name;
         }
         Comparison const alone = compared(records, {.guard = "report"}, 1, {"ud"});
         EXPECT_GE(alone.results[0].happened.back().outliers, 1);
@@ -165,21 +172,24 @@ TEST(ComposedDigits, TellWhyAVariantCannot) {
         if (r.obstacle.empty()) can.emplace(r.entry->variant);
         else EXPECT_TRUE(r.path.empty() && !r.spread && !r.breakdown) << r.entry->variant;
     EXPECT_EQ(can, (std::set<std::string>{"carlson", "ud", "inverse_qr", "information", "qr", "gentleman"}));
-    EXPECT_THROW(compared(records, {.control = "cao_schwartz", .parameters = {0.97, 0}}, 1, {"potter", "joseph"}), InputError);
+    EXPECT_THROW(compared(records, {.control = "cao_schwartz", .parameters = {0.97, 0}}, 1, {"potter", "joseph"}),
+                 InputError);
     EXPECT_THROW(compared(records, {.control = "kulhavy", .parameters = {0.97, 0}, .window = 9}), InputError);
 }
 /// The printed code defines the composed type.
 TEST(ComposedCode, NamesTheTypes) {
     Records const records = rows_of(120, 1, 1000, Seed{71});
     std::string const window = code(compared(records, {.window = 50, .guard = "reset"}, 1, {"ud"}));
-    EXPECT_THAT(window, testing::HasSubstr("rlslab::Windowed<rlslab::Ud<float, 4>> const unguarded(problem, {.rows = 50});\n"
-                                           "rlslab::Guarded<rlslab::Windowed<rlslab::Ud<float, 4>>, rlslab::resetting> "
-                                           "filter(unguarded, problem);"));
+    EXPECT_THAT(window,
+                testing::HasSubstr("rlslab::Windowed<rlslab::Ud<float, 4>> const unguarded(problem, {.rows = 50});\n"
+                                   "rlslab::Guarded<rlslab::Windowed<rlslab::Ud<float, 4>>, rlslab::resetting> "
+                                   "filter(unguarded, problem);"));
+    EXPECT_THAT(code(compared(records, {.control = "random_walk", .parameters = {0.25}}, 1, {"ud"})),
+                testing::HasSubstr("rlslab::Forgetting<rlslab::Ud<float, 4>, rlslab::RandomWalk<float>> "
+                                   "filter(problem, {.variance = 0.25});"));
     EXPECT_THAT(
-        code(compared(records, {.control = "random_walk", .parameters = {0.25}}, 1, {"ud"})),
-        testing::HasSubstr("rlslab::Forgetting<rlslab::Ud<float, 4>, rlslab::RandomWalk<float>> filter(problem, {.variance = 0.25});"));
-    EXPECT_THAT(code(compared(records, {.guard = "hand_over"}, 1, {"ud"})),
-                testing::HasSubstr("rlslab::Relay<rlslab::Ud<float, 4>, rlslab::Ud<double, 4>> const unguarded(problem);"));
+        code(compared(records, {.guard = "hand_over"}, 1, {"ud"})),
+        testing::HasSubstr("rlslab::Relay<rlslab::Ud<float, 4>, rlslab::Ud<double, 4>> const unguarded(problem);"));
 }
 
 }  // namespace

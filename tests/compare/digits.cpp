@@ -35,12 +35,14 @@ DigitsAnswer answered(Records const& records, CompareOptions options) {
     return digits_answer(records, options);
 }
 
-/// Digits of the worst parameter of the filter in the answer, run here, against the certified least squares of the data as given.
+/// Digits of the worst parameter of the filter in the answer, run here, against the certified least squares of the data
+/// as given.
 double digits_of(DigitsAnswer const& answer, Records const& records, bool backwards = false) {
     ArithmeticTrial const& t = *answer.chosen();
     Records taken = records;
     for (Index i = 0; i < records.parameters() && !t.exponents.empty(); ++i)
-        for (Index k = 0; k < records.rows(); ++k) taken.psi(i, k) = std::ldexp(taken.psi(i, k), t.exponents[size_t(i)]);
+        for (Index k = 0; k < records.rows(); ++k)
+            taken.psi(i, k) = std::ldexp(taken.psi(i, k), t.exponents[size_t(i)]);
     for (double& y : taken.y) y = std::ldexp(y, t.output_exponent);
     if (backwards) taken.psi = taken.psi.rowwise().reverse().eval(), taken.y = taken.y.reverse().eval();
     double const lambda = t.comparison.options.forgetting;
@@ -48,8 +50,10 @@ double digits_of(DigitsAnswer const& answer, Records const& records, bool backwa
         {.size = taken.parameters(), .forgetting = lambda, .prior = t.comparison.scaled_prior->prior()}, Seed{1});
     for (Index k = 0; k < taken.rows(); ++k) filter->update(taken.sample(k), taken.y[k]);
     Vector<Reference> theta = filter->theta();  // of the columns as given
-    for (Index i = 0; i < theta.size() && !t.exponents.empty(); ++i) theta[i] = ldexp(theta[i], t.exponents[size_t(i)] - t.output_exponent);
-    return certified({.size = records.parameters(), .forgetting = lambda, .prior = std::nullopt}, records, {records.rows()})
+    for (Index i = 0; i < theta.size() && !t.exponents.empty(); ++i)
+        theta[i] = ldexp(theta[i], t.exponents[size_t(i)] - t.output_exponent);
+    return certified({.size = records.parameters(), .forgetting = lambda, .prior = std::nullopt}, records,
+                     {records.rows()})
         .front()
         .theta_digits_worst(theta);
 }
@@ -82,7 +86,8 @@ TEST(Digits, CountsTheWorstParameterOfTheDataAsGiven) {
     if (answer.chosen()) {
         EXPECT_GE(digits_of(answer, rows), 3);
     }
-    for (KeptDigits const& k : answer.trials.back().sound) EXPECT_LE(k.at_end, 3.2) << k.result->entry->variant << ": the data leave 2.97";
+    for (KeptDigits const& k : answer.trials.back().sound)
+        EXPECT_LE(k.at_end, 3.2) << k.result->entry->variant << ": the data leave 2.97";
 }
 
 TEST(Digits, WeakensThePriorUntilItLeavesTheDigitsAndNoFurtherThanTheArithmeticGoes) {
@@ -108,7 +113,8 @@ TEST(Digits, SaysThatNothingDoes) {
     EXPECT_THAT(text, HasSubstr("\ndouble: "));
     EXPECT_THAT(text, Not(HasSubstr("filter(")));
     EXPECT_THROW(answered(rows, {.arithmetics = {"float", "flaot"}}), InputError);
-    EXPECT_EQ(answered(rows, {.arithmetics = {"float", "float"}, .digits = 20}).trials.size(), 1u) << "named twice is tried once";
+    EXPECT_EQ(answered(rows, {.arithmetics = {"float", "float"}, .digits = 20}).trials.size(), 1u)
+        << "named twice is tried once";
 }
 
 /// A parameter that is exactly zero has no digits; the others do.
@@ -129,9 +135,10 @@ TEST(Digits, ScalesColumnsWhereTheRangeIsInTheWay) {
         double output;
         std::vector<std::string> arithmetic;
         bool scaled;
-    } const cases[] = {{{1e6, 1e-7}, 1, {"binary16"}, true},   {{1, 1}, 1, {"binary16"}, false}, {{1, 1}, 1e-42, {"float"}, true},
-                       {{0x1p70, 1}, 0x1p70, {"float"}, true}, {{1, 1000}, 1, {"float"}, false}, {{0x1p-505, 1}, 1, {"double"}, true},
-                       {{0x1p400, 1}, 1, {"double"}, true},    {{1e30, 1}, 1, {"double"}, false}};
+    } const cases[] = {{{1e6, 1e-7}, 1, {"binary16"}, true}, {{1, 1}, 1, {"binary16"}, false},
+                       {{1, 1}, 1e-42, {"float"}, true},     {{0x1p70, 1}, 0x1p70, {"float"}, true},
+                       {{1, 1000}, 1, {"float"}, false},     {{0x1p-505, 1}, 1, {"double"}, true},
+                       {{0x1p400, 1}, 1, {"double"}, true},  {{1e30, 1}, 1, {"double"}, false}};
     for (auto const& [sizes, output, arithmetic, scaled] : cases) {
         Records rows = record(200, sizes, 0.05, Seed{406});
         rows.y *= output;
@@ -174,9 +181,11 @@ TEST(Digits, AreKeptByWhatCompareWouldRecommend) {
         for (Result const& r : t.comparison.results)
             if (takes_single_rows(r) && is_sound(r)) sound.push_back(&r);
         std::vector<Result const*> const order = ranked(sound, digits);
-        EXPECT_EQ(*std::ranges::find_if(order, [&](Result const* r) { return std::ranges::find(enough, r) != enough.end(); }),
-                  answer.choice()->result);
-        EXPECT_EQ(t.comparison.recommendations.front().variant, order.front()->entry->variant) << "compare's own, for so many digits";
+        EXPECT_EQ(
+            *std::ranges::find_if(order, [&](Result const* r) { return std::ranges::find(enough, r) != enough.end(); }),
+            answer.choice()->result);
+        EXPECT_EQ(t.comparison.recommendations.front().variant, order.front()->entry->variant)
+            << "compare's own, for so many digits";
     }
 }
 
@@ -212,10 +221,13 @@ TEST_F(Program, AnswersDigitsInTextAndJsonWithCodeThatSaysSo) {
     refused("compare sales.csv" + words + "--digits 2 --arithmetic flaot", "did you mean \"float\"?");
     refused("compare sales.csv --output sales", "--input: expected");
     write("wide.csv", "a,y\n" + rows(40, [](int k) { return std::to_string(k * 5 % 13) + "e30"; }));
-    Outcome const wide = shell("rlslab compare wide.csv --regressors a --output y --arithmetic float --detrend --digits 2");
+    Outcome const wide =
+        shell("rlslab compare wide.csv --regressors a --output y --arithmetic float --detrend --digits 2");
     EXPECT_THAT(wide.out, HasSubstr("// then each regressor times (2^-1"));
-    EXPECT_LT(wide.out.find("// the columns as the filter takes them"), wide.out.find("// then each regressor times")) << "means first";
-    EXPECT_THAT(shell("rlslab compare ok.csv --regressors u --output y --arithmetic binary16 --digits 1").out, HasSubstr("no C++ here"));
+    EXPECT_LT(wide.out.find("// the columns as the filter takes them"), wide.out.find("// then each regressor times"))
+        << "means first";
+    EXPECT_THAT(shell("rlslab compare ok.csv --regressors u --output y --arithmetic binary16 --digits 1").out,
+                HasSubstr("no C++ here"));
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ struct Solved {
 };
 Solved solved(Records const& r, Index rows, double lambda, double p00, double p11) {
     Rational const l(lambda);
-    Rational m00 = p00 > 0 ? Rational(1) / Rational(p00) : Rational(0), m01 = 0, m11 = p11 > 0 ? Rational(1) / Rational(p11) : Rational(0),
-             b0 = 0, b1 = 0;
+    Rational m00 = p00 > 0 ? Rational(1) / Rational(p00) : Rational(0), m01 = 0,
+             m11 = p11 > 0 ? Rational(1) / Rational(p11) : Rational(0), b0 = 0, b1 = 0;
     for (Index k = 0; k < rows; ++k) {
         Rational const x = r.psi(0, k), z = r.psi(1, k), y = r.y[k];
         m00 = l * m00 + x * x, m01 = l * m01 + x * z, m11 = l * m11 + z * z, b0 = l * b0 + x * y, b1 = l * b1 + z * y;
@@ -55,7 +55,8 @@ double theta_digits(Vector<Reference> const& x, Solved const& s) {
 }
 double worst_digits(Vector<Reference> const& x, Solved const& s) {
     double out = infinity;
-    for (int i = 0; i < 2; ++i) out = std::min(out, digits_of(abs(Reference((x[i] - wide(s.theta[i])) / wide(s.theta[i])))));
+    for (int i = 0; i < 2; ++i)
+        out = std::min(out, digits_of(abs(Reference((x[i] - wide(s.theta[i])) / wide(s.theta[i])))));
     return out;
 }
 Matrix<Reference> rebuilt(Stored<Reference> const& stored) {
@@ -84,8 +85,9 @@ void expect_digits(std::optional<double> const& said, double worked_out, double 
 }
 
 Comparison compared(Records const& r, double lambda, std::optional<double> p0 = {}) {
-    return compare::compare(r,
-                            {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
+    return compare::compare(
+        r,
+        {.forgetting = lambda, .p0 = p0, .arithmetics = {"bfloat16", "binary16", "float", "double"}, .timings = false});
 }
 
 TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
@@ -99,12 +101,14 @@ TEST(ComparisonNumbers, DigitsAtEachCheckpoint) {
         for (Result const& r : c.results) {
             Arithmetic const& a = *r.entry->arithmetic;
             Records const stored = as_stored(given, a);
-            auto const filter = r.entry->make({.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()}, Seed{1});
+            auto const filter =
+                r.entry->make({.size = 2, .forgetting = lambda, .prior = c.scaled_prior->prior()}, Seed{1});
             ASSERT_EQ(r.path.size(), c.checkpoints.size());
             for (Index k = 0; k < given.rows(); ++k) {
                 if (r.entry->block == 1) filter->update(stored.sample(k), stored.y[k]);
                 else filter->update_block(stored, k, k + 1);
-                std::string const what = std::string(r.entry->variant) + " in " + std::string(a.name) + " at " + std::to_string(k);
+                std::string const what =
+                    std::string(r.entry->variant) + " in " + std::string(a.name) + " at " + std::to_string(k);
                 Solved const s = solved(stored, k + 1, lambda, P0(0, 0), P0(1, 1));
                 Digits const& said = r.path[size_t(k)];
                 double const most = a.digits * std::log10(2);
@@ -146,12 +150,15 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                     Stored<Reference> const held = filter->stored();
                     Vector<Reference> const theta = filter->theta();
                     bool const finite = is_finite(theta[0]) && is_finite(theta[1]);
-                    Matrix<Reference> const X = rebuilt({Stored<Reference>::Quantity::covariance, held.form, held.F, held.D});
-                    // A 2 x 2 matrix is definite if its trace and determinant are positive; 257 bits hold the products of short words.
+                    Matrix<Reference> const X =
+                        rebuilt({Stored<Reference>::Quantity::covariance, held.form, held.F, held.D});
+                    // A 2 x 2 matrix is definite if its trace and determinant are positive; 257 bits hold the products
+                    // of short words.
                     Reference const off = (X(0, 1) + X(1, 0)) / 2;
                     if (!(X(0, 0) + X(1, 1) > 0 && X(0, 0) * X(1, 1) - off * off > 0) && !first) first = k + 1;
                     if (k + 1 < 4) continue;
-                    Solved const s = solved(rows, k + 1, lambda, (*problem.prior->covariance)(0, 0), (*problem.prior->covariance)(1, 1));
+                    Solved const s = solved(rows, k + 1, lambda, (*problem.prior->covariance)(0, 0),
+                                            (*problem.prior->covariance)(1, 1));
                     double const most = a.digits * std::log10(2);
                     all.theta.push_back(finite ? std::min(most, theta_digits(theta, s)) : -infinity);
                     all.worst.push_back(finite ? std::min(most, worst_digits(theta, s)) : -infinity);
@@ -160,7 +167,8 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                 }
                 broke += first.has_value();
                 if (order.empty()) {
-                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, first.value_or(-1)) << r.entry->variant << a.name;
+                    EXPECT_EQ(r.breakdown.value_or(Breakdown{-1, {}}).step, first.value_or(-1))
+                        << r.entry->variant << a.name;
                 }
             }
             EXPECT_EQ(r.runs, int(orders.size()));
@@ -175,8 +183,10 @@ TEST(ComparisonNumbers, TheSpreadAndTheBreakdownsOverTheOrders) {
                 size_t const n = sorted.size();
                 ASSERT_TRUE(n == 11 || n == 44);
                 auto const tenth = [&](size_t place) { return std::round(10 * sorted[place - 1]) / 10; };
-                Spread const expected = n == 11 ? Spread{tenth(2), tenth(6), tenth(10)} : Spread{tenth(5), tenth(22), tenth(40)};
-                EXPECT_EQ((*r.spread).*PerMeasure<Spread>::all()[m], expected) << r.entry->variant << " in " << a.name << " measure " << m;
+                Spread const expected =
+                    n == 11 ? Spread{tenth(2), tenth(6), tenth(10)} : Spread{tenth(5), tenth(22), tenth(40)};
+                EXPECT_EQ((*r.spread).*PerMeasure<Spread>::all()[m], expected)
+                    << r.entry->variant << " in " << a.name << " measure " << m;
             }
         }
     }
@@ -188,16 +198,22 @@ TEST(ComparisonNumbers, OfTheProblem) {
     Records const given = few_rows();
     for (double const lambda : {1.0, 0.875}) {
         Comparison const c = compared(given, lambda, 2.0);
-        Solved const with = solved(given, given.rows(), lambda, 2, 2), without = solved(given, given.rows(), lambda, 0, 0);
+        Solved const with = solved(given, given.rows(), lambda, 2, 2),
+                     without = solved(given, given.rows(), lambda, 0, 0);
         Vector<double> const s = regressor_scales(given);
         Reference change = 0, size = 0;
         for (int i = 0; i < 2; ++i) {
-            Reference const d = (wide(with.theta[i]) - wide(without.theta[i])) * s[i], w = wide(without.theta[i]) * s[i];
+            Reference const d = (wide(with.theta[i]) - wide(without.theta[i])) * s[i],
+                            w = wide(without.theta[i]) * s[i];
             change += d * d;
             size += w * w;
-            EXPECT_NEAR(c.agreement[size_t(i)], digits_of(abs(Reference(wide(with.theta[i]) / wide(without.theta[i]) - 1))), 1e-12);
-            EXPECT_NEAR(static_cast<double>(Reference(Reference(c.theta[size_t(i)]) / wide(with.theta[i]) - 1)), 0, 1e-29);
-            EXPECT_NEAR(static_cast<double>(Reference(Reference(c.least_squares[size_t(i)]) / wide(without.theta[i]) - 1)), 0, 1e-29);
+            EXPECT_NEAR(c.agreement[size_t(i)],
+                        digits_of(abs(Reference(wide(with.theta[i]) / wide(without.theta[i]) - 1))), 1e-12);
+            EXPECT_NEAR(static_cast<double>(Reference(Reference(c.theta[size_t(i)]) / wide(with.theta[i]) - 1)), 0,
+                        1e-29);
+            EXPECT_NEAR(
+                static_cast<double>(Reference(Reference(c.least_squares[size_t(i)]) / wide(without.theta[i]) - 1)), 0,
+                1e-29);
             EXPECT_NE(c.theta[size_t(i)], c.least_squares[size_t(i)]);
         }
         EXPECT_NEAR(c.prior_bias / static_cast<double>(sqrt(Reference(change / size))), 1, 1e-12);
@@ -231,7 +247,8 @@ TEST(ComparisonNumbers, OfStorage) {
         Solved const with = solved(stored, stored.rows(), l, p0, p0), without = solved(stored, stored.rows(), l, 0, 0);
         Reference change = 0, size = 0, moved = 0, whole = 0;
         for (int i = 0; i < 2; ++i) {
-            Reference const d = (wide(with.theta[i]) - wide(without.theta[i])) * s[i], w = wide(without.theta[i]) * s[i];
+            Reference const d = (wide(with.theta[i]) - wide(without.theta[i])) * s[i],
+                            w = wide(without.theta[i]) * s[i];
             change += d * d;
             size += w * w;
             Reference const m = wide(with.theta[i]) - wide(as_given.theta[i]), g = wide(as_given.theta[i]);
@@ -243,7 +260,8 @@ TEST(ComparisonNumbers, OfStorage) {
         EXPECT_NEAR(*effect.theta_digits, digits_of(sqrt(Reference(moved / whole))), 1e-9);
     }
     Records parallel = given;  // apart by less than bfloat16 can tell
-    for (Index k = 0; k < given.rows(); ++k) parallel.psi(1, k) = parallel.psi(0, k) * (1 + std::ldexp(double(k % 3), -14));
+    for (Index k = 0; k < given.rows(); ++k)
+        parallel.psi(1, k) = parallel.psi(0, k) * (1 + std::ldexp(double(k % 3), -14));
     Comparison const p = compared(parallel, 1);
     EXPECT_EQ(p.rounding[0].rank, 1);
     EXPECT_EQ(p.rounding[2].rank, 2);
@@ -296,8 +314,9 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
         auto const counted = cost(r.entry->variant, 2);
         EXPECT_EQ(r.operations.has_value(), counted.has_value());
         if (!counted) continue;
-        EXPECT_EQ(*r.operations, counted->update.additions + counted->update.multiplications + counted->update.divisions +
-                                     counted->update.square_roots + counted->theta.additions + counted->theta.multiplications +
+        EXPECT_EQ(*r.operations, counted->update.additions + counted->update.multiplications +
+                                     counted->update.divisions + counted->update.square_roots +
+                                     counted->theta.additions + counted->theta.multiplications +
                                      counted->theta.divisions + counted->theta.square_roots);
     }
 }
@@ -306,8 +325,10 @@ TEST(ComparisonNumbers, OperationsAreThoseOfTheCountedScalar) {
 TEST(ComparisonNumbers, StochasticRoundingIsDrawnFourTimes) {
     Records const given = few_rows();
     auto const of = [&](double lambda) {
-        return compare::compare(
-                   given, {.forgetting = lambda, .variants = {"ud"}, .arithmetics = {"binary16-stochastic", "binary16"}, .timings = false})
+        return compare::compare(given, {.forgetting = lambda,
+                                        .variants = {"ud"},
+                                        .arithmetics = {"binary16-stochastic", "binary16"},
+                                        .timings = false})
             .results;
     };
     for (double const lambda : {1.0, 0.875})

@@ -23,8 +23,8 @@ struct Made {
     std::deque<CatalogueEntry> entries{};
     std::deque<Result> results{};
 
-    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true, char const* propagates = "covariance",
-                long operations = 100) {
+    Result& add(char const* name, Spread theta, Spread worst, Spread P, bool factor = true,
+                char const* propagates = "covariance", long operations = 100) {
         entries.push_back({name, &arithmetic, false, 1, propagates, false, Family{}, nullptr, nullptr});
         Result r{.entry = &entries.back()};
         r.spread = {theta, worst, P};
@@ -34,7 +34,8 @@ struct Made {
         results.push_back(r);
         return results.back();
     }
-    Result& add(char const* name, Spread all, bool factor = true, char const* propagates = "covariance", long operations = 100) {
+    Result& add(char const* name, Spread all, bool factor = true, char const* propagates = "covariance",
+                long operations = 100) {
         return add(name, all, all, all, factor, propagates, operations);
     }
     std::vector<Result const*> all() const {
@@ -82,8 +83,9 @@ TEST(Recommendation, OfEqualLossesAFactorThenCovarianceThenFewerOperations) {
         bool factor;
         char const* propagates;
         long operations;
-    } const order[] = {{true, "covariance", 200}, {true, "covariance", 201}, {true, "information", 100}, {true, "information", 101},
-                       {false, "covariance", 50}, {false, "covariance", 51}, {false, "information", 10}};
+    } const order[] = {{true, "covariance", 200},  {true, "covariance", 201}, {true, "information", 100},
+                       {true, "information", 101}, {false, "covariance", 50}, {false, "covariance", 51},
+                       {false, "information", 10}};
     for (size_t first = 0; first < std::size(order); ++first) {
         Made m;
         for (size_t i = std::size(order); i-- > first;)
@@ -128,12 +130,13 @@ TEST(Recommendation, SaysWhyAnArithmeticIsTooShort) {
     c.condition = 2.1e5;
     Recommendation r = recommend(m.arithmetic, c);
     EXPECT_EQ(r.variant, "");
-    EXPECT_EQ(
-        r.why,
-        "carlson, the best, keeps -1.0 digits of theta's worst component at nine tenths of the checkpoints, 3 are wanted; the condition "
-        "number of the rows is 2.1e+05");
+    EXPECT_EQ(r.why,
+              "carlson, the best, keeps -1.0 digits of theta's worst component at nine tenths of the checkpoints, 3 "
+              "are wanted; the condition "
+              "number of the rows is 2.1e+05");
     c.recommendations = {r};
-    EXPECT_THAT(verdict(c), testing::StartsWith("in double  too short for this record: carlson, the best, keeps -1.0 digits"));
+    EXPECT_THAT(verdict(c),
+                testing::StartsWith("in double  too short for this record: carlson, the best, keeps -1.0 digits"));
     for (Result& result : c.results) result.spread->worst = {-INFINITY, 1, 2};
     EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("keeps no digits of theta's worst component"));
     m.arithmetic.digits = 8;
@@ -148,13 +151,18 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     Made m;
     m.add("conventional", {11, 11, 11}, {11, 11, 11}, {8, 8.2, 9}, false);
     m.add("ud", {11, 11, 11});
-    EXPECT_THAT(said(m), testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
+    EXPECT_THAT(said(m),
+                testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
     m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
-    EXPECT_THAT(said(m), testing::EndsWith("\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
+    EXPECT_THAT(said(m),
+                testing::EndsWith(
+                    "\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
     m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
     EXPECT_THAT(said(m), testing::EndsWith("loses 0.2 digits of theta; conventional broke down: indefinite at 129\n"));
     m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
-    EXPECT_THAT(said(m), HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));
+    EXPECT_THAT(
+        said(m),
+        HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));
     EXPECT_EQ(m.recommended().losses.size(), 3u);
     Made equal;
     equal.add("ud", {11, 11, 11});
@@ -171,7 +179,8 @@ TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
     EXPECT_EQ(m.recommended().variant, "sound");
     m.results.back().broken = 4;
     EXPECT_EQ(m.recommended().variant, "");
-    EXPECT_THAT(m.recommended().why, HasSubstr("all 2 variants that take single rows broke down; the condition number"));
+    EXPECT_THAT(m.recommended().why,
+                HasSubstr("all 2 variants that take single rows broke down; the condition number"));
     EXPECT_TRUE(m.recommended().too_short);
 }
 TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
@@ -211,7 +220,8 @@ TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
     c.model.output = "y[k]";
     ASSERT_EQ(warnings(c).size(), 2u);
     EXPECT_THAT(warnings(c)[0], HasSubstr("moves theta by 0.02 of itself"));
-    EXPECT_THAT(warnings(c)[1], HasSubstr("the mean of y[k] is 2.01 times its standard deviation and the model has no constant"));
+    EXPECT_THAT(warnings(c)[1],
+                HasSubstr("the mean of y[k] is 2.01 times its standard deviation and the model has no constant"));
     c.prior_bias = 0.01, c.offset = 2;
     ASSERT_EQ(warnings(c).size(), 1u);
     EXPECT_THAT(warnings(c)[0], HasSubstr("moves a component of theta by 0.5 of itself"));
@@ -373,8 +383,10 @@ TEST(Code, IsForTheShortestArithmeticOfTheHardwareThatHasARecommendation) {
 TEST(Verdict, ArithmeticsWithoutARecommendationShareALine) {
     Made m;
     Comparison c = m.comparison();
-    c.recommendations = {{"bfloat16", "", "no"}, {"float", "", "no"}, {"double", "", "other"}, {"quad", "", "no", true}};
-    EXPECT_EQ(verdict(c), "in bfloat16, float  use none: no\nin double  use none: other\nin quad  too short for this record: no\n");
+    c.recommendations = {
+        {"bfloat16", "", "no"}, {"float", "", "no"}, {"double", "", "other"}, {"quad", "", "no", true}};
+    EXPECT_EQ(verdict(c),
+              "in bfloat16, float  use none: no\nin double  use none: other\nin quad  too short for this record: no\n");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// The recommendation on real records hardly depends on the last row: when lambda or the length of the record changes a little, the variant
-// that was recommended before stays within a digit of the one that is now, or the spread printed shows why.
+// The recommendation on real records hardly depends on the last row: when lambda or the length of the record changes a
+// little, the variant that was recommended before stays within a digit of the one that is now, or the spread printed
+// shows why.
 #include "tests/common/program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -30,8 +31,9 @@ protected:
         for (size_t k = 0; k <= rows; ++k) text += lines[k] + '\n';
         write("record.csv", text);
         std::ostringstream command;
-        command << "rlslab compare record.csv --input " << GetParam().input << " --output " << GetParam().output << " --order "
-                << GetParam().order << " --forgetting " << lambda << " --arithmetic float,double --no-timings --json";
+        command << "rlslab compare record.csv --input " << GetParam().input << " --output " << GetParam().output
+                << " --order " << GetParam().order << " --forgetting " << lambda
+                << " --arithmetic float,double --no-timings --json";
         Outcome const run = shell(command.str());
         EXPECT_EQ(run.code, 0) << run.err;
         return json::parse(run.out);
@@ -42,14 +44,17 @@ protected:
             out[r["arithmetic"]] = r["variant"].is_null() ? "" : r["variant"].get<std::string>();
         return out;
     }
-    /// Digits that the variant loses in one of the three measures to the best that broke down nowhere, by the medians printed.
+    /// Digits that the variant loses in one of the three measures to the best that broke down nowhere, by the medians
+    /// printed.
     static double loss(json const& comparison, std::string const& arithmetic, std::string const& variant) {
         double most = 0;
         for (char const* of : {"theta", "worst", "covariance"}) {
             double best = -INFINITY, own = -INFINITY;
             for (json const& r : comparison["results"]) {
                 bool const takes_rows = !r["operations"].is_null() && r["variant"] != "qr_block";
-                if (r["arithmetic"] != arithmetic || r["broken"] > 0 || !takes_rows || r["spread"][of]["median"].is_null()) continue;
+                if (r["arithmetic"] != arithmetic || r["broken"] > 0 || !takes_rows ||
+                    r["spread"][of]["median"].is_null())
+                    continue;
                 best = std::max(best, r["spread"][of]["median"].get<double>());
                 if (r["variant"] == variant) own = r["spread"][of]["median"];
             }
@@ -57,15 +62,18 @@ protected:
         }
         return most;
     }
-    /// Whether the printed spreads of the two variants lie apart in one of the three measures, or one of them broke down.
-    static bool told_apart(json const& comparison, std::string const& arithmetic, std::string const& a, std::string const& b) {
+    /// Whether the printed spreads of the two variants lie apart in one of the three measures, or one of them broke
+    /// down.
+    static bool told_apart(json const& comparison, std::string const& arithmetic, std::string const& a,
+                           std::string const& b) {
         std::map<std::string, json> found;
         for (json const& r : comparison["results"])
             if (r["arithmetic"] == arithmetic) found[r["variant"]] = r;
         if (found.at(a).value("broken", 0) > 0 || found.at(b).value("broken", 0) > 0) return true;
         for (char const* of : {"theta", "worst", "covariance"}) {
             json const none, x = found.at(a).value("spread", none), y = found.at(b).value("spread", none);
-            if (!x.is_null() && !y.is_null() && (x[of]["high"] < y[of]["low"] || y[of]["high"] < x[of]["low"])) return true;
+            if (!x.is_null() && !y.is_null() && (x[of]["high"] < y[of]["low"] || y[of]["high"] < x[of]["low"]))
+                return true;
         }
         return false;
     }
@@ -78,7 +86,8 @@ protected:
             if (told_apart(one, arithmetic, variant, now) || told_apart(other, arithmetic, variant, now)) continue;
             // A digit: from low to high the spreads are about as wide, and such a part of it their medians move.
             EXPECT_LT(loss(other, arithmetic, variant) - loss(other, arithmetic, now), 0.95)
-                << what << ": in " << arithmetic << " " << variant << ", then " << now << ", and the spread does not show why";
+                << what << ": in " << arithmetic << " " << variant << ", then " << now
+                << ", and the spread does not show why";
         }
     }
 };
@@ -99,7 +108,8 @@ TEST_P(Steadiness, OverOnePercentOfTheRecord) {
         for (double const part : {0.99, 0.998}) {
             size_t const some = size_t(part * double(rows));
             expect_steady(whole, compared(some, lambda),
-                          "lambda = " + std::to_string(lambda) + ", " + std::to_string(some) + " rows of " + std::to_string(rows));
+                          "lambda = " + std::to_string(lambda) + ", " + std::to_string(some) + " rows of " +
+                              std::to_string(rows));
         }
     }
 }

@@ -1,6 +1,6 @@
 # cmake -DWHAT=bits|warnings -DCOMPILERS=g++,clang++ -DINCLUDE=... -DSYSTEM=... -DWORK_DIR=... -P run.cmake
-# An app compiles under every compiler at every level of optimisation without a warning, nothing silenced, and runs; and two
-# compilers compute the same bits, also where rounding is at random.
+# An app compiles under every compiler at every level of optimisation without a warning, nothing silenced, and runs; and
+# two compilers compute the same bits, also where rounding is at random.
 cmake_minimum_required(VERSION 3.25)
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 file(MAKE_DIRECTORY ${WORK_DIR})
@@ -28,7 +28,8 @@ foreach(compiler IN LISTS COMPILERS)
       endif()
     endforeach()
   else()
-    execute_process(COMMAND ${compiler} ${flags} -O1 ${folder}/digest.cpp -o ${WORK_DIR}/digest_${name} COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND ${compiler} ${flags} -O1 ${folder}/digest.cpp -o ${WORK_DIR}/digest_${name}
+        COMMAND_ERROR_IS_FATAL ANY)
     execute_process(COMMAND ${WORK_DIR}/digest_${name} OUTPUT_FILE ${WORK_DIR}/${name}.txt COMMAND_ERROR_IS_FATAL ANY)
     list(APPEND digests ${WORK_DIR}/${name}.txt)
   endif()

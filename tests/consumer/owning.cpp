@@ -1,5 +1,6 @@
-// Makes, copies, moves and destroys every type that owns memory and passes between an app and the compiled core. The app may
-// be compiled for another instruction set than the core: what Eigen then allocates on one side, it could not free on the other.
+// Makes, copies, moves and destroys every type that owns memory and passes between an app and the compiled core. The
+// app may be compiled for another instruction set than the core: what Eigen then allocates on one side, it could not
+// free on the other.
 #include <rlslab/model/difference.hpp>
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/model/fit.hpp>
@@ -66,7 +67,8 @@ void exact_solutions() {
         Vector<Reference> theta = passed_on(exact.theta());
         Matrix<Reference> P = passed_on(exact.covariance());
         expect(exact.theta_digits(theta) > 30 && passed_on(exact.theta_strings()).size() == 4, "its own solution");
-        Stored<Reference> stored = passed_on(Stored<Reference>{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P});
+        Stored<Reference> stored =
+            passed_on(Stored<Reference>{Stored<Reference>::Quantity::covariance, Stored<Reference>::Form::plain, P});
         expect(exact.covariance_digits(stored) > 30 && definiteness(stored) == Health::sound, "its own covariance");
         theta.conservativeResize(9);
     }

@@ -16,7 +16,8 @@ run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/first_prefix)
 # An installation may be packed and moved: it must point neither at itself nor back at the tree it came from.
 set(prefix ${WORK_DIR}/prefix)
 file(RENAME ${WORK_DIR}/first_prefix ${prefix})
-foreach(file bin/rlslab share/man/man1/rlslab.1 share/bash-completion/completions/rlslab share/zsh/site-functions/_rlslab)
+foreach(file bin/rlslab share/man/man1/rlslab.1 share/bash-completion/completions/rlslab
+    share/zsh/site-functions/_rlslab)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "${file} is not installed")
   endif()
@@ -50,8 +51,8 @@ foreach(set baseline native avx avx2 avx512f)
   endif()
 endforeach()
 
-# Of a function that the core and the app both compile, the linker keeps one: in the core, none may be Eigen's over types that
-# Eigen aligns (options 0) as the instruction set would have it.
+# Of a function that the core and the app both compile, the linker keeps one: in the core, none may be Eigen's over
+# types that Eigen aligns (options 0) as the instruction set would have it.
 file(STRINGS ${BUILD_DIR}/CMakeCache.txt nm REGEX "^CMAKE_NM:")
 string(REGEX REPLACE "^[^=]*=" "" nm "${nm}")
 file(GLOB_RECURSE core ${prefix}/librlslab_core.a)

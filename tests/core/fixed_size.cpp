@@ -18,7 +18,8 @@ bool same_bits(Stored<T> const& a, Stored<T> const& b) {
 /// The bits after 20 rows of a filter whose size is implied and of one whose size is given.
 template <template <class, int> class F, class T>
 void check(std::optional<Prior<T>> const& prior) {
-    F<T, 3> implied({.forgetting = T(0.96875), .prior = prior}), given({.size = 3, .forgetting = T(0.96875), .prior = prior});
+    F<T, 3> implied({.forgetting = T(0.96875), .prior = prior}),
+        given({.size = 3, .forgetting = T(0.96875), .prior = prior});
     EXPECT_TRUE(same_bits(implied.stored(), given.stored())) << F<T, 3>::name;
     Seed seed{4};
     for (int k = 0; k < 20; ++k) {
@@ -78,7 +79,8 @@ TEST(FixedSize, ImpliesThatOfAStoredPriorAndOfWhatIsMerged) {
         for (; part->rows < 10; ++part->rows) part->filter.update({seed.bell(), seed.bell(), seed.bell()}, seed.bell());
     EXPECT_TRUE(same_bits(F({.prior = Prior<double>{.stored = a.filter.stored()}}).stored(), a.filter.stored()));
     EXPECT_THROW(F({.prior = Prior<double>{.stored = Ud<double>({.size = 2}).stored()}}), std::invalid_argument);
-    auto const implied = merged(a, b, {.forgetting = 0.96875}), given = merged(a, b, {.size = 3, .forgetting = 0.96875});
+    auto const implied = merged(a, b, {.forgetting = 0.96875}),
+               given = merged(a, b, {.size = 3, .forgetting = 0.96875});
     ASSERT_TRUE(implied && given);
     EXPECT_TRUE(same_bits(implied->filter.stored(), given->filter.stored()));
     EXPECT_THROW((void)merged(a, b, {.size = 2}), std::invalid_argument);

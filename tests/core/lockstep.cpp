@@ -69,8 +69,9 @@ std::string parted(Index size, bool with_prior) {
             Step<T> const expected = f.update({rows[size_t(lane)].data(), size}, rows[size_t(lane)][size_t(size)]);
             Vector<T> const t = f.theta(), g = f.gain();
             auto const s = f.stored();
-            bool equal = same(step.innovation[lane], expected.innovation) && same(step.residual[lane], expected.residual) &&
-                         same(step.gamma[lane], expected.gamma) && step.health[lane] == expected.health;
+            bool equal = same(step.innovation[lane], expected.innovation) &&
+                         same(step.residual[lane], expected.residual) && same(step.gamma[lane], expected.gamma) &&
+                         step.health[lane] == expected.health;
             for (Index i = 0; i < size; ++i) equal = equal && same(theta[i][lane], t[i]) && same(gain[i][lane], g[i]);
             // A filter that is lost to NaN may spread it over the half of a triangle that nothing reads.
             bool const lost = !t.allFinite();
@@ -78,9 +79,9 @@ std::string parted(Index size, bool with_prior) {
                 for (Index i = 0; i < size; ++i) equal = equal && same(stored.F(i, j)[lane], s.F(i, j));
             for (Index i = 0; i < stored.D.size(); ++i) equal = equal && same(stored.D[i][lane], s.D[i]);
             if (!equal)
-                return std::string(One::name) + ": lane " + std::to_string(lane) + " at step " + std::to_string(k) + ", size " +
-                       std::to_string(size) + (with_prior ? "" : ", no prior") + ": " + std::string(name_of(step.health[lane])) + " and " +
-                       std::string(name_of(expected.health));
+                return std::string(One::name) + ": lane " + std::to_string(lane) + " at step " + std::to_string(k) +
+                       ", size " + std::to_string(size) + (with_prior ? "" : ", no prior") + ": " +
+                       std::string(name_of(step.health[lane])) + " and " + std::string(name_of(expected.health));
         }
     }
     return "";

@@ -1,4 +1,5 @@
-// A filter that was moved from has no size: it refuses every row, and may be assigned to. What is around one refuses with it.
+// A filter that was moved from has no size: it refuses every row, and may be assigned to. What is around one refuses
+// with it.
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/many/fleet.hpp>
 #include <rlslab/adapt/forgetting.hpp>

@@ -34,7 +34,8 @@ bool same(F const& a, F const& b) {
             for (Index i = 0; i < x.rows(); ++i) out = out && all(x(i, j) == y(i, j));
         return out;
     };
-    return equal(theta[0], theta[1]) && equal(gain[0], gain[1]) && equal(a.stored().F, b.stored().F) && equal(a.stored().D, b.stored().D);
+    return equal(theta[0], theta[1]) && equal(gain[0], gain[1]) && equal(a.stored().F, b.stored().F) &&
+           equal(a.stored().D, b.stored().D);
 }
 
 template <class... F>

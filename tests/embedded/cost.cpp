@@ -1,5 +1,5 @@
-// What one update costs: -DFILTER='Ud<float, 5>' -DSIZE=5 prints the ticks of 1000 updates; -DFILTER left out, of the loop around them.
-// tests/embedded/cost.sh makes docs/embedded.md's table of it.
+// What one update costs: -DFILTER='Ud<float, 5>' -DSIZE=5 prints the ticks of 1000 updates; -DFILTER left out, of the
+// loop around them. tests/embedded/cost.sh makes docs/embedded.md's table of it.
 #include <rlslab/variants/variants.hpp>
 
 #include <board.hpp>

@@ -1,5 +1,5 @@
-// One line for each variant of fixed size: a digest of every bit that 100 rows leave. No heap, no exceptions, no streams. The
-// same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
+// One line for each variant of fixed size: a digest of every bit that 100 rows leave. No heap, no exceptions, no
+// streams. The same on a microcontroller as where it was compiled: tests/embedded compiles this for both and compares.
 #include <rlslab/adapt/delay_line.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/state/state.hpp>
@@ -123,7 +123,8 @@ void digest_of_guarded() {
         if (k % 50 == 20) y = 1e6f;
         if (k % 50 == 30) psi[2] = std::numeric_limits<float>::infinity();
         (k < 200 ? first : second).update(psi, y);
-        if (k == 199 && load(second, std::span<std::byte const>(memory, save(first, memory))) != StateFault::none) return;
+        if (k == 199 && load(second, std::span<std::byte const>(memory, save(first, memory))) != StateFault::none)
+            return;
     }
     Digest out;
     out.add_all(second.filter().covariance());

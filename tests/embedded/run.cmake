@@ -1,11 +1,13 @@
 # cmake -DWHAT=host|cortex_m -DCOMPILERS=g++,clang++ -DSOURCE_DIR=... -DSYSTEM=... -DWORK_DIR=... -P run.cmake
-# Variants of fixed size without exceptions, type information and heap. host: compiled by each compiler, the same bits; misuse ends
-# in the program's own function, or at a trap. cortex_m: three processors, emulated, leave the bits of the host.
+# Variants of fixed size without exceptions, type information and heap. host: compiled by each compiler, the same bits;
+# misuse ends in the program's own function, or at a trap. cortex_m: three processors, emulated, leave the bits of the
+# host.
 string(REPLACE "," ";" COMPILERS "${COMPILERS}")
 string(REPLACE "," ";" SYSTEM "${SYSTEM}")
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 set(board ${SOURCE_DIR}/examples/microcontroller/board)
-set(flags -std=c++20 -O1 -ffp-contract=off -fno-exceptions -fno-rtti -DNDEBUG -Wall -Wextra -Werror -I ${SOURCE_DIR}/src -I ${board})
+set(flags -std=c++20 -O1 -ffp-contract=off -fno-exceptions -fno-rtti -DNDEBUG -Wall -Wextra -Werror -I
+    ${SOURCE_DIR}/src -I ${board})
 foreach(path IN LISTS SYSTEM)
   list(APPEND flags -isystem ${path})
 endforeach()
@@ -16,7 +18,8 @@ function(build out)    # build(OUT COMPILER_AND_FLAGS...)
   execute_process(COMMAND ${ARGN} -o ${out} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 function(expect_run said code)    # expect_run(SAID CODE COMMAND...)
-  execute_process(COMMAND ${ARGN} INPUT_FILE /dev/null OUTPUT_VARIABLE out ERROR_VARIABLE err RESULT_VARIABLE result TIMEOUT 100)
+  execute_process(COMMAND ${ARGN} INPUT_FILE /dev/null OUTPUT_VARIABLE out ERROR_VARIABLE err RESULT_VARIABLE result
+      TIMEOUT 100)
   if(NOT "${out}${err}" STREQUAL "${said}" OR NOT result MATCHES "^(${code})$")
     message(FATAL_ERROR "${ARGN}: '${out}${err}' and ${result}, not '${said}' and ${code}")
   endif()
@@ -52,7 +55,8 @@ if(compiler)
   execute_process(COMMAND ${compiler} -fsyntax-only ${WORK_DIR}/library.cpp RESULT_VARIABLE library ERROR_QUIET)
 endif()
 if(library OR NOT emulator)
-  message("skipped: needs the packages gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib and qemu-system-arm (./lab embedded)")
+  message("skipped: needs the packages gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib and "
+        "qemu-system-arm (./lab embedded)")
   return()
 endif()
 file(READ ${of_host} expected)
@@ -61,7 +65,8 @@ foreach(processor
     "mps2-an386;-mcpu=cortex-m4;-mfloat-abi=hard;-mfpu=fpv4-sp-d16"            # single precision
     "mps2-an500;-mcpu=cortex-m7;-mfloat-abi=hard;-mfpu=fpv5-d16")              # single and double
   list(POP_FRONT processor machine)
-  set(compile ${compiler} ${flags} -mthumb ${processor} -fno-threadsafe-statics -ffunction-sections -fdata-sections ${board}/cortex_m.cpp
+  set(compile ${compiler} ${flags} -mthumb ${processor} -fno-threadsafe-statics -ffunction-sections -fdata-sections
+      ${board}/cortex_m.cpp
     --specs=nano.specs -nostartfiles -T ${board}/mps2.ld -Wl,--gc-sections)
   set(run ${emulator} -M ${machine} -nographic -semihosting-config enable=on,target=native -kernel ${WORK_DIR}/app.elf)
   build(${WORK_DIR}/app.elf ${compile} ${folder}/digest.cpp)
@@ -74,7 +79,8 @@ foreach(processor
 endforeach()
 
 # That there is no heap is what the linker says: a program that asks for memory is refused.
-execute_process(COMMAND ${compile} ${folder}/heap.cpp -o ${WORK_DIR}/heap.elf RESULT_VARIABLE linked ERROR_VARIABLE said)
+execute_process(COMMAND ${compile} ${folder}/heap.cpp -o ${WORK_DIR}/heap.elf RESULT_VARIABLE linked ERROR_VARIABLE
+    said)
 if(linked EQUAL 0 OR NOT said MATCHES "_sbrk")
   message(FATAL_ERROR "a program with a heap was linked: ${said}")
 endif()

@@ -1,6 +1,7 @@
 # FindArb in prefixes of each layout, empty files for libraries: cmake -DSOURCE_DIR= -DWORK_DIR= -P run.cmake
 function(expect prefix said)
-  execute_process(COMMAND ${CMAKE_COMMAND} --fresh -S ${SOURCE_DIR} -B ${WORK_DIR}/build -DCMAKE_PREFIX_PATH=${WORK_DIR}/${prefix}
+  execute_process(COMMAND ${CMAKE_COMMAND} --fresh -S ${SOURCE_DIR} -B ${WORK_DIR}/build
+      -DCMAKE_PREFIX_PATH=${WORK_DIR}/${prefix}
     -DCMAKE_MAKE_PROGRAM=${CMAKE_COMMAND}    # nothing is built
     -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF -DCMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH=OFF
     RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -16,7 +17,8 @@ function(lay prefix)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK_DIR})
-lay(flint3 include/flint/arb.h include/flint/flint.h include/mpfr.h include/gmp.h lib/libflint.so lib/libmpfr.so lib/libgmp.so)
+lay(flint3 include/flint/arb.h include/flint/flint.h include/mpfr.h include/gmp.h lib/libflint.so lib/libmpfr.so
+    lib/libgmp.so)
 lay(debian12 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h
   lib/libflint-arb.so lib/libflint.so lib/libmpfr.so lib/libgmp.so)
 lay(arb2 include/arb.h include/flint/flint.h include/mpfr.h include/gmp.h

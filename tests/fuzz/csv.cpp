@@ -1,5 +1,5 @@
-// Any bytes as a CSV file: read, or refused in one printable line; what was read does not depend on how the bytes came, and is
-// read again bit for bit from what it is written as.
+// Any bytes as a CSV file: read, or refused in one printable line; what was read does not depend on how the bytes came,
+// and is read again bit for bit from what it is written as.
 #include "tests/fuzz/fuzz.hpp"
 
 #include <rlslab/input/csv.hpp>
@@ -20,9 +20,9 @@ struct Outcome {
             return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b);
         };
         return refusal == other.refusal && data.header == other.data.header && data.names == other.data.names &&
-               data.lines == other.data.lines && std::ranges::equal(data.values, other.data.values, [&](auto const& a, auto const& b) {
-                   return std::ranges::equal(a, b, same);
-               });
+               data.lines == other.data.lines &&
+               std::ranges::equal(data.values, other.data.values,
+                                  [&](auto const& a, auto const& b) { return std::ranges::equal(a, b, same); });
     }
 };
 
@@ -72,7 +72,9 @@ void take(std::string_view bytes) {
     CsvFormat format;
     if (!bytes.empty()) {  // the first byte is the format
         unsigned const choice = static_cast<unsigned char>(bytes[0]);
-        if (choice < 32) format = {.separator = "\0,;\t| "[choice % 8 % 6], .decimal = "\0.,"[choice / 8 % 3]}, bytes.remove_prefix(1);
+        if (choice < 32)
+            format = {.separator = "\0,;\t| "[choice % 8 % 6], .decimal = "\0.,"[choice / 8 % 3]},
+            bytes.remove_prefix(1);
     }
     Outcome const whole = read(bytes, bytes.size() + 1, format);
     expect(whole == read(bytes, 1 + bytes.size() % 7, format), "the same in pieces");
@@ -80,9 +82,12 @@ void take(std::string_view bytes) {
     expect(whole.data.rows() > 0, "rows, or a refusal");
     for (auto const& column : whole.data.values) {
         expect(Index(column.size()) == whole.data.rows(), "columns of equal length");
-        for (double const x : column) expect(std::isnan(x) || std::abs(x) <= largest_value, "values within bounds, or missing");
+        for (double const x : column)
+            expect(std::isnan(x) || std::abs(x) <= largest_value, "values within bounds, or missing");
     }
-    if (!whole.data.header && whole.data.names.size() > 0 && whole.data.names.back() != std::to_string(whole.data.names.size())) return;
+    if (!whole.data.header && whole.data.names.size() > 0 &&
+        whole.data.names.back() != std::to_string(whole.data.names.size()))
+        return;
     for (std::string const& name : whole.data.names)
         if (name.find("\r\n") != name.npos) return;  // a line's end, and written again another
     std::string const text = written(whole.data);

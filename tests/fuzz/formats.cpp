@@ -19,7 +19,8 @@ class MemoryFile {
 
 public:
     explicit MemoryFile(std::string_view bytes) {
-        expect(descriptor_ >= 0 && write(descriptor_, bytes.data(), bytes.size()) == ssize_t(bytes.size()), "a file in memory");
+        expect(descriptor_ >= 0 && write(descriptor_, bytes.data(), bytes.size()) == ssize_t(bytes.size()),
+               "a file in memory");
     }
     MemoryFile(MemoryFile const&) = delete;
     MemoryFile& operator=(MemoryFile const&) = delete;
@@ -50,14 +51,17 @@ std::string unpacked_in_pieces(std::string_view bytes, std::size_t of_packed, st
 
 void take(std::string_view bytes) {
     if (bytes.starts_with(gzip_begins))
-        expect(unpacked_in_pieces(bytes, bytes.size(), 4096) == unpacked_in_pieces(bytes, 3, 511), "the same in pieces");
+        expect(unpacked_in_pieces(bytes, bytes.size(), 4096) == unpacked_in_pieces(bytes, 3, 511),
+               "the same in pieces");
     MemoryFile const file(bytes);
-    for (std::vector<std::string> const& asked : {std::vector<std::string>{"u", "y"}, {"x_1", "x_2"}, {"1"}, {"s"}}) try {
+    for (std::vector<std::string> const& asked : {std::vector<std::string>{"u", "y"}, {"x_1", "x_2"}, {"1"}, {"s"}})
+        try {
             Columns const data = read_data(DataFile(file.path()), asked);
             expect(data.rows() > 0 && data.values.size() == asked.size(), "rows, or a refusal");
             for (auto const& column : data.values) {
                 expect(Index(column.size()) == data.rows(), "columns of equal length");
-                for (double const x : column) expect(std::isnan(x) || std::abs(x) <= largest_value, "values within bounds, or missing");
+                for (double const x : column)
+                    expect(std::isnan(x) || std::abs(x) <= largest_value, "values within bounds, or missing");
             }
         } catch (InputError const& error) {
             one_line(error);

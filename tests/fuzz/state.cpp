@@ -1,5 +1,5 @@
-// Any bytes as a state: refused in one printable line, or a filter that goes on; with the checksum made right, too, so that what stands
-// behind it is reached.
+// Any bytes as a state: refused in one printable line, or a filter that goes on; with the checksum made right, too, so
+// that what stands behind it is reached.
 #include "tests/fuzz/fuzz.hpp"
 
 #include <rlslab/adapt/forgetting.hpp>
@@ -21,7 +21,8 @@ void offer(std::span<std::byte const> bytes) {
         std::vector<std::byte> again(state_size(f));
         save(f, std::span(again));
         if (StateHeader header; StateHeader::read(bytes, header) == StateFault::none && header.version == state_version)
-            expect(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()), "what was loaded to be saved as it was");
+            expect(std::equal(again.begin(), again.end(), bytes.begin(), bytes.end()),
+                   "what was loaded to be saved as it was");
         Vector<T> const psi = Vector<T>::Constant(Vector<T>(f.theta()).size(), T(1));
         for (int k = 0; k < 3; ++k) f.update(psi, T(2));
         (void)Vector<T>(f.theta());
@@ -31,7 +32,8 @@ void offer(std::span<std::byte const> bytes) {
     }
     F fixed(Problem<T>{.size = 2});
     auto const before = state_of(fixed);
-    if (load(fixed, bytes) != StateFault::none) expect(state_of(fixed) == before, "a filter that is as it was where a state is refused");
+    if (load(fixed, bytes) != StateFault::none)
+        expect(state_of(fixed) == before, "a filter that is as it was where a state is refused");
 }
 /// Small enough for the longest input.
 struct OverThreeRows : Windowed<Ud<float>> {
@@ -56,8 +58,9 @@ void take(std::string_view text) {
             sum.add(std::span(bytes).first(bytes.size() - StateHeader::checksum));
             detail::write_low(sum.value(), StateHeader::checksum, bytes.data() + bytes.size() - StateHeader::checksum);
         }
-        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>, Guarded<Ud<float>>,
-                  OverThreeRows, Guarded<OverThreeRows>, Forgetting<Ud<double>, Fortescue<double>>, Weighted<Ud<double>>>(bytes);
+        offer_all<Ud<float>, Information<double>, QrBlock<double>, Kalman<float>, Gentleman<BFloat16>, Carlson<Quad>,
+                  Guarded<Ud<float>>, OverThreeRows, Guarded<OverThreeRows>, Forgetting<Ud<double>, Fortescue<double>>,
+                  Weighted<Ud<double>>>(bytes);
     }
 }
 

@@ -1,4 +1,5 @@
-// Every citation in the tree resolves: pages by item or section, papers, links, paths, tests and studies by name. No formula was wrapped.
+// Every citation in the tree resolves: pages by item or section, papers, links, paths, tests and studies by name. No
+// formula was wrapped.
 #include "tests/house/citations.hpp"
 
 #include <gmock/gmock.h>
@@ -26,7 +27,8 @@ TEST(Citations, AreLookedForInAllRoomsAndFound) {
         each(flattened(text), "docs/(?:theory|literature)\\.md [0-9]", [&](auto const&) { ++count; });
     }
     for (char const* room : {"src", "variants", "studies", "tests", "docs", "README.md", "CONTRIBUTING.md"})
-        EXPECT_TRUE(std::ranges::any_of(tree().texts, [&](auto const& file) { return file.first.starts_with(room); })) << room;
+        EXPECT_TRUE(std::ranges::any_of(tree().texts, [&](auto const& file) { return file.first.starts_with(room); }))
+            << room;
     EXPECT_GE(cited["studies"], 60u);
     for (char const* room : {"src", "tests", "docs"}) EXPECT_GE(cited[room], 2u) << room;
     EXPECT_GE(tree().studies.size(), 34u);
@@ -35,11 +37,14 @@ TEST(Citations, AreLookedForInAllRoomsAndFound) {
 
 /// The fifteen questions stand on two pages, with one status each.
 TEST(Citations, AnswersHaveOneStatus) {
-    std::string const of = flattened(tree().texts.at("docs/questions.md")), table = tree().texts.at("docs/literature.md");
+    std::string const of = flattened(tree().texts.at("docs/questions.md")),
+                      table = tree().texts.at("docs/literature.md");
     for (int k = 1; k <= 15; ++k) {
         std::smatch answer, row;
-        ASSERT_TRUE(std::regex_search(of, answer, std::regex("\\*\\*" + std::to_string(k) + "\\. [^*]*\\*\\* (In part)?")));
-        ASSERT_TRUE(std::regex_search(table, row, std::regex("\n\\| " + std::to_string(k) + " \\| [^|]* \\| (answered|in part): ")));
+        ASSERT_TRUE(
+            std::regex_search(of, answer, std::regex("\\*\\*" + std::to_string(k) + "\\. [^*]*\\*\\* (In part)?")));
+        ASSERT_TRUE(std::regex_search(
+            table, row, std::regex("\n\\| " + std::to_string(k) + " \\| [^|]* \\| (answered|in part): ")));
         EXPECT_EQ(row[1] == "in part", answer[1].matched) << k;
     }
 }
@@ -68,21 +73,26 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"studies/a.cpp", "docs/~theory.md 12, law i", "no row i in docs"},
         Planted{"studies/a.cpp", "docs/~literature.md 2, F1 to F16", "no row F16 in docs"},
         Planted{"studies/a.cpp", "docs/~literature.md 5, question 16", "no row 16 in docs"},
-        Planted{"src/a.hpp", "see docs/~lecture.md", "no page docs"}, Planted{"studies/a.cpp", "derived (theo~ry 16)", "without its page"},
+        Planted{"src/a.hpp", "see docs/~lecture.md", "no page docs"},
+        Planted{"studies/a.cpp", "derived (theo~ry 16)", "without its page"},
         Planted{"tests/a.cpp", "// lite~rature 3.5", "without its page"},
         Planted{"tests/a.cpp", "// (lite~rature, 3.5)", "without its page"},
         Planted{"studies/a.cpp", "lite~rature F7-F9", "without its page"},
         Planted{"studies/a.cpp", "lite~rature open question 8", "without its page"},
         Planted{"tests/a.cpp", "// the theo~ry\n// lines 12 to 19", "without its page"},
-        Planted{"studies/a.cpp", "Verhaegen 1989 (reca~lled)", "no word of"}, Planted{"src/a.hpp", "// see DESI~GN.md", "not in the tree"},
+        Planted{"studies/a.cpp", "Verhaegen 1989 (reca~lled)", "no word of"},
+        Planted{"src/a.hpp", "// see DESI~GN.md", "not in the tree"},
         Planted{"src/a.hpp", "// Source: Verhaegen 19~98.", "not in docs/literature.md 6"},
         Planted{"src/a.hpp", "// Golub & Kah~an 1965", "not in docs/literature.md 6"},
         Planted{"src/a.hpp", "// Bo~ehme 1992", "not in docs/literature.md 6"},
-        Planted{"README.md", "[page](docs/none.svg)", "no file for"}, Planted{"docs/speed.md", "[page](docs/theory.md)", "no file for"},
-        Planted{"README.md", "[page](#nowhere)", "no anchor for"}, Planted{"docs/speed.md", "[7](theory.md#97)", "no anchor for"},
+        Planted{"README.md", "[page](docs/none.svg)", "no file for"},
+        Planted{"docs/speed.md", "[page](docs/theory.md)", "no file for"},
+        Planted{"README.md", "[page](#nowhere)", "no anchor for"},
+        Planted{"docs/speed.md", "[7](theory.md#97)", "no anchor for"},
         Planted{"docs/speed.md", "[docs/theory.md\n7](theory.md#8)", "says one number"},
         Planted{"README.md", "look at `src/nowhere.hpp`", "no file src/nowhere.hpp"},
-        Planted{"README.md", "`<rlslab/nowhere.hpp>`", "no file rlslab"}, Planted{"docs/speed.md", "Code: `nowhere.hpp`", "occurs 0 times"},
+        Planted{"README.md", "`<rlslab/nowhere.hpp>`", "no file rlslab"},
+        Planted{"docs/speed.md", "Code: `nowhere.hpp`", "occurs 0 times"},
         Planted{"docs/speed.md", "`CMakeLists.cpp` and `citations.cpp`", "occurs 0 times"},
         Planted{"docs/speed.md", "Tests: `Citations.DoNotResolve`", "no test"},
         Planted{"docs/speed.md", "Tests: `Quotations.*`", "no test"},
@@ -99,12 +109,17 @@ TEST(Citations, OfEveryFormThatIsTrueAreTaken) {
           Planted{"studies/a.cpp", "docs/theory.md 12 to 23, 26; docs/literature.md 3.9 to 3.11", ""},
           Planted{"studies/a.cpp", "docs/literature.md 2, F1 to F6, F12, as far as they go", ""},
           Planted{"studies/a.cpp", "docs/theory.md 28, laws i and ii; docs/literature.md 5, question 8 (Norris)", ""},
-          Planted{"src/a.hpp", "Golub 1965; Demmel et al. 2012; Yang & Böhme 1992; Läuchli 1961; made in November 2026", ""},
+          Planted{"src/a.hpp", "Golub 1965; Demmel et al. 2012; Yang & Böhme 1992; Läuchli 1961; made in November 2026",
+                  ""},
           Planted{"docs/speed.md", "[docs/theory.md 7](theory.md#7), [3.1](literature.md#3.1), `[](double x)`", ""},
-          Planted{"docs/speed.md", "[x](../README.md#choose-a-variant), [y](#missed-by-how-much-and-what-bounds-it)", ""},
-          Planted{"README.md", "[a folder](variants), [page](docs/theory.md#corrections), <https://example.org>, `out/report.md`", ""},
+          Planted{"docs/speed.md", "[x](../README.md#choose-a-variant), [y](#missed-by-how-much-and-what-bounds-it)",
+                  ""},
+          Planted{"README.md",
+                  "[a folder](variants), [page](docs/theory.md#corrections), <https://example.org>, `out/report.md`",
+                  ""},
           Planted{"README.md", "`<rlslab/variants/ud.hpp>`. One file, `variants/averaged.hpp`. `citations.hpp`", ""},
-          Planted{"docs/speed.md", "Tests: `Citations.OfEveryFileResolve`, `Citations.*`. Studies: `nist` (also `ud`).", ""},
+          Planted{"docs/speed.md", "Tests: `Citations.OfEveryFileResolve`, `Citations.*`. Studies: `nist` (also `ud`).",
+                  ""},
           Planted{"studies/a.cpp", ".formula = R~\"tex(a \\\\\n  b \\qquad\n  c)tex\", (study gain_error)", ""}})
         EXPECT_THAT(faults(tree(), right.path, planted(right.text)), IsEmpty()) << right.text;
 }

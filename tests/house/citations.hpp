@@ -1,4 +1,5 @@
-// The checks of citations.cpp: each function takes (tree, path, text) and returns the citations in the text that do not resolve.
+// The checks of citations.cpp: each function takes (tree, path, text) and returns the citations in the text that do not
+// resolve.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +28,8 @@ void each(std::string const& text, char const* pattern, F&& f) {
     std::regex const compiled(pattern);
     for (std::sregex_iterator i(text.begin(), text.end(), compiled), end; i != end; ++i) f(*i);
 }
-/// Line breaks within a paragraph, a comment or a string of literals become what a reader takes them for. A blank line stays one.
+/// Line breaks within a paragraph, a comment or a string of literals become what a reader takes them for. A blank line
+/// stays one.
 inline std::string flattened(std::string const& text) {
     std::string const whole_strings = replaced(text, "\"[ \t]*\n[ \t]*\"", "");
     std::string const paragraphs = replaced(whole_strings, "\n([ \t]*(//[/!<]*|#+)?[ \t]*\n)+", "\n\n");
@@ -84,7 +86,8 @@ struct Tree {
     std::map<std::string, Page> pages;               ///< of texts that are Markdown
     std::set<std::string> tests, studies, variants;  ///< GoogleTest's names; studies by name; variants by name
     size_t named(std::string const& ending) const {  ///< how many paths are this one, or end with it
-        return size_t(std::ranges::count_if(paths, [&](auto const& path) { return path == ending || path.ends_with("/" + ending); }));
+        return size_t(std::ranges::count_if(
+            paths, [&](auto const& path) { return path == ending || path.ends_with("/" + ending); }));
     }
 };
 inline void add(Tree& tree, std::string const& path, std::string const& text) {
@@ -92,20 +95,24 @@ inline void add(Tree& tree, std::string const& path, std::string const& text) {
     tree.texts[path] = text;
     if (path.ends_with(".md")) tree.pages[path] = page(text);
     char const* const test = "(?:TEST|TEST_F|TEST_P|TYPED_TEST|TYPED_TEST_P|RC_GTEST_PROP)\\((\\w+), ?(\\w+)";
-    if (path.starts_with("tests/")) each(text, test, [&](auto const& m) { tree.tests.insert(m[1].str() + "." + m[2].str()); });
-    if (path.starts_with("studies/")) each(text, "\n    \\.name = \"(\\w+)\"", [&](auto const& m) { tree.studies.insert(m[1]); });
+    if (path.starts_with("tests/"))
+        each(text, test, [&](auto const& m) { tree.tests.insert(m[1].str() + "." + m[2].str()); });
+    if (path.starts_with("studies/"))
+        each(text, "\n    \\.name = \"(\\w+)\"", [&](auto const& m) { tree.studies.insert(m[1]); });
     each(text, "std::string_view name = \"(\\w+)\"", [&](auto const& m) { tree.variants.insert(m[1]); });
 }
 /// Every file but what a build, a run or git has put there.
 inline Tree tree_of(std::filesystem::path const& root) {
     Tree tree;
-    std::set<std::string> const read{".cpp", ".hpp", ".md", ".txt", ".cmake", ".in", ".lua", ".css", ".js", ".json", ".py", ".sh"};
+    std::set<std::string> const read{".cpp", ".hpp", ".md", ".txt",  ".cmake", ".in",
+                                     ".lua", ".css", ".js", ".json", ".py",    ".sh"};
     std::filesystem::recursive_directory_iterator entry(root), end;
     for (; entry != end; ++entry) {
         std::filesystem::path const& path = entry->path();
         std::string const name = path.filename(), relative = path.lexically_relative(root);
         if (entry->is_directory()) {
-            bool const of_this_tree = name != ".git" && relative != "build" && relative != "out" && !exists(path / "CMakeCache.txt");
+            bool const of_this_tree =
+                name != ".git" && relative != "build" && relative != "out" && !exists(path / "CMakeCache.txt");
             if (!of_this_tree) entry.disable_recursion_pending();
             continue;
         }
@@ -117,7 +124,8 @@ inline Tree tree_of(std::filesystem::path const& root) {
     return tree;
 }
 
-/// Every number of "12 to 23, 26" as it stands at the text's beginning; `at` moves behind them. 3.9 to 3.11 are 3.9, 3.10, 3.11.
+/// Every number of "12 to 23, 26" as it stands at the text's beginning; `at` moves behind them. 3.9 to 3.11 are 3.9,
+/// 3.10, 3.11.
 inline std::vector<std::string> list(std::string_view text, size_t& at, char const* one) {
     std::regex const item(one), between("^(, | and | to )");
     std::vector<std::string> out;
@@ -128,7 +136,8 @@ inline std::vector<std::string> list(std::string_view text, size_t& at, char con
         if (separator == " to ") {
             size_t const digits = out.back().find_last_not_of("0123456789") + 1;
             if (digits < out.back().size() && next.substr(0, digits) == out.back().substr(0, digits))
-                for (int i = std::stoi(out.back().substr(digits)) + 1, last = std::stoi(next.substr(digits)); i < last; ++i)
+                for (int i = std::stoi(out.back().substr(digits)) + 1, last = std::stoi(next.substr(digits)); i < last;
+                     ++i)
                     out.push_back(next.substr(0, digits) + std::to_string(i));
         }
         out.push_back(next);
@@ -140,7 +149,8 @@ inline std::vector<std::string> list(std::string_view text, size_t& at, char con
     return out;
 }
 
-/// A page of docs/ is there; a number behind it is an item or section of it; F1, law i, question 2 are rows of a table there.
+/// A page of docs/ is there; a number behind it is an item or section of it; F1, law i, question 2 are rows of a table
+/// there.
 inline Faults places(Tree const& tree, std::string const&, std::string const& text) {
     Faults out;
     std::string const flat = flattened(text);
@@ -170,12 +180,14 @@ inline Faults places(Tree const& tree, std::string const&, std::string const& te
 inline Faults old_forms(Tree const&, std::string const&, std::string const& text) {
     Faults out;
     std::string const flat = flattened(text);
-    each(flat, "(^|[^\\w/])([Tt]heory|[Ll]iterature)(,|'s)? ((open )?(questions?|items?|lines?|sections?|laws?) )?F?[0-9]",
+    each(flat,
+         "(^|[^\\w/])([Tt]heory|[Ll]iterature)(,|'s)? ((open )?(questions?|items?|lines?|sections?|laws?) )?F?[0-9]",
          [&](auto const& m) {
              bool const in_a_journals_name = m.prefix().str().ends_with("Inf.") && m[2] == "Theory";
              if (!in_a_journals_name) out.push_back("without its page: " + m[0].str());
          });
-    each(flat, "\\b(science|style|DESIGN)\\.md\\b", [&](auto const& m) { out.push_back("not in the tree: " + m[0].str()); });
+    each(flat, "\\b(science|style|DESIGN)\\.md\\b",
+         [&](auto const& m) { out.push_back("not in the tree: " + m[0].str()); });
     each(flat,
          "\\brecal"
          "led\\b",
@@ -183,7 +195,8 @@ inline Faults old_forms(Tree const&, std::string const&, std::string const& text
     return out;
 }
 
-/// "Golub 1965", "Sayed & Kailath 1994", "Demmel et al. 2012": an entry of docs/literature.md 6 has the name before the year, and the year.
+/// "Golub 1965", "Sayed & Kailath 1994", "Demmel et al. 2012": an entry of docs/literature.md 6 has the name before the
+/// year, and the year.
 inline Faults papers(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
     std::vector<std::string> const& sources = tree.pages.at("docs/literature.md").sources;
@@ -191,17 +204,21 @@ inline Faults papers(Tree const& tree, std::string const& path, std::string cons
     if (path == "docs/literature.md") flat.resize(std::min(flat.size(), flat.find("<a id=\"6\">")));
     std::set<std::string> const no_name{"January", "February", "March",     "April",   "May",      "June",
                                         "July",    "August",   "September", "October", "November", "December"};
-    char const* const cited = "([A-Z\\x80-\\xff][a-zA-Z\\x80-\\xff]{2,})(?: et al\\.)? ((?:19|20)[0-9][0-9])(?!\\w|[.-]\\w)";
+    char const* const cited =
+        "([A-Z\\x80-\\xff][a-zA-Z\\x80-\\xff]{2,})(?: et al\\.)? ((?:19|20)[0-9][0-9])(?!\\w|[.-]\\w)";
     each(flat, cited, [&](std::smatch const& m) {
-        bool const in_capitals = std::ranges::none_of(m[1].str(), [](char c) { return c >= 'a' && c <= 'z'; });  // RFC 1952
+        bool const in_capitals =
+            std::ranges::none_of(m[1].str(), [](char c) { return c >= 'a' && c <= 'z'; });  // RFC 1952
         if (in_capitals || no_name.contains(m[1])) return;
-        if (std::ranges::none_of(sources, [&](auto const& s) { return s.find(m[1]) != s.npos && s.find(m[2]) != s.npos; }))
+        if (std::ranges::none_of(sources,
+                                 [&](auto const& s) { return s.find(m[1]) != s.npos && s.find(m[2]) != s.npos; }))
             out.push_back("not in docs/literature.md 6: " + m[0].str());
     });
     return out;
 }
 
-/// [text](file#anchor) of a Markdown page: the file is in the tree, the anchor in the file; a number as text is the anchor's.
+/// [text](file#anchor) of a Markdown page: the file is in the tree, the anchor in the file; a number as text is the
+/// anchor's.
 inline Faults links(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
     if (!path.ends_with(".md")) return out;
@@ -213,24 +230,29 @@ inline Faults links(Tree const& tree, std::string const& path, std::string const
         std::string const folder = std::filesystem::path(path).parent_path();
         std::string const beside = (std::filesystem::path(folder) / target.substr(0, hash)).lexically_normal();
         std::string const file = hash == 0 ? path : beside;
-        bool const is_folder = std::ranges::any_of(tree.paths, [&](auto const& p) { return p.starts_with(file + "/"); });
+        bool const is_folder =
+            std::ranges::any_of(tree.paths, [&](auto const& p) { return p.starts_with(file + "/"); });
         if (!tree.paths.contains(file) && !is_folder) return out.push_back("no file for " + m[0].str());
         if (hash == target.size()) return;
         std::string const anchor = target.substr(hash + 1);
         auto const cited = tree.pages.find(file);
-        if (cited == tree.pages.end() || !cited->second.anchors.contains(anchor)) return out.push_back("no anchor for " + m[0].str());
+        if (cited == tree.pages.end() || !cited->second.anchors.contains(anchor))
+            return out.push_back("no anchor for " + m[0].str());
         std::smatch number;
         std::string const words = m[1];
-        if (std::regex_search(words, number, std::regex("^(?:docs/\\w+\\.md )?([0-9]+(?:\\.[0-9]+)*)$")) && number[1] != anchor)
+        if (std::regex_search(words, number, std::regex("^(?:docs/\\w+\\.md )?([0-9]+(?:\\.[0-9]+)*)$")) &&
+            number[1] != anchor)
             out.push_back("says one number and goes to another: " + m[0].str());
     });
     return out;
 }
 
-/// `paths/in/backticks.cpp` of the pages that speak of the tree are in it; `name.hpp` is there once; `Suite.Test` is a test; studies exist.
+/// `paths/in/backticks.cpp` of the pages that speak of the tree are in it; `name.hpp` is there once; `Suite.Test` is a
+/// test; studies exist.
 inline Faults names(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
-    if (!path.ends_with(".md") || path == "CHANGELOG.md" || path == "docs/history.md") return out;  // these two tell of what was
+    if (!path.ends_with(".md") || path == "CHANGELOG.md" || path == "docs/history.md")
+        return out;  // these two tell of what was
     std::string const flat = flattened(without_fences(text));
     each(flat, "(One file, )?`<?([^`\\s<>]+)>?`", [&](std::smatch const& m) {
         std::string const name = m[2];
@@ -238,7 +260,8 @@ inline Faults names(Tree const& tree, std::string const& path, std::string const
         bool const to_be_written = m[1].matched, of_a_run = name.starts_with("out/");
         if (std::regex_match(name, std::regex("[\\w./-]+/[\\w.-]+\\.(cpp|hpp|md|csv|txt|cmake|svg|json|lua|css|js)"))) {
             bool const as_included = name.starts_with("rlslab/") && tree.named(name.substr(7)) > 0;
-            if (!to_be_written && !of_a_run && !as_included && !tree.paths.contains(name)) out.push_back("no file " + name);
+            if (!to_be_written && !of_a_run && !as_included && !tree.paths.contains(name))
+                out.push_back("no file " + name);
         } else if (std::regex_match(name, std::regex("[\\w-]+\\.(cpp|hpp)")) && tree.named(name) != 1) {
             out.push_back(name + " occurs " + std::to_string(tree.named(name)) + " times in the tree");
         } else if (std::regex_match(name, part, std::regex("([A-Z][a-z]\\w*\\.)([A-Z]\\w*|\\*)"))) {
@@ -249,7 +272,8 @@ inline Faults names(Tree const& tree, std::string const& path, std::string const
     });
     each(flat, "Studies: ([^\n]*)", [&](std::smatch const& m) {
         each(m[1], "`([a-z][a-z_]*)`", [&](std::smatch const& name) {
-            if (!tree.studies.contains(name[1]) && !tree.variants.contains(name[1])) out.push_back("no study " + name[1].str());
+            if (!tree.studies.contains(name[1]) && !tree.variants.contains(name[1]))
+                out.push_back("no study " + name[1].str());
         });
     });
     return out;
@@ -268,8 +292,8 @@ inline Faults names_in_code(Tree const& tree, std::string const& path, std::stri
     return out;
 }
 
-/// A line wrapper that takes a raw string for code puts quote marks and a line break into it. So a formula has no quote mark, and its
-/// source line ends only where the formula has a new row or wide space of its own.
+/// A line wrapper that takes a raw string for code puts quote marks and a line break into it. So a formula has no quote
+/// mark, and its source line ends only where the formula has a new row or wide space of its own.
 inline Faults formulas(Tree const&, std::string const&, std::string const& text) {
     Faults out;
     std::string const begin =

@@ -1,5 +1,5 @@
-# The examples of CONTRIBUTING.md compile as they stand: each C++ block is written to the path that its introduction names, under WORK_DIR,
-# and checked by the compiler against the tree.
+# The examples of CONTRIBUTING.md compile as they stand: each C++ block is written to the path that its introduction
+# names, under WORK_DIR, and checked by the compiler against the tree.
 #
 #   CONTRIBUTING  the page        SOURCE_DIR  the tree            WORK_DIR  for the files written here
 #   CXX           the compiler    INCLUDES    folders, | between
@@ -30,7 +30,8 @@ while(TRUE)
   string(REPLACE "<close>" "]" code "${code}")
   if(path MATCHES "\\.hpp$")    # a template: all of it is compiled only where it is instantiated
     string(REGEX MATCH "class ([A-Za-z]+)" class "${code}")
-    string(APPEND code "\n\ntemplate class rlslab::${CMAKE_MATCH_1}<double>;\ntemplate class rlslab::${CMAKE_MATCH_1}<float, 3>;")
+    string(APPEND code
+        "\n\ntemplate class rlslab::${CMAKE_MATCH_1}<double>;\ntemplate class rlslab::${CMAKE_MATCH_1}<float, 3>;")
   endif()
   file(WRITE ${WORK_DIR}/${path}.cpp "${code}\n")
   list(APPEND written ${path})
@@ -44,7 +45,8 @@ string(REPLACE "|" ";" folders "${INCLUDES}")
 list(TRANSFORM folders PREPEND -I)
 foreach(path IN LISTS written)
   execute_process(
-    COMMAND ${CXX} -std=c++20 -ffp-contract=off -fsyntax-only -I${SOURCE_DIR}/src -I${SOURCE_DIR} ${folders} ${WORK_DIR}/${path}.cpp
+    COMMAND ${CXX} -std=c++20 -ffp-contract=off -fsyntax-only -I${SOURCE_DIR}/src -I${SOURCE_DIR} ${folders}
+        ${WORK_DIR}/${path}.cpp
     RESULT_VARIABLE failed ERROR_VARIABLE errors)
   if(failed)
     message(FATAL_ERROR "CONTRIBUTING.md, ${path}:\n${errors}")

@@ -57,11 +57,13 @@ TEST(House, EveryVariantFileIsInTheListUnderItsName) {
     for (CatalogueEntry const& entry : catalogue()) names.emplace(entry.variant);
     EXPECT_THAT(names, testing::ContainerEq(variant_files()));
     for (std::string const& name : variant_files())
-        EXPECT_NE(text(root / "variants/variants.hpp").find("<rlslab/variants/" + name + ".hpp>"), std::string::npos) << name;
+        EXPECT_NE(text(root / "variants/variants.hpp").find("<rlslab/variants/" + name + ".hpp>"), std::string::npos)
+            << name;
 }
 TEST(House, EveryPairOccursOnceInTheCatalogue) {
     std::set<std::pair<std::string_view, std::string_view>> pairs;
-    for (CatalogueEntry const& entry : catalogue()) EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
+    for (CatalogueEntry const& entry : catalogue())
+        EXPECT_TRUE(pairs.emplace(entry.variant, entry.arithmetic->name).second);
     size_t dense = 0;
     for (auto const& [variant, arithmetic] : pairs) dense += !variant.ends_with("_sparse");
     EXPECT_EQ(dense, (variant_files().size() - 2) * arithmetics().size());  // the sparse two are binary64 only
@@ -87,7 +89,8 @@ struct Folder {
     std::string path;
     std::vector<std::string> stands_on;  ///< and on all that these stand on
 };
-/// THE order of the house: a folder includes what it stands on, and nothing else. Each names folders that come before it.
+/// THE order of the house: a folder includes what it stands on, and nothing else. Each names folders that come before
+/// it.
 std::vector<Folder> const house{
     {"src/rlslab/core", {}},
     {"src/rlslab/arithmetic", {"src/rlslab/core"}},
@@ -165,8 +168,8 @@ std::map<std::string, std::set<std::string>> foundations() {
 
 std::string folder_of(std::string const& path) { return fs::path(path).parent_path(); }
 
-/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue are links; what is in
-/// quotes starts at the project's folder.
+/// The files of the tree that a text includes: <rlslab/...> is below src, where rlslab/variants and rlslab/catalogue
+/// are links; what is in quotes starts at the project's folder.
 std::vector<std::string> included(std::string const& code) {
     std::vector<std::string> out;
     std::istringstream lines(code);
@@ -179,14 +182,15 @@ std::vector<std::string> included(std::string const& code) {
         bool const quoted = name.front() == '"';
         name = name.substr(1, name.find_first_of("\">", 1) - 1);
         if (quoted) out.push_back(name);
-        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/")) out.push_back(name.substr(7));
+        else if (name.starts_with("rlslab/variants/") || name.starts_with("rlslab/catalogue/"))
+            out.push_back(name.substr(7));
         else if (name.starts_with("rlslab/")) out.push_back("src/" + name);
     }
     return out;
 }
 
-/// One line for each include that leads nowhere, or to a folder on which its own does not stand, and for each folder without a
-/// place in the order; and one for each folder that, by way of others, includes itself.
+/// One line for each include that leads nowhere, or to a folder on which its own does not stand, and for each folder
+/// without a place in the order; and one for each folder that, by way of others, includes itself.
 std::vector<std::string> faults(Tree const& tree) {
     std::vector<std::string> out;
     auto const under = foundations();
@@ -197,7 +201,8 @@ std::vector<std::string> faults(Tree const& tree) {
         for (std::string const& target : included(code)) {
             std::string const to = folder_of(target);
             if (!tree.contains(target)) out.push_back(path + ": " + target + " is not in the tree");
-            else if (under.contains(from) && !under.at(from).contains(to)) out.push_back(path + ": does not stand on " + target);
+            else if (under.contains(from) && !under.at(from).contains(to))
+                out.push_back(path + ": does not stand on " + target);
             if (from != to) reached[from].insert(to);
         }
     }
@@ -234,7 +239,8 @@ TEST(House, AnArrowUpIsRefusedInEveryFolder) {
         for (Folder const& below : house) {
             if (under.at(below.path).contains(above.path)) continue;
             std::string const path = below.path + "/planted.hpp";
-            tree[path] += above.path.starts_with("src/") ? "#include <" + target.substr(4) + ">\n" : "#include \"" + target + "\"\n";
+            tree[path] += above.path.starts_with("src/") ? "#include <" + target.substr(4) + ">\n"
+                                                         : "#include \"" + target + "\"\n";
             expected.push_back(path + ": does not stand on " + target);
         }
     }
@@ -244,13 +250,16 @@ TEST(House, AnArrowUpIsRefusedInEveryFolder) {
 }
 TEST(House, ACircleIsRefused) {
     Tree tree = project();
-    tree["src/rlslab/core/planted.hpp"] = "// By way of two others.\n#pragma once\n\n#  include <rlslab/reference/certified.hpp>\n";
-    EXPECT_THAT(faults(tree), testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle",
-                                                     "src/rlslab/reference: in a circle"}));
-    EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}), Not(Contains("bench: in a circle")));
+    tree["src/rlslab/core/planted.hpp"] =
+        "// By way of two others.\n#pragma once\n\n#  include <rlslab/reference/certified.hpp>\n";
+    EXPECT_THAT(faults(tree),
+                testing::IsSupersetOf({"src/rlslab/core: in a circle", "src/rlslab/arithmetic: in a circle",
+                                       "src/rlslab/reference: in a circle"}));
+    EXPECT_THAT(faults({{"report/a.hpp", "#include \"bench/b.hpp\"\n"}, {"bench/b.hpp", ""}}),
+                Not(Contains("bench: in a circle")));
 }
-/// The files that include themselves by way of others, and the files between two such circles: a file that includes none of the rest, or
-/// that none of the rest includes, is in no circle.
+/// The files that include themselves by way of others, and the files between two such circles: a file that includes
+/// none of the rest, or that none of the rest includes, is in no circle.
 std::set<std::string> files_in_circles(Tree const& tree) {
     std::map<std::string, std::set<std::string>> targets;
     for (auto const& [path, code] : tree)
@@ -261,7 +270,9 @@ std::set<std::string> files_in_circles(Tree const& tree) {
         for (auto const& [path, of_path] : targets)
             for (std::string const& target : of_path)
                 if (targets.contains(target)) includers.insert(path), included_ones.insert(target);
-        std::erase_if(targets, [&](auto const& file) { return !includers.contains(file.first) || !included_ones.contains(file.first); });
+        std::erase_if(targets, [&](auto const& file) {
+            return !includers.contains(file.first) || !included_ones.contains(file.first);
+        });
     }
     std::set<std::string> out;
     for (auto const& [path, of_path] : targets) out.insert(path);
@@ -273,18 +284,21 @@ TEST(House, NoFileIncludesItselfByWayOfOthers) {
     tree["src/rlslab/core/planted.hpp"] = "#include <rlslab/core/problem.hpp>\n";
     EXPECT_THAT(files_in_circles(tree), IsEmpty());
     tree["src/rlslab/core/scalar.hpp"] += "#include <rlslab/core/planted.hpp>\n";
-    EXPECT_THAT(files_in_circles(tree), testing::IsSupersetOf({"src/rlslab/core/planted.hpp", "src/rlslab/core/problem.hpp",
-                                                               "src/rlslab/core/stored.hpp", "src/rlslab/core/scalar.hpp"}));
-    EXPECT_THAT(files_in_circles({{"report/a.hpp", "#include \"report/a.hpp\"\n"}}), testing::ElementsAre("report/a.hpp"));
+    EXPECT_THAT(files_in_circles(tree),
+                testing::IsSupersetOf({"src/rlslab/core/planted.hpp", "src/rlslab/core/problem.hpp",
+                                       "src/rlslab/core/stored.hpp", "src/rlslab/core/scalar.hpp"}));
+    EXPECT_THAT(files_in_circles({{"report/a.hpp", "#include \"report/a.hpp\"\n"}}),
+                testing::ElementsAre("report/a.hpp"));
 }
 TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
     Tree tree = project();
     tree["variants/planted.hpp"] =
         "#include <rlslab/problem.hpp>\n#include \"page.hpp\"\n#include <vector>\n#include <rlslab/variants/ud.hpp>\n";
     tree["attic/planted.cpp"] = "";
-    EXPECT_THAT(faults(tree), testing::UnorderedElementsAre("variants/planted.hpp: src/rlslab/problem.hpp is not in the tree",
-                                                            "variants/planted.hpp: page.hpp is not in the tree",
-                                                            "attic/planted.cpp: its folder has no place in the house"));
+    EXPECT_THAT(faults(tree),
+                testing::UnorderedElementsAre("variants/planted.hpp: src/rlslab/problem.hpp is not in the tree",
+                                              "variants/planted.hpp: page.hpp is not in the tree",
+                                              "attic/planted.cpp: its folder has no place in the house"));
 }
 TEST(House, EveryFileSaysWhatItIs) {
     for (auto const& [path, code] : project()) EXPECT_EQ(code.substr(0, 3), "// ") << path;

@@ -56,16 +56,20 @@ TEST(Options, ThatTakeInfinitiesAwayDoNotCompile) {
         for (char const* options : {"-ffast-math", "-Ofast", "-O2 -ffinite-math-only"}) {
             Outcome const tried = shell(compiler + headers + options + " -fsyntax-only " + least);
             EXPECT_NE(tried.code, 0) << compiler << " " << options;
-            EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only")) << compiler << " " << options;
+            EXPECT_THAT(tried.text, HasSubstr("rlslab: -ffast-math or -ffinite-math-only"))
+                << compiler << " " << options;
         }
-        EXPECT_THAT(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).text, HasSubstr("rlslab: -ffast-math")) << compiler;
+        EXPECT_THAT(shell(compiler + headers + "-ffast-math -fsyntax-only " + app).text,
+                    HasSubstr("rlslab: -ffast-math"))
+            << compiler;
         Outcome const plain = shell(compiler + headers + "-O2 -fsyntax-only " + least);
         EXPECT_EQ(plain.code, 0) << plain.text;
     }
-    for (char const* options :
-         {"-funsafe-math-optimizations", "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
+    for (char const* options : {"-funsafe-math-optimizations",
+                                "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math"})
         if (there_is("g++")) {
-            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text, HasSubstr("rlslab: -funsafe-math-optimizations"))
+            EXPECT_THAT(shell("g++" + headers + options + " -fsyntax-only " + least).text,
+                        HasSubstr("rlslab: -funsafe-math-optimizations"))
                 << options;
         }
 }
@@ -77,8 +81,10 @@ TEST(Rounding, TellsOfReciprocals) {
     std::string const source = (folder.path / "app.cpp").string(), app = (folder.path / "app").string();
     std::ofstream(source) << "#include <rlslab/core/rounding.hpp>\n#include <cstdio>\n"
                              "int main() { for (auto fault : rlslab::rounding_faults()) std::puts(fault.data()); }\n";
-    for (auto const& [option, expected] : {std::pair("", ""), {"-freciprocal-math", "quotients are products with a reciprocal"}}) {
-        Outcome const built = shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
+    for (auto const& [option, expected] :
+         {std::pair("", ""), {"-freciprocal-math", "quotients are products with a reciprocal"}}) {
+        Outcome const built =
+            shell("clang++" + headers + "-O2 -ffp-contract=off " + option + " " + source + " -o " + app);
         ASSERT_EQ(built.code, 0) << built.text;
         EXPECT_THAT(shell(app).text, StartsWith(expected)) << option;
         EXPECT_EQ(shell(app).text.empty(), *expected == '\0') << option;
@@ -137,9 +143,11 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
         GTEST_SKIP() << "needs the packages clang, libc++-dev and libc++abi-dev";
     std::string all;
     for (char const* part : {"src", "variants"})
-        for (auto const& file : std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
+        for (auto const& file :
+             std::filesystem::recursive_directory_iterator(std::string(RLSLAB_SOURCE_DIR "/") + part)) {
             std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
-            bool const library = name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
+            bool const library =
+                name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
             if (file.path().extension() == ".hpp" && name.find("linalg/kernels/") == name.npos && !library)
                 all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
@@ -147,7 +155,8 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
     EXPECT_EQ(tried.code, 0) << tried.text;
 }
 
-constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp", digest_options[] = "-O1 -ffp-contract=off -DNDEBUG ";
+constexpr char digest_source[] = RLSLAB_SOURCE_DIR "/tests/portability/digest.cpp",
+               digest_options[] = "-O1 -ffp-contract=off -DNDEBUG ";
 void expect_the_bits_of_this_machine(std::string const& command) {
     Outcome const there = shell(command), here = shell(RLSLAB_DIGEST);
     EXPECT_EQ(there.code, 0);
@@ -163,9 +172,11 @@ struct Processor {
 class Processors : public testing::TestWithParam<Processor> {};
 TEST_P(Processors, OfAnotherKindLeaveTheSameBits) {
     auto const [name, packages, asked_for] = GetParam();
-    if (asked_for && !std::getenv("RLSLAB_ALL_PROCESSORS")) GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
+    if (asked_for && !std::getenv("RLSLAB_ALL_PROCESSORS"))
+        GTEST_SKIP() << "takes a minute: asked for by RLSLAB_ALL_PROCESSORS=1";
     std::string const compiler = std::string(name) + "-linux-gnu-g++", emulator = std::string("qemu-") + name;
-    if (!there_is(compiler) || !there_is(emulator)) GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
+    if (!there_is(compiler) || !there_is(emulator))
+        GTEST_SKIP() << "needs the packages " << packages << " and qemu-user";
     files::Folder const folder;
     std::string const out = (folder.path / "digest").string();
     Outcome const built = shell(compiler + headers + digest_options + "-static " + digest_source + " -o " + out);
@@ -183,8 +194,9 @@ TEST(ProcessorsOfPages, WebAssemblyLeavesTheSameBits) {
     if (!there_is("em++") || !there_is("node")) GTEST_SKIP() << "needs the packages emscripten and nodejs";
     files::Folder const folder;
     std::string const out = (folder.path / "digest.js").string();  // one file: node's own fetch takes no path
-    Outcome const built = shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
-                                digest_source + " -o " + out);
+    Outcome const built =
+        shell("em++" + headers + digest_options + "-s SINGLE_FILE=1 -s TOTAL_STACK=4MB -s INITIAL_MEMORY=64MB " +
+              digest_source + " -o " + out);
     ASSERT_EQ(built.code, 0) << built.text;
     expect_the_bits_of_this_machine("node " + out);
 }

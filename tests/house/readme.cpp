@@ -1,4 +1,5 @@
-// The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted scalar measures.
+// The costs in the tables of README and docs/compare.md, and in the variants' docstrings, are those that the Counted
+// scalar measures.
 #include <rlslab/catalogue/catalogue.hpp>
 
 #include <gtest/gtest.h>
@@ -42,9 +43,11 @@ TEST(Readme, TheTablesOfVariantsAreMeasured) {
     std::set<std::string_view> seen;
     for (CatalogueEntry const& entry : catalogue())
         if (seen.insert(entry.variant).second) {
-            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n" << short_row(entry);
-            EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos) << "expected in docs/compare.md the row\n"
-                                                                               << long_row(entry);
+            EXPECT_NE(readme.find("\n" + short_row(entry)), std::string::npos) << "expected in README the row\n"
+                                                                               << short_row(entry);
+            EXPECT_NE(compare.find("\n" + long_row(entry)), std::string::npos)
+                << "expected in docs/compare.md the row\n"
+                << long_row(entry);
         }
 }
 /// What a reader takes in at once.
@@ -56,14 +59,16 @@ TEST(Readme, IsOnePage) {
 
 /// "per update d^3/6 + 3.5 d^2 + O(d) multiplications" as {1/6, 3.5}; a row of a block counts as an update.
 std::array<double, 2> claimed(std::string_view variant) {
-    std::string const text = std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"), "");
+    std::string const text =
+        std::regex_replace(text_of(("/variants/" + std::string(variant) + ".hpp").c_str()), std::regex("\n *///"), "");
     std::smatch claim;
     std::array<double, 2> out{};
     if (!std::regex_search(text, claim, std::regex("per (?:update|row) ([^:]*?) multiplications"))) return out;
     std::regex const term("([0-9.]*) ?d\\^([23])(?:/([0-9]+))?");
     std::string const terms = std::regex_replace(claim.str(1), std::regex("O\\([^)]*\\)"), "");
     for (std::sregex_iterator it(terms.begin(), terms.end(), term), end; it != end; ++it) {
-        double const factor = it->str(1).empty() ? 1 : std::stod(it->str(1)), divisor = it->str(3).empty() ? 1 : std::stod(it->str(3));
+        double const factor = it->str(1).empty() ? 1 : std::stod(it->str(1)),
+                     divisor = it->str(3).empty() ? 1 : std::stod(it->str(3));
         out[it->str(2) == "3" ? 0 : 1] = factor / divisor;
     }
     return out;

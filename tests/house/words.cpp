@@ -1,4 +1,5 @@
-// The words of docs/words.md: identifiers that are gone stay gone, and pages do not use the phrases that docs/words.md avoids.
+// The words of docs/words.md: identifiers that are gone stay gone, and pages do not use the phrases that docs/words.md
+// avoids.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,9 +19,11 @@ fs::path const root = RLSLAB_SOURCE_DIR;
 /// Old -> new is in CHANGELOG.md and docs/history.md.
 std::vector<std::string> gone(std::string const& code) {
     static std::regex const identifiers(
-        "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|Undisturbed|Disturb|"
+        "\\b(Present|Simd|in_bits|Brain|Tensor|Datum|absorb|TakesUnreported|TakesGainError|takes_gain_error|"
+        "Undisturbed|Disturb|"
         "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk|"
-        "Crew|Happened|happened_text|hold_down|forget_by|start_at|take_back|take_roots|Carried|Aside|started_over|start_over|"
+        "Crew|Happened|happened_text|hold_down|forget_by|start_at|take_back|take_roots|Carried|Aside|started_over|"
+        "start_over|"
         "Finding|Manners|StoredProblem|AdviseOptions|Described)\\b(?!\\|)|"
         "\\b(settle|weigh|wanted|excess|feed)\\(|"
         "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
@@ -32,7 +35,8 @@ std::vector<std::string> gone(std::string const& code) {
 std::vector<std::string> avoided(std::string const& prose) {
     static std::regex const phrases(
         "\\b(what (it|they) (has|have|keeps?)|of (those|these|them) (where|that)|of those where there (is|are)|"
-        "(is|are|was|were|be) (told|asked for)|(asks?|asked|tells?|told) of|(a|the|each) (filter|variant|form|matrix|row|number) "
+        "(is|are|was|were|be) (told|asked for)|(asks?|asked|tells?|told) of|(a|the|each) "
+        "(filter|variant|form|matrix|row|number) "
         "(asks|tells|says|knows)|to be had|yardstick|nothing that we know of)\\b",
         std::regex::icase);
     std::vector<std::string> out;
@@ -49,8 +53,10 @@ std::vector<std::string> files(std::vector<std::string> const& kinds) {
     std::vector<std::string> out;
     for (auto it = fs::recursive_directory_iterator(root); it != fs::recursive_directory_iterator(); ++it) {
         std::string const name = it->path().filename(), path = it->path().lexically_relative(root);
-        if (name.starts_with(".") || path == "build" || path == "out" || path == "tests/fuzz") it.disable_recursion_pending();
-        else if (std::ranges::count(kinds, it->path().extension().string()) && path != "docs/history.md") out.push_back(path);
+        if (name.starts_with(".") || path == "build" || path == "out" || path == "tests/fuzz")
+            it.disable_recursion_pending();
+        else if (std::ranges::count(kinds, it->path().extension().string()) && path != "docs/history.md")
+            out.push_back(path);
     }
     return out;
 }
@@ -63,7 +69,8 @@ TEST(Words, IdentifiersThatAreGoneStayGone) {
         }
     EXPECT_EQ(gone("struct Undisturbed {}; f.absorb(psi, y); // nothing to Undisturb"),
               (std::vector<std::string>{"Undisturbed", "absorb"}));
-    EXPECT_EQ(gone("curve.low, range.low, fit.lower; // Fit::high"), (std::vector<std::string>{"curve.low", "Fit::high"}));
+    EXPECT_EQ(gone("curve.low, range.low, fit.lower; // Fit::high"),
+              (std::vector<std::string>{"curve.low", "Fit::high"}));
 }
 TEST(Words, PagesDoNotUseThePhrasesThatTheyAvoid) {
     for (std::string const& path : files({".md"})) EXPECT_THAT(avoided(text(root / path)), testing::IsEmpty()) << path;

@@ -39,15 +39,17 @@ protected:
     }
 };
 
-// --- the order at the limit ---------------------------------------------------------------------------------------------------
+// --- the order at the limit
+// ---------------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
     Signal const u = prbs(9, 900), y = simulate(order_three, {u}, scaled(white_noise(900, Seed{1}), 0.05));
     Identified const at_limit = identified(u, y, {.max_order = 2}), below = identified(u, y, {.max_order = 6}),
                      given = identified(u, y, {.order = 2});
     EXPECT_EQ(at_limit.order, 2);
-    EXPECT_THAT(at_limit.warnings(),
-                Contains(HasSubstr("order 2 is the largest that was tried: a higher one may be better: --max-order 4")));
+    EXPECT_THAT(
+        at_limit.warnings(),
+        Contains(HasSubstr("order 2 is the largest that was tried: a higher one may be better: --max-order 4")));
     EXPECT_EQ(below.order, 3);
     EXPECT_THAT(below.warnings(), IsEmpty());
     EXPECT_THAT(given.warnings(), Not(Contains(HasSubstr("largest that was tried"))));
@@ -55,24 +57,30 @@ TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
 TEST_F(Advice, AnOrderThatTheInputLimitsAsksForARicherInput) {
     Signal u(900), v = prbs(9, 900);
     for (size_t k = 0; k < u.size(); ++k) u[k] = std::sin(0.3 * double(k)) + std::sin(0.9 * double(k));
-    Identified const m = identified(u, simulate(order_three, {u}, scaled(coloured_noise(900, {-0.5}, Seed{1}), 0.05)), {.detrend = false});
+    Identified const m = identified(u, simulate(order_three, {u}, scaled(coloured_noise(900, {-0.5}, Seed{1}), 0.05)),
+                                    {.detrend = false});
     ASSERT_EQ(m.excitation[0].order, 4);
     ASSERT_EQ(m.order, 3);
-    EXPECT_THAT(m.warnings(), Contains(HasSubstr("order 3 is the largest that this input supports: a richer input would show")));
-    EXPECT_THAT(m.warnings(), Contains(HasSubstr("An input that changes more often, or at more frequencies, supports a higher one")));
+    EXPECT_THAT(m.warnings(),
+                Contains(HasSubstr("order 3 is the largest that this input supports: a richer input would show")));
+    EXPECT_THAT(m.warnings(),
+                Contains(HasSubstr("An input that changes more often, or at more frequencies, supports a higher one")));
 }
 
-// --- worse than the mean ------------------------------------------------------------------------------------------------------
+// --- worse than the mean
+// ------------------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
     Signal const u = white_noise(600, Seed{2});
     Signal y(600, 0.0);
-    for (size_t k = 1; k < 600; ++k) y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();  // the gain changes its sign
+    for (size_t k = 1; k < 600; ++k)
+        y[k] = (k < 400 ? 1 : -1) * u[k - 1] + 0.01 * Seed{k}.bell();  // the gain changes its sign
     Identified const m = identified(u, y, {.order = 1});
     EXPECT_LT(m.held_out_one_step, 0);
-    EXPECT_THAT(m.warnings(),
-                Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"),
-                                        HasSubstr("do not use it there"), HasSubstr("--validate"), HasSubstr("--forgetting"))));
+    EXPECT_THAT(
+        m.warnings(),
+        Contains(testing::AllOf(HasSubstr("held out, the model predicts worse than the mean of y (-"),
+                                HasSubstr("do not use it there"), HasSubstr("--validate"), HasSubstr("--forgetting"))));
     EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("use it for prediction only"))));
     EXPECT_THAT(as_table(m), HasSubstr("warning: held out, the model predicts worse"));
 }
@@ -83,29 +91,33 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
     Identified const m = identified(u, y, {.order = 1});
     ASSERT_GT(m.held_out_one_step, 0);
     ASSERT_LT(m.held_out_simulated, 0);
-    EXPECT_THAT(m.warnings(),
-                Contains(testing::AllOf(HasSubstr("simulates worse than the mean of y (-"), HasSubstr("use it for prediction only"))));
+    EXPECT_THAT(m.warnings(), Contains(testing::AllOf(HasSubstr("simulates worse than the mean of y (-"),
+                                                      HasSubstr("use it for prediction only"))));
     EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("predicts worse"))));
 }
 
-// --- residuals that are not white ---------------------------------------------------------------------------------------------
+// --- residuals that are not white
+// ---------------------------------------------------------------------------------------------
 
 TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
     Signal const u = prbs(9, 900);
     // Noise with dynamics of its own: nothing to do with u.
-    Identified const coloured =
-        identified(u, simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u}, scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
-                   {.na = 0, .nb = {1}});
+    Identified const coloured = identified(u,
+                                           simulate({.a = {}, .b = {{1, 0.5}}, .delay = 0, .c = 0}, {u},
+                                                    scaled(coloured_noise(900, {-0.9}, Seed{3}), 0.3)),
+                                           {.na = 0, .nb = {1}});
     EXPECT_FALSE(coloured.ljung_box.white());
-    EXPECT_THAT(coloured.warnings(),
-                Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "), HasSubstr("the noise has dynamics of its own"),
-                                        HasSubstr("--forgetting 0.99"))));
+    EXPECT_THAT(coloured.warnings(), Contains(testing::AllOf(HasSubstr("the residuals are not white (p = "),
+                                                             HasSubstr("the noise has dynamics of its own"),
+                                                             HasSubstr("--forgetting 0.99"))));
     // Order 1 of a system of order 3: they follow u.
-    Identified const low = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
+    Identified const low =
+        identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 1});
     EXPECT_FALSE(low.ljung_box.white());
     EXPECT_THAT(low.warnings(), Contains(HasSubstr("the residuals follow past u")));
     EXPECT_THAT(low.warnings(), Not(Contains(HasSubstr("the noise has dynamics of its own"))));
-    Identified const right = identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 3});
+    Identified const right =
+        identified(u, simulate(order_three, {u}, scaled(white_noise(900, Seed{3}), 0.02)), {.order = 3});
     EXPECT_TRUE(right.ljung_box.white());
     EXPECT_THAT(right.warnings(), IsEmpty());
 }
@@ -132,8 +144,9 @@ TEST_F(Advice, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
         m.past_inputs = {{0, 3, -0.5, 0.4, 1}};
         m.remarks = remarks_on(m);
         ASSERT_EQ(m.warnings().size(), p < 0.01 ? 2u : 1u);
-        EXPECT_THAT(m.warnings()[0], HasSubstr("the residuals follow past u: correlation -0.5 at lag 3, where those of independent ones "
-                                               "stay within 0.4"));
+        EXPECT_THAT(m.warnings()[0],
+                    HasSubstr("the residuals follow past u: correlation -0.5 at lag 3, where those of independent ones "
+                              "stay within 0.4"));
         EXPECT_EQ(m.next(), "--order 2");
         m = of_two_lags();
         m.past_inputs = {{0, 3, -0.5, 0.4, 2}};
@@ -143,7 +156,8 @@ TEST_F(Advice, ResidualsThatFollowAnInputAreNamedWhiteOrNot) {
         m.ljung_box.p = p;
         m.remarks = remarks_on(m);
         EXPECT_THAT(m.warnings(),
-                    testing::Conditional(p < 0.01, testing::ElementsAre(HasSubstr("they do not follow the inputs")), IsEmpty()));
+                    testing::Conditional(p < 0.01, testing::ElementsAre(HasSubstr("they do not follow the inputs")),
+                                         IsEmpty()));
     }
 }
 /// Of 2000 records of normal residuals 2 are expected to have one, and 12 or more with probability 1e-6.
@@ -152,12 +166,15 @@ TEST(AdviceParts, AnOutlierIsWhatNormalResidualsHaveInOneRecordOfAThousand) {
     for (std::uint64_t k = 0; k < 2000; ++k) {
         Seed seed{k};
         Signal e(100);
-        for (double& x : e) x = std::sqrt(-2 * std::log(1 - seed.uniform())) * std::cos(6.283185307179586 * seed.uniform());
+        for (double& x : e)
+            x = std::sqrt(-2 * std::log(1 - seed.uniform())) * std::cos(6.283185307179586 * seed.uniform());
         found += outlier_in(e).has_value();
     }
     EXPECT_GT(found, 0);
     EXPECT_LT(found, 12);
-    auto const of = [](double size) { return outlier_in({1, -1, NAN, size, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}); };
+    auto const of = [](double size) {
+        return outlier_in({1, -1, NAN, size, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1});
+    };
     EXPECT_FALSE(of(3));
     ASSERT_TRUE(of(-40));
     EXPECT_EQ(of(-40)->at, 3);
@@ -177,12 +194,14 @@ TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
         Identified m = unremarkable();
         m.poles = {pole, {0.5, 0}};
         m.remarks = remarks_on(m);
-        if (std::abs(pole) >= 1) EXPECT_THAT(m.warnings(), Contains(HasSubstr("a pole lies on or outside the unit circle"))) << pole;
+        if (std::abs(pole) >= 1)
+            EXPECT_THAT(m.warnings(), Contains(HasSubstr("a pole lies on or outside the unit circle"))) << pole;
         else EXPECT_THAT(m.warnings(), IsEmpty()) << pole;
     }
 }
 
-// --- delay --------------------------------------------------------------------------------------------------------------------
+// --- delay
+// --------------------------------------------------------------------------------------------------------------------
 
 TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {
     std::vector<Term> const terms{{"a1", "", -1, 1},   {"b0", "", 0, 0},    {"b1", "", 0, 1}, {"b2", "", 0, 2},
@@ -199,20 +218,27 @@ TEST_F(Advice, ADelayIsFound) {
     DifferenceEquation const late{.a = {-0.8}, .b = {{1, 0.5}}, .delay = 3, .c = 0};
     Signal const u = prbs(9, 900), y = simulate(late, {u}, scaled(white_noise(900, Seed{4}), 0.05));
     Identified const m = identified(u, y, {.order = 4});
-    EXPECT_THAT(m.hints(), Contains(HasSubstr("the first 3 coefficients of u cannot be told from 0: the delay may be longer: --delay 3")));
-    EXPECT_THAT(as_table(m), testing::AllOf(HasSubstr("hint: the first 3 coefficients of u"), HasSubstr("\nnext: --delay 3\n")));
+    EXPECT_THAT(
+        m.hints(),
+        Contains(HasSubstr("the first 3 coefficients of u cannot be told from 0: the delay may be longer: --delay 3")));
+    EXPECT_THAT(as_table(m),
+                testing::AllOf(HasSubstr("hint: the first 3 coefficients of u"), HasSubstr("\nnext: --delay 3\n")));
     Identified const then = identified(u, y, {.order = 1, .delay = {3}});
     EXPECT_THAT(then.hints(), Not(Contains(HasSubstr("--delay"))));
     EXPECT_THAT(then.warnings(), IsEmpty());
     EXPECT_NEAR(then.parameters[1].value, 1, 5 * then.parameters[1].sd);
     EXPECT_EQ(then.parameters[1].regressor, "u[k-3]");
     Identified const once = identified(u, y, {.order = 2, .delay = {2}});
-    EXPECT_THAT(once.hints(), Contains(HasSubstr("the first coefficient of u cannot be told from 0: the delay may be longer: --delay 3")));
+    EXPECT_THAT(
+        once.hints(),
+        Contains(HasSubstr("the first coefficient of u cannot be told from 0: the delay may be longer: --delay 3")));
 }
 
-// --- poles and zeros that cancel ----------------------------------------------------------------------------------------------
+// --- poles and zeros that cancel
+// ----------------------------------------------------------------------------------------------
 
-/// One pole 1/2 and one zero 2/5 of z/(z - 1/2) alike: q = 0.1^2 / (sd_a^2 + (sd_b1/b0)^2), against chi^2's quantile of one degree.
+/// One pole 1/2 and one zero 2/5 of z/(z - 1/2) alike: q = 0.1^2 / (sd_a^2 + (sd_b1/b0)^2), against chi^2's quantile of
+/// one degree.
 TEST(Cancellations, OfRealRootsAreJudgedByTheirStandardDeviations) {
     DifferenceEquation const model{.a = {-0.5}, .b = {{2, -0.8}}, .delay = 0, .c = 0};
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"c", "", -2, 0}};
@@ -229,10 +255,13 @@ TEST(Cancellations, OfRealRootsAreJudgedByTheirStandardDeviations) {
         EXPECT_NEAR(found[0].sd, std::sqrt(S), 1e-15);
         EXPECT_TRUE(cancellations(model, terms, e, 0.94).empty());
     }
-    // Errors that move both alike: with correlation c the variance of the difference is sd_p^2 + sd_z^2 - 2 c sd_p sd_z.
+    // Errors that move both alike: with correlation c the variance of the difference is sd_p^2 + sd_z^2 - 2 c sd_p
+    // sd_z.
     Matrix<double> correlation = Matrix<double>::Identity(4, 4);
     correlation(0, 2) = correlation(2, 0) = 0.96;
-    EXPECT_EQ(cancellations(model, terms, {Vector<double>{{0.2, 0, 0.4, 0}}, Matrix<double>::Identity(4, 4)}, 0.95).size(), 1u);
+    EXPECT_EQ(
+        cancellations(model, terms, {Vector<double>{{0.2, 0, 0.4, 0}}, Matrix<double>::Identity(4, 4)}, 0.95).size(),
+        1u);
     auto const together = cancellations(model, terms, {Vector<double>{{0.2, 0, 0.4, 0}}, correlation}, 0.95);
     ASSERT_EQ(together.size(), 1u);
     EXPECT_NEAR(together[0].sd, std::sqrt(0.08 - 0.08 * 0.96), 1e-14);
@@ -241,7 +270,8 @@ TEST(Cancellations, OfRealRootsAreJudgedByTheirStandardDeviations) {
 /// A pair of complex poles and zeros: gradient and quantile by finite differences and closed form.
 TEST(Cancellations, OfComplexRootsAreJudgedInTwoDimensions) {
     DifferenceEquation const model{.a = {-1.2, 0.7}, .b = {{0.5, -0.62, 0.37}}, .delay = 2, .c = 0};
-    std::vector<Term> const terms{{"a1", "", -1, 1}, {"a2", "", -1, 2}, {"b0", "", 0, 2}, {"b1", "", 0, 3}, {"b2", "", 0, 4}};
+    std::vector<Term> const terms{
+        {"a1", "", -1, 1}, {"a2", "", -1, 2}, {"b0", "", 0, 2}, {"b1", "", 0, 3}, {"b2", "", 0, 4}};
     Vector<double> const theta{{-1.2, 0.7, 0.5, -0.62, 0.37}};
     Matrix<double> correlation = Matrix<double>::Identity(5, 5);
     correlation(0, 1) = correlation(1, 0) = -0.7, correlation(0, 3) = correlation(3, 0) = 0.3;
@@ -260,7 +290,8 @@ TEST(Cancellations, OfComplexRootsAreJudgedInTwoDimensions) {
     Matrix<double> const S = slope * correlation * slope.transpose();
     auto const delta = difference(theta);
     Vector<double> const x{{delta.real(), delta.imag()}};
-    double const q = (x(0) * x(0) * S(1, 1) - 2 * x(0) * x(1) * S(0, 1) + x(1) * x(1) * S(0, 0)) / (S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0));
+    double const q = (x(0) * x(0) * S(1, 1) - 2 * x(0) * x(1) * S(0, 1) + x(1) * x(1) * S(0, 0)) /
+                     (S(0, 0) * S(1, 1) - S(0, 1) * S(1, 0));
     ASSERT_GT(q, 0.5);
     double const at = 1 - std::exp(-q / 2);  // the confidence at which q is the quantile
     EXPECT_TRUE(cancellations(model, terms, e, at - 1e-5).empty());
@@ -281,11 +312,13 @@ TEST(Cancellations, AreJudgedOnlyWhereTheRootsAreKnown) {
     }
 }
 TEST(Cancellations, OfSeveralInputsAreThoseOfAll) {
-    std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"b0", "", 1, 0}, {"b1", "", 1, 1}};
+    std::vector<Term> const terms{
+        {"a1", "", -1, 1}, {"b0", "", 0, 0}, {"b1", "", 0, 1}, {"b0", "", 1, 0}, {"b1", "", 1, 1}};
     Uncertainty const e{Vector<double>::Constant(5, 0.01), Matrix<double>::Identity(5, 5)};
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{1, -0.5}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 1u);
     EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{1, -0.5}, {2, 1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u);
-    EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{0, 1}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u) << "no zero at all";
+    EXPECT_EQ(cancellations({.a = {-0.5}, .b = {{0, 1}, {2, -1}}, .delay = 0, .c = 0}, terms, e, 0.95).size(), 0u)
+        << "no zero at all";
 }
 TEST_F(Advice, PolesAndZerosThatCancelNameTheLowerOrder) {
     // Order 1, fitted as order 2: the residuals of order 1 are white, too.
@@ -294,21 +327,27 @@ TEST_F(Advice, PolesAndZerosThatCancelNameTheLowerOrder) {
     Identified const m = identified(u, y, {.order = 2});
     ASSERT_EQ(m.cancellations.size(), 1u);
     EXPECT_THAT(m.warnings(),
-                Contains(testing::AllOf(HasSubstr("cannot tell apart pole "),
-                                        HasSubstr("they may cancel, and the residuals of order 1 pass for white, too: --order 1"))));
+                Contains(testing::AllOf(
+                    HasSubstr("cannot tell apart pole "),
+                    HasSubstr("they may cancel, and the residuals of order 1 pass for white, too: --order 1"))));
     EXPECT_THAT(identified(u, y, {.order = 1}).warnings(), IsEmpty());
     EXPECT_THAT(identified(u, y, {.na = 2, .nb = {2}}).warnings(), Contains(HasSubstr("lower --na and --nb")));
     // Noise of order 2 beside a path of order 1: the pair models the noise, and order 1 alone is not white.
-    DifferenceEquation const both{
-        .a = {-0.8 + 1.0, 0.8 - 0.8, -0.64}, .b = {{1, 1.0, 0.8}}, .delay = 0, .c = 0};  // (1 - 0.8/z)(1 + 1/z + 0.8/z^2)
-    Identified const with_noise = identified(u, simulate(both, {u}, scaled(white_noise(900, Seed{6}), 0.3)), {.order = 3});
+    DifferenceEquation const both{.a = {-0.8 + 1.0, 0.8 - 0.8, -0.64},
+                                  .b = {{1, 1.0, 0.8}},
+                                  .delay = 0,
+                                  .c = 0};  // (1 - 0.8/z)(1 + 1/z + 0.8/z^2)
+    Identified const with_noise =
+        identified(u, simulate(both, {u}, scaled(white_noise(900, Seed{6}), 0.3)), {.order = 3});
     ASSERT_FALSE(with_noise.cancellations.empty());
     EXPECT_THAT(with_noise.warnings(), Not(Contains(HasSubstr("cancel"))));
-    EXPECT_THAT(with_noise.hints(),
-                Contains(HasSubstr("what may cancel models the noise, for order 1 alone leaves residuals that are not white")));
+    EXPECT_THAT(
+        with_noise.hints(),
+        Contains(HasSubstr("what may cancel models the noise, for order 1 alone leaves residuals that are not white")));
 }
 
-// --- gain and poles -----------------------------------------------------------------------------------------------------------
+// --- gain and poles
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}};
@@ -322,21 +361,23 @@ TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     EXPECT_TRUE(std::isnan(of(0.0499, 2.01).first));
 }
 TEST_F(Advice, APoleOutsideTheCircleIsNamed) {
-    Signal const u = prbs(9, 200),
-                 y = simulate({.a = {-1.02}, .b = {{0, 1}}, .delay = 0, .c = 0}, {u}, scaled(white_noise(200, Seed{8}), 0.1));
+    Signal const u = prbs(9, 200), y = simulate({.a = {-1.02}, .b = {{0, 1}}, .delay = 0, .c = 0}, {u},
+                                                scaled(white_noise(200, Seed{8}), 0.1));
     Identified const m = identified(u, y, {.order = 1, .detrend = false});
     ASSERT_GE(std::abs(m.poles[0]), 1);
     EXPECT_THAT(m.warnings(), Contains(HasSubstr("a pole lies on or outside the unit circle")));
     EXPECT_THAT(as_table(m), Not(HasSubstr("time constant"))) << "it has none";
 }
 
-// --- a standstill ---------------------------------------------------------------------------------------------------------------
+// --- a standstill
+// ---------------------------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
     for (size_t const constant : {20u, 21u}) {
         Signal u = white_noise(600, Seed{5});
         for (size_t k = 0; k < constant; ++k) u[k] = 0.5;
-        Identified const m = identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
+        Identified const m =
+            identified(u, simulate(order_three, {u}, scaled(white_noise(600, Seed{1}), 0.05)), {.order = 3});
         EXPECT_EQ(m.excitation[0].constant_at_start, Index(constant));
         auto const named = Contains(HasSubstr("stands still over the first 21 of 400 fitted samples"));
         if (constant == 21) EXPECT_THAT(m.warnings(), named);

@@ -1,4 +1,5 @@
-// The output of identify for a bad record or a variant that breaks down: words, never a NaN, and the matching exit code.
+// The output of identify for a bad record or a variant that breaks down: words, never a NaN, and the matching exit
+// code.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "identify/identify.hpp"
 #include "tests/common/exact_fit.hpp"
@@ -74,7 +75,8 @@ TEST(IdentifyAnswers, NoNumberIsMissingForAnIllConditionedRecord) {
         EXPECT_LT(p.lower, p.upper) << p.name;
     }
     expect_numbers(m, "order 10");
-    for (std::string const& warning : m.warnings()) EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
+    for (std::string const& warning : m.warnings())
+        EXPECT_THAT(warning, Not(HasSubstr("--variant ud"))) << "it is in use";
 }
 
 /// The standard deviations of that record, by exact rationals: sigma^2 (Phi'Phi)^-1 without a prior.
@@ -88,7 +90,8 @@ TEST(IdentifyAnswers, IllConditionedStandardDeviationsAreThoseOfTheRationals) {
     Scattered const s = scattered({.size = d, .prior = std::nullopt}, records, {N}).front();
     EXPECT_DOUBLE_EQ(s.scatter.J, static_cast<double>(exact.J));
     EXPECT_DOUBLE_EQ(s.scatter.freedom, double(N - d));
-    for (Index i = 0; i < d; ++i) EXPECT_DOUBLE_EQ(s.scatter.sd[i], std::sqrt(static_cast<double>(exact.inverse(i, i)))) << i;
+    for (Index i = 0; i < d; ++i)
+        EXPECT_DOUBLE_EQ(s.scatter.sd[i], std::sqrt(static_cast<double>(exact.inverse(i, i)))) << i;
     EXPECT_GT(condition(records, 1), 1e4);
 }
 
@@ -101,7 +104,8 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
                               [] {
                                   std::string out;
                                   Signal const u = white_noise(60, Seed{2}), e = white_noise(60, Seed{3});
-                                  for (size_t k = 0; k < u.size(); ++k) out += fmt::format("{},{}\n", 1e-100 * u[k], 1e90 * (u[k] + e[k]));
+                                  for (size_t k = 0; k < u.size(); ++k)
+                                      out += fmt::format("{},{}\n", 1e-100 * u[k], 1e90 * (u[k] + e[k]));
                                   return out;
                               }(),
                           "tiny.csv");
@@ -109,10 +113,12 @@ TEST(IdentifyAnswers, EveryVariantOnEveryRecordAnswersInNumbers) {
     for (std::string const& variant : variants())
         for (std::string const& file : {slow, noisy, tiny})
             for (double const lambda : {1.0, 0.9})
-                for (std::optional<double> const& p0 : {std::optional<double>(), std::optional<double>(lambda == 1 ? 0x1p80 : 0x1p40)}) {
+                for (std::optional<double> const& p0 :
+                     {std::optional<double>(), std::optional<double>(lambda == 1 ? 0x1p80 : 0x1p40)}) {
                     IdentifyOptions options{.inputs = {"u"}, .output = "y", .order = file == tiny ? 1 : 3};
                     options.variant = variant, options.forgetting = lambda, options.p0 = p0;
-                    std::string const what = fmt::format("{} {} lambda {} p0 {}", variant, file, lambda, p0.value_or(0));
+                    std::string const what =
+                        fmt::format("{} {} lambda {} p0 {}", variant, file, lambda, p0.value_or(0));
                     Identified const m = identify::identify(file, options);
                     expect_numbers(m, what);
                     broken += m.failure.has_value();
@@ -135,9 +141,10 @@ TEST(IdentifyAnswers, AVariantThatBrokeDownExitsWithOneAndIsNamed) {
     std::string const file = folder.file(record(slow_input(1024), 0, 6));
     auto const run = [&](std::string const& variant) {
         std::string const out = (folder.path / "out.txt").string();
-        int const status = std::system(
-            ("'" RLSLAB_PROGRAM "' identify '" + file + "' --input u --output y --order 10 --variant " + variant + " > '" + out + "' 2>&1")
-                .c_str());
+        int const status =
+            std::system(("'" RLSLAB_PROGRAM "' identify '" + file + "' --input u --output y --order 10 --variant " +
+                         variant + " > '" + out + "' 2>&1")
+                            .c_str());
         std::ifstream in(out);
         return std::pair(WEXITSTATUS(status), std::string(std::istreambuf_iterator<char>(in), {}));
     };
@@ -165,7 +172,8 @@ TEST(IdentifyAnswers, AVariantThatIsRecommendedDoesBetter) {
                 Identified const better = identify::identify(file, options);
                 EXPECT_FALSE(better.failure) << other;
                 EXPECT_GT(better.digits, m.failure ? 0 : m.digits) << variant << " -> " << other;
-                for (std::string const& again : better.warnings()) EXPECT_THAT(again, Not(HasSubstr("--variant"))) << other;
+                for (std::string const& again : better.warnings())
+                    EXPECT_THAT(again, Not(HasSubstr("--variant"))) << other;
                 ++named;
             }
     }

@@ -22,7 +22,8 @@ namespace {
 
 using testing::HasSubstr;
 
-// --- signals ------------------------------------------------------------------------------------------------------------
+// --- signals
+// ------------------------------------------------------------------------------------------------------------
 
 TEST(Signals, APrbsHasItsPeriodItsBalanceAndItsCorrelation) {
     for (int m = 2; m <= 20; ++m) {
@@ -59,12 +60,14 @@ TEST(Signals, AMultisineHasItsLinesAndVarianceOne) {
     EXPECT_EQ(excitation(dense, 30).order, 20);
 }
 TEST(Signals, AreTheSameBitsEverywhere) {
-    EXPECT_EQ(white_noise(3, Seed{1}), (Signal{Seed{1}.bell(), white_noise(2, Seed{1})[1], white_noise(3, Seed{1})[2]}));
+    EXPECT_EQ(white_noise(3, Seed{1}),
+              (Signal{Seed{1}.bell(), white_noise(2, Seed{1})[1], white_noise(3, Seed{1})[2]}));
     EXPECT_EQ(coloured_noise(5, {-0.9}, Seed{4}), coloured_noise(5, {-0.9}, Seed{4}));
     for (double const x : random_steps(100, 3, 9, Seed{2})) EXPECT_LT(std::abs(x), 1);
 }
 
-// --- excitation ---------------------------------------------------------------------------------------------------------
+// --- excitation
+// ---------------------------------------------------------------------------------------------------------
 
 TEST(Excitation, OfWhatIsKnown) {
     EXPECT_EQ(excitation(white_noise(400, Seed{1}), 12).order, 12);
@@ -87,7 +90,8 @@ TEST(Excitation, TheCorrelationMatrixIsToeplitzInTheLimitAndDominantForWhiteNois
     EXPECT_DOUBLE_EQ(correlation({1, 2, 3}, {4, 5, 6}, 1)[1], (2 * 4 + 3 * 5) / 3.0);
 }
 
-// --- batch ----------------------------------------------------------------------------------------------------------------
+// --- batch
+// ----------------------------------------------------------------------------------------------------------------
 
 TEST(Batch, ThreeWaysAgreeWithTheCertifiedMinimiser) {
     Records const records = laws::noise_records(6, 200, Seed{5});
@@ -112,7 +116,8 @@ TEST(Batch, TheSvdSaysWhatItDropped) {
     EXPECT_THROW(fit(Records{.psi = Matrix<double>(3, 2), .y = Vector<double>(2), .names = {}}), std::invalid_argument);
 }
 
-// --- order ----------------------------------------------------------------------------------------------------------------
+// --- order
+// ----------------------------------------------------------------------------------------------------------------
 
 TEST(OrderRecursive, EqualsBatchAtEveryOrderInRationals) {
     Seed seed{7};
@@ -170,7 +175,8 @@ TEST(OrderRecursive, TheQrTwinKeepsTwiceTheDigits) {
     EXPECT_GT(of_qr, of_bordering + 1);
 }
 
-// --- systems come back ----------------------------------------------------------------------------------------------------
+// --- systems come back
+// ----------------------------------------------------------------------------------------------------
 
 TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
     for (int system = 0; system < 200; ++system) {
@@ -184,8 +190,8 @@ TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
         for (int i = 0; i <= order; ++i) theta[order + i] = model.b[0][size_t(i)];
         Reference size = sqrt(Reference(theta.squaredNorm()));
         for (std::string const& variant : words(joined(factor_forms(), {"qr_block"}))) {
-            auto const filter =
-                find_entry(variant)->make({.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
+            auto const filter = find_entry(variant)->make(
+                {.size = records.parameters(), .prior = Prior<double>{.variance = 0x1p60}}, Seed{1});
             filter->update_block(records, 0, records.rows());
             Vector<Reference> const off = filter->theta() - theta;
             Reference const error = sqrt(Reference(off.squaredNorm())) / size;
@@ -201,7 +207,8 @@ TEST(Systems, RootsAreFound) {
     EXPECT_NEAR(zeros(DifferenceEquation{.a = {}, .b = {{0, 2, 1}}, .delay = 0, .c = 0})[0].real(), -0.5, 1e-15);
 }
 
-// --- identify -------------------------------------------------------------------------------------------------------------
+// --- identify
+// -------------------------------------------------------------------------------------------------------------
 
 std::string csv(std::vector<Signal> const& columns, std::string const& header) {
     std::string out = header + "\n";
@@ -236,14 +243,16 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
     std::string text = "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     for (bool detrend : {true, false}) {
-        Identified const m = identify::identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
+        Identified const m =
+            identify::identify(folder.file(text), {.inputs = {"u"}, .output = "y", .detrend = detrend});
         EXPECT_EQ(m.order, 2);
         EXPECT_NEAR(m.parameters[0].value, -1.5, 1e-12);
         EXPECT_NEAR(m.parameters[1].value, 0.7, 1e-12);
         EXPECT_NEAR(m.parameters[3].value, 0.5, 1e-12);
         EXPECT_TRUE(m.warnings().empty()) << m.warnings().front();
     }
-    std::string const constant = folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
+    std::string const constant =
+        folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
     EXPECT_THAT(files::message_of([&] { identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
                 HasSubstr("column \"y\" does not change"));
 }
@@ -257,9 +266,9 @@ TEST(Identify, StandardDeviationsHoldWithForgetting) {
         Signal const u = white_noise(400, Seed{std::uint64_t(k)});
         Signal xi = white_noise(400, Seed{std::uint64_t(5000 + k)});
         for (double& x : xi) x *= 0.5;
-        Identified const m =
-            identify::identify(folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
-                               {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
+        Identified const m = identify::identify(
+            folder.file(csv({u, simulate(model, {u}, xi)}, "u,y")),
+            {.inputs = {"u"}, .output = "y", .order = 1, .detrend = false, .forgetting = 0.95, .validate = 0});
         inside += m.parameters[2].lower <= 1 && 1 <= m.parameters[2].upper;
     }
     EXPECT_NEAR(inside / double(records), 0.95, 0.06);  // four standard deviations of 200 draws
@@ -282,7 +291,8 @@ TEST(Identify, SaysWhichOrderAPoorInputSupports) {
         return folder.file(csv({u, simulate(model, {u}, white_noise(Index(u.size()), Seed{4}))}, "u,y"));
     };
     auto const said = [&](Signal const& u, int order) {
-        return files::message_of([&] { identify(record(u), {.inputs = {"u"}, .output = "y", .order = order, .detrend = false}); });
+        return files::message_of(
+            [&] { identify(record(u), {.inputs = {"u"}, .output = "y", .order = order, .detrend = false}); });
     };
     Signal sine(600);
     for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));

@@ -1,4 +1,5 @@
-// Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate loops.
+// Every number that identify prints, computed in another way: rationals, finite differences, closed forms, separate
+// loops.
 #include "identify/roots.hpp"
 #include "identify/structure.hpp"
 #include "tests/common/exact_fit.hpp"
@@ -28,7 +29,8 @@ std::string csv(std::vector<Signal> const& columns, std::string header) {
 struct Trial {
     Signal u, v, y;
     explicit Trial(Index n, std::uint64_t seed = 5) : u(white_noise(n, Seed{seed})), v(prbs(6, n)) {
-        DifferenceEquation const model{.a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
+        DifferenceEquation const model{
+            .a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
         Signal xi = white_noise(n, Seed{seed + 1});
         for (double& x : xi) x *= 0.25;
         y = simulate(model, {u, v}, xi);
@@ -46,8 +48,8 @@ struct Rows {
         all = {.psi = Matrix<double>(8, n - first), .y = Vector<double>(n - first), .names = {}};
         auto const at = [&](Signal const& x, Index k, size_t column) { return x[size_t(k)] - m.means[column]; };
         for (Index k = first; k < n; ++k) {
-            all.psi.col(k - first) << -at(t.y, k - 1, 2), -at(t.y, k - 2, 2), at(t.u, k - 1, 0), at(t.u, k - 2, 0), at(t.v, k, 1),
-                at(t.v, k - 1, 1), at(t.v, k - 2, 1), 1;
+            all.psi.col(k - first) << -at(t.y, k - 1, 2), -at(t.y, k - 2, 2), at(t.u, k - 1, 0), at(t.u, k - 2, 0),
+                at(t.v, k, 1), at(t.v, k - 1, 1), at(t.v, k - 2, 1), 1;
             all.y[k - first] = at(t.y, k, 2);
         }
         Index const held = m.held_out;
@@ -147,7 +149,8 @@ TEST_F(IdentifyNumbers, ResidualsAndTheirCorrelations) {
     for (Index lag : {0, 3, 25}) {
         Rational r = 0;
         for (Index k = lag; k < N; ++k) r += exact.residuals[k] * v(k - lag);
-        EXPECT_NEAR(m.cross_correlation[1][size_t(lag)], number(r) / std::sqrt(number(power) * number(of_v)), 1e-12) << lag;
+        EXPECT_NEAR(m.cross_correlation[1][size_t(lag)], number(r) / std::sqrt(number(power) * number(of_v)), 1e-12)
+            << lag;
     }
     EXPECT_EQ(m.cross_correlation[1].size(), 26u);
     // The bound: two tails of the normal distribution are 1 %.
@@ -157,7 +160,8 @@ TEST_F(IdentifyNumbers, FitsOfWhatIsPredictedAndSimulated) {
     auto const percent = [&](auto const& predicted, Index from, Index to) {
         double mean = 0, missed = 0, spread = 0;
         for (Index k = from; k < to; ++k) mean += rows.all.y[k] / double(to - from);
-        for (Index k = from; k < to; ++k) missed += std::pow(rows.all.y[k] - predicted(k), 2), spread += std::pow(rows.all.y[k] - mean, 2);
+        for (Index k = from; k < to; ++k)
+            missed += std::pow(rows.all.y[k] - predicted(k), 2), spread += std::pow(rows.all.y[k] - mean, 2);
         return 100 * (1 - std::sqrt(missed / spread));
     };
     Vector<double> const one = rows.all.psi.transpose() * theta();
@@ -240,7 +244,8 @@ TEST_F(IdentifyNumbers, WithForgetting) {
     for (Index k = N - 1; k >= 0; --k, w *= Rational(0.9375)) {
         sum += w;
         for (Index i = 0; i < d; ++i)
-            for (Index j = 0; j < d; ++j) M(i, j) += w * w * Rational(rows.fitted.psi(i, k)) * Rational(rows.fitted.psi(j, k));
+            for (Index j = 0; j < d; ++j)
+                M(i, j) += w * w * Rational(rows.fitted.psi(i, k)) * Rational(rows.fitted.psi(j, k));
     }
     Matrix<Rational> const PM = weighted.inverse.lazyProduct(M), PMP = PM.lazyProduct(weighted.inverse);
     for (Index i = 0; i < d; ++i) used += PM(i, i);
@@ -253,15 +258,16 @@ TEST_F(IdentifyNumbers, WithForgetting) {
     EXPECT_TRUE(std::isnan(f.aic)) << "the criteria are those of equal weights";
 }
 
-/// The default prior: the shared one, made weaker by powers of two until it moves no parameter by more than a tenth of its standard
-/// deviation.
+/// The default prior: the shared one, made weaker by powers of two until it moves no parameter by more than a tenth of
+/// its standard deviation.
 TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
     IdentifyOptions o = options();
     o.p0.reset();
     for (double const noise : {1.0, 0x1p-6}) {
         Trial t(90);
         if (noise < 1) {  // the same system without noise but for rounding
-            DifferenceEquation const model{.a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
+            DifferenceEquation const model{
+                .a = {-1.1, 0.5}, .b = {{0, 1, 0.4, 0}, {0.3, 0, -0.6, 0}}, .delay = 0, .c = 0.4};
             t.y = simulate(model, {t.u, t.v}, Signal(90, 0.0));
             for (double& x : t.y) x = std::round(0x1p24 * x) / 0x1p24;
         }
@@ -270,8 +276,9 @@ TEST_F(IdentifyNumbers, TheDefaultPriorIsTheLeastThatDoesNotShow) {
         exact_fit::Fit const e = exact_fit::of(r.fitted);
         double const shared = default_prior(r.fitted, 1).c;
         auto const moved = [&](double c) {
-            Problem<double> problem{.size = d,
-                                    .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, 0, true}.prior()};
+            Problem<double> problem{
+                .size = d,
+                .prior = DefaultPrior{Eigen::Map<Vector<double> const>(f.scales.data(), d), c, 0, 0, true}.prior()};
             Vector<Reference> const with = certified(problem, r.fitted, {r.fitted.rows()}).front().theta();
             double most = 0;
             for (Index i = 0; i < d; ++i)

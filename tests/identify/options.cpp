@@ -35,7 +35,8 @@ protected:
     files::Folder const folder;
     std::string const file = [this] {
         Signal const u = white_noise(300, Seed{1}), v = prbs(7, 300);
-        DifferenceEquation const model{.a = {-1.1, 0.5}, .b = {{0, 0, 1, 0.4}, {0.3, -0.6, 0, 0}}, .delay = 0, .c = 0.4};
+        DifferenceEquation const model{
+            .a = {-1.1, 0.5}, .b = {{0, 0, 1, 0.4}, {0.3, -0.6, 0, 0}}, .delay = 0, .c = 0.4};
         Signal xi = white_noise(300, Seed{2});
         for (double& x : xi) x *= 0.2;
         return folder.file(csv({u, v, simulate(model, {u, v}, xi)}, "u,v,y"));
@@ -57,8 +58,9 @@ protected:
             std::ifstream in(path);
             return std::string(std::istreambuf_iterator<char>(in), {});
         };
-        int const status =
-            std::system(("cd '" + folder.path.string() + "' && '" RLSLAB_PROGRAM "' identify " + words + " > out.txt 2> err.txt").c_str());
+        int const status = std::system(
+            ("cd '" + folder.path.string() + "' && '" RLSLAB_PROGRAM "' identify " + words + " > out.txt 2> err.txt")
+                .c_str());
         return {WEXITSTATUS(status), text(folder.path / "out.txt"), text(folder.path / "err.txt")};
     }
 };
@@ -112,14 +114,17 @@ TEST_F(Options, TheEquationIsPrintedWithItsSigns) {
         return equation_text(m.terms, "y");
     };
     EXPECT_EQ(equation({.order = 1}), "y[k] + a1 y[k-1] = b0 u[k] + b1 u[k-1] + c + e[k]");
-    EXPECT_EQ(equation({.order = 2, .detrend = false}), "y[k] + a1 y[k-1] + a2 y[k-2] = b0 u[k] + b1 u[k-1] + b2 u[k-2] + e[k]");
+    EXPECT_EQ(equation({.order = 2, .detrend = false}),
+              "y[k] + a1 y[k-1] + a2 y[k-2] = b0 u[k] + b1 u[k-1] + b2 u[k-2] + e[k]");
     EXPECT_EQ(equation({.order = 4, .delay = {3}, .detrend = false}),
               "y[k] + a1 y[k-1] + ... + a4 y[k-4] = b0 u[k-3] + ... + b4 u[k-7] + e[k]");
     EXPECT_EQ(equation({.regressors = {"v[k-2]", "y[k-1]", "y[k-3]", "u"}, .intercept = true}),
               "y[k] + a1 y[k-1] + a3 y[k-3] = b2[v] v[k-2] + b0[u] u[k] + c + e[k]");
     // The signs are those of the estimate: y[k] = 0.5 y[k-1] + 2 u[k-1] has a1 = -0.5, b1 = 2.
-    Signal const u = prbs(6, 100), y = simulate({.a = {-0.5}, .b = {{0, 2}}, .delay = 0, .c = 0}, {u}, Signal(100, 0.0));
-    Identified const m = identify::identify(folder.file(csv({u, y}, "u,y"), "clean.csv"), {.inputs = {"u"}, .output = "y", .order = 1});
+    Signal const u = prbs(6, 100),
+                 y = simulate({.a = {-0.5}, .b = {{0, 2}}, .delay = 0, .c = 0}, {u}, Signal(100, 0.0));
+    Identified const m =
+        identify::identify(folder.file(csv({u, y}, "u,y"), "clean.csv"), {.inputs = {"u"}, .output = "y", .order = 1});
     EXPECT_NEAR(m.parameters[0].value, -0.5, 1e-9);
     EXPECT_NEAR(m.parameters[2].value, 2, 1e-9);
     EXPECT_NEAR(y[5], 0.5 * y[4] + 2 * u[4], 1e-12);
@@ -140,16 +145,19 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_EQ(refusal({.delay = {1}, .regressors = {"u"}}),
               "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
     EXPECT_EQ(refusal({.regressors = {"u", "y"}}), "--regressors: y: the output needs a lag: y[k-1] or further back");
-    EXPECT_EQ(refusal({.regressors = {"y[k-201]", "u"}}), "--regressors: y[k-201]: expected a lag of at most 200 for the output");
+    EXPECT_EQ(refusal({.regressors = {"y[k-201]", "u"}}),
+              "--regressors: y[k-201]: expected a lag of at most 200 for the output");
     EXPECT_EQ(refusal({.regressors = {"u", "u[k-201]"}}),
               "--regressors: u[k-201]: expected the lags of an input within 200 of one another");
     EXPECT_EQ(refusal({.regressors = {"w[k-1]"}}).substr(0, 24), "data.csv: no column \"w\";");
     EXPECT_EQ(refusal({.inputs = {"u", "u"}}), "data.csv: column \"u\" is asked for twice");
     EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
     EXPECT_EQ(message_of([&] { identify::identify(file, {.output = "y"}); }),
-              "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: --regressors "
+              "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
+              "--regressors "
               "'y[k-1..k-3]')");
-    EXPECT_EQ(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }), "--output: expected the name of the output column");
+    EXPECT_EQ(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }),
+              "--output: expected the name of the output column");
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
     for (auto const& [words, expected] : std::vector<std::pair<std::string, std::string>>{
@@ -190,7 +198,8 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
     // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of presample; one row more than parameters.
     IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 2, .delay = {1}, .validate = 0};
     EXPECT_EQ(folder.without(message_of([&] { identify::identify(cut(9), options); })),
-              "cut.csv: order 2, delay 1 has 6 parameters and needs at least 10 samples to fit, found 9: expected a lower order");
+              "cut.csv: order 2, delay 1 has 6 parameters and needs at least 10 samples to fit, found 9: expected a "
+              "lower order");
     Identified const m = identify::identify(cut(10), options);
     EXPECT_EQ(m.fitted, 7);
     EXPECT_NEAR(m.freedom, 1, 1e-3);
@@ -198,13 +207,17 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
 TEST_F(Options, RecordsWithoutAModelAreRefused) {
     auto const said = [&](Signal const& u, Signal const& y, IdentifyOptions options = {}) {
         options.inputs = {"u"}, options.output = "y", options.order = 1;
-        return folder.without(message_of([&] { identify::identify(folder.file(csv({u, y}, "u,y"), "bad.csv"), options); }));
+        return folder.without(message_of([&] {
+            identify::identify(folder.file(csv({u, y}, "u,y"), "bad.csv"), options);
+        }));
     };
     Signal const u = white_noise(60, Seed{1});
     Signal late(60, 3.0), tiny = u;
     late[59] = 4;
     EXPECT_EQ(said(u, Signal(60, 3.0)), "bad.csv: column \"y\" does not change: there is nothing to model");
-    EXPECT_EQ(said(u, late), "bad.csv: column \"y\" does not change over the 40 samples that are fitted: expected a smaller --validate");
+    EXPECT_EQ(
+        said(u, late),
+        "bad.csv: column \"y\" does not change over the 40 samples that are fitted: expected a smaller --validate");
     EXPECT_THAT(said(Signal(60, 1.0), u), HasSubstr("the input does not excite the system"));
     for (double& x : tiny) x *= 0x1p-405;
     EXPECT_THAT(said(u, tiny), HasSubstr("expected moderate numbers; multiply it by a power of ten"));
@@ -215,17 +228,20 @@ TEST_F(Options, RecordsWithoutAModelAreRefused) {
 /// Too short a memory is refused by its degrees of freedom, with a lambda that is long enough.
 TEST_F(Options, AMemoryShorterThanTheParametersIsRefused) {
     std::string const short_memory = refusal({.order = 2, .forgetting = 0.5});
-    EXPECT_EQ(short_memory, "--forgetting: lambda = 0.5 remembers about 2 rows, too few for 6 parameters: expected 0.917 or more");
+    EXPECT_EQ(short_memory,
+              "--forgetting: lambda = 0.5 remembers about 2 rows, too few for 6 parameters: expected 0.917 or more");
     EXPECT_EQ(refusal({.order = 2, .forgetting = 0.917}), "no error");
     EXPECT_GE(run({.order = 2, .forgetting = 0.917}).freedom, 1);
 }
 
-// --- what is printed ------------------------------------------------------------------------------------------------------------
+// --- what is printed
+// ------------------------------------------------------------------------------------------------------------
 
 std::vector<double> numbers_in(std::string const& line) {
     static std::regex const number("[-+]?[0-9]+\\.?[0-9]*(e[-+]?[0-9]+)?");
     std::vector<double> out;
-    for (std::sregex_iterator at(line.begin(), line.end(), number), end; at != end; ++at) out.push_back(std::stod(at->str()));
+    for (std::sregex_iterator at(line.begin(), line.end(), number), end; at != end; ++at)
+        out.push_back(std::stod(at->str()));
     return out;
 }
 std::string line_of(std::string const& text, std::string const& start) {
@@ -247,53 +263,63 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
         ASSERT_NE(at, line.npos) << text;
         std::vector<double> const n = numbers_in(line.substr(at + p.regressor.size()));
         ASSERT_EQ(n.size(), 4u) << line;
-        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name), expect_printed(n[2], p.lower, 5, p.name),
-            expect_printed(n[3], p.upper, 5, p.name);
+        expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name),
+            expect_printed(n[2], p.lower, 5, p.name), expect_printed(n[3], p.upper, 5, p.name);
     }
     EXPECT_THAT(text, HasSubstr("99 % interval"));
-    EXPECT_THAT(text, HasSubstr(fmt::format(": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n",
-                                            m.fitted, m.means[0], m.means[1], m.means[2])));
-    EXPECT_THAT(text, HasSubstr(fmt::format("\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: "
-                                            "it moves no parameter by more than",
-                                            std::ilogb(m.c))));
-    EXPECT_THAT(text, HasSubstr("\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough "
-                                "for every order tried (exciting of order 4 at least)\n"));
+    EXPECT_THAT(text,
+                HasSubstr(fmt::format(
+                    ": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n",
+                    m.fitted, m.means[0], m.means[1], m.means[2])));
+    EXPECT_THAT(text,
+                HasSubstr(fmt::format(
+                    "\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: "
+                    "it moves no parameter by more than",
+                    std::ilogb(m.c))));
+    EXPECT_THAT(
+        text,
+        HasSubstr(
+            "\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough "
+            "for every order tried (exciting of order 4 at least)\n"));
     EXPECT_THAT(text, HasSubstr("\norder 3 (given)\n"));
     std::string flat = std::regex_replace(text, std::regex("\n    "), " ");
-    EXPECT_THAT(line_of(flat, "poles: "), HasSubstr(fmt::format("time constant {:.3g} samples", -1 / std::log(std::abs(m.poles[0])))));
+    EXPECT_THAT(line_of(flat, "poles: "),
+                HasSubstr(fmt::format("time constant {:.3g} samples", -1 / std::log(std::abs(m.poles[0])))));
     for (auto const& [input, j] : {std::pair("u", 0u), {"v", 1u}})
         EXPECT_EQ(line_of(flat, fmt::format("steady-state gain of {}", input)),
                   fmt::format("steady-state gain of {}: {:.5g} (sd {:.2g})", input, m.gain[j], m.gain_sd[j]));
-    EXPECT_EQ(
-        line_of(flat, "fit: "),
-        fmt::format("fit: {:.2f} % one step ahead; held out: {:.2f} % one step ahead, {:.2f} % simulated (0 %: no better than the mean)",
-                    m.fit_one_step, m.held_out_one_step, m.held_out_simulated));
-    EXPECT_EQ(
-        line_of(flat, "residuals: "),
-        fmt::format(
-            "residuals: sigma^2 = {:.4g}; they pass for white: p = {:.3g} >= 0.01 (Ljung-Box: Q = {:.4g}, 25 lags, 22 degrees of freedom)",
-            m.sigma2, m.ljung_box.p, m.ljung_box.Q));
+    EXPECT_EQ(line_of(flat, "fit: "), fmt::format("fit: {:.2f} % one step ahead; held out: {:.2f} % one step ahead, "
+                                                  "{:.2f} % simulated (0 %: no better than the mean)",
+                                                  m.fit_one_step, m.held_out_one_step, m.held_out_simulated));
+    EXPECT_EQ(line_of(flat, "residuals: "),
+              fmt::format("residuals: sigma^2 = {:.4g}; they pass for white: p = {:.3g} >= 0.01 (Ljung-Box: Q = "
+                          "{:.4g}, 25 lags, 22 degrees of freedom)",
+                          m.sigma2, m.ljung_box.p, m.ljung_box.Q));
     EXPECT_EQ(line_of(flat, "criteria: "),
-              fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic, m.fpe, m.fitted));
-    EXPECT_EQ(
-        line_of(flat, "arithmetic: "),
-        fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its worst component); kappa = "
-                    "{:.3g}",
-                    std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
+              fmt::format("criteria: AIC {:.6g}, BIC {:.6g}, FPE {:.4g}, of 12 parameters over {} rows", m.aic, m.bic,
+                          m.fpe, m.fitted));
+    EXPECT_EQ(line_of(flat, "arithmetic: "),
+              fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its "
+                          "worst component); kappa = "
+                          "{:.3g}",
+                          std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
     auto const largest = [](Signal const& r, size_t first) {
         size_t at = first;
         for (size_t lag = first; lag < r.size(); ++lag)
             if (std::abs(r[lag]) > std::abs(r[at])) at = lag;
         return fmt::format("{:.2g} at lag {}", r[at], at);
     };
-    EXPECT_EQ(line_of(flat, "their largest"),
-              fmt::format("their largest correlation: with themselves {}; with past u {}; with past v {} (99 % bound {:.2g})",
-                          largest(m.auto_correlation, 1), largest(m.cross_correlation[0], 0), largest(m.cross_correlation[1], 0), m.bound));
+    EXPECT_EQ(
+        line_of(flat, "their largest"),
+        fmt::format("their largest correlation: with themselves {}; with past u {}; with past v {} (99 % bound {:.2g})",
+                    largest(m.auto_correlation, 1), largest(m.cross_correlation[0], 0),
+                    largest(m.cross_correlation[1], 0), m.bound));
     std::string poles_said = "poles: ";
     for (auto const& p : m.poles)
         if (p.imag() >= 0)
-            poles_said += p.imag() > 0 ? fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f}), ", p.real(), p.imag(), std::abs(p))
-                                       : fmt::format("{:.4f}, ", p.real());
+            poles_said += p.imag() > 0
+                              ? fmt::format("{:.4f} +- {:.4f}i (|z| {:.3f}), ", p.real(), p.imag(), std::abs(p))
+                              : fmt::format("{:.4f}, ", p.real());
     EXPECT_EQ(line_of(flat, "poles: ").substr(0, poles_said.size() - 2), poles_said.substr(0, poles_said.size() - 2));
 }
 TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
@@ -310,9 +336,12 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["fit"]["one_step"], m.fit_one_step);
     EXPECT_EQ(out["fit"]["held_out_one_step"], m.held_out_one_step);
     EXPECT_EQ(out["fit"]["held_out_simulated"], m.held_out_simulated);
-    EXPECT_EQ(
-        out["whiteness"],
-        (json{{"p", m.ljung_box.p}, {"Q", m.ljung_box.Q}, {"lags", 25}, {"degrees_of_freedom", 22}, {"level", 0.01}, {"white", true}}));
+    EXPECT_EQ(out["whiteness"], (json{{"p", m.ljung_box.p},
+                                      {"Q", m.ljung_box.Q},
+                                      {"lags", 25},
+                                      {"degrees_of_freedom", 22},
+                                      {"level", 0.01},
+                                      {"white", true}}));
     EXPECT_EQ(out["digits"]["theta"], m.digits);
     EXPECT_EQ(out["digits"]["worst"], m.digits_worst);
     EXPECT_EQ(out["condition"], m.condition);
@@ -326,8 +355,12 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
     EXPECT_EQ(out["equation"], equation_text(m.terms, "y"));
     for (size_t i = 0; i < m.parameters.size(); ++i) {
         Parameter const& p = m.parameters[i];
-        EXPECT_EQ(out["parameters"][i],
-                  (json{{"name", p.name}, {"of", p.regressor}, {"value", p.value}, {"sd", p.sd}, {"low", p.lower}, {"high", p.upper}}));
+        EXPECT_EQ(out["parameters"][i], (json{{"name", p.name},
+                                              {"of", p.regressor},
+                                              {"value", p.value},
+                                              {"sd", p.sd},
+                                              {"low", p.lower},
+                                              {"high", p.upper}}));
     }
     for (size_t i = 0; i < m.choice.fits.size(); ++i) {
         OrderFit const& f = m.choice.fits[i];
@@ -341,7 +374,8 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
                                           {"whiteness", f.ljung_box},
                                           {"held_out", f.held_out}}));
     }
-    EXPECT_EQ(out["suggested"], (json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}));
+    EXPECT_EQ(out["suggested"],
+              (json{{"aic", m.choice.aic}, {"bic", m.choice.bic}, {"fpe", m.choice.fpe}, {"f_test", m.choice.f_test}}));
     for (size_t j : {0u, 1u}) {
         json const& input = out["inputs"][j];
         EXPECT_EQ(input["mean"], m.means[j]);
@@ -350,22 +384,25 @@ TEST_F(Options, TheJsonSaysWhatWasWorkedOut) {
         EXPECT_EQ(input["exciting_of_order"], 4);
         EXPECT_EQ(input["constant_at_start"], m.excitation[j].constant_at_start);
         EXPECT_EQ(input["residual_correlation"], json(m.cross_correlation[j]));
-        for (size_t i = 0; i < m.zeros[j].size(); ++i) EXPECT_EQ(input["zeros"][i], (json{m.zeros[j][i].real(), m.zeros[j][i].imag()}));
+        for (size_t i = 0; i < m.zeros[j].size(); ++i)
+            EXPECT_EQ(input["zeros"][i], (json{m.zeros[j][i].real(), m.zeros[j][i].imag()}));
     }
-    for (size_t i = 0; i < m.poles.size(); ++i) EXPECT_EQ(out["poles"][i], (json{m.poles[i].real(), m.poles[i].imag()}));
+    for (size_t i = 0; i < m.poles.size(); ++i)
+        EXPECT_EQ(out["poles"][i], (json{m.poles[i].real(), m.poles[i].imag()}));
 }
 
 TEST_F(Options, EveryOrderThatWasTriedHasItsLine) {
     Identified const m = run({.inputs = {"u", "v"}, .max_order = 4});
     std::string const text = as_table(m);
-    EXPECT_THAT(text, HasSubstr(fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic, m.choice.fpe,
-                                            m.choice.f_test)));
+    EXPECT_THAT(text, HasSubstr(fmt::format("; AIC says {}, BIC {}, FPE {}, F-test {}\n", m.choice.aic, m.choice.bic,
+                                            m.choice.fpe, m.choice.f_test)));
     ASSERT_EQ(m.choice.fits.size(), 5u);
     for (OrderFit const& fit : m.choice.fits)
         EXPECT_THAT(text,
-                    HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n", fit.order == m.order ? '*' : ' ',
-                                          fit.order, fit.parameters, number_text(fit.aic, 5), number_text(fit.bic, 5),
-                                          number_text(fit.fpe, 3), number_text(fit.ljung_box, 2), fmt::format("{:.2f} %", fit.held_out))));
+                    HasSubstr(fmt::format("\n{} {:>5}  {:>10} {:>10} {:>10} {:>10}  {:>8}  {:>8}\n",
+                                          fit.order == m.order ? '*' : ' ', fit.order, fit.parameters,
+                                          number_text(fit.aic, 5), number_text(fit.bic, 5), number_text(fit.fpe, 3),
+                                          number_text(fit.ljung_box, 2), fmt::format("{:.2f} %", fit.held_out))));
 }
 TEST_F(Options, WithForgettingResidualsGetNoVerdictAndTheTableSaysWhy) {
     std::string const text = as_table(run({.inputs = {"u", "v"}, .max_order = 4, .forgetting = 0.98}));
@@ -382,7 +419,8 @@ TEST_F(Options, LambdaAndConfidenceThatLeaveNothingAreRefused) {
 }
 TEST_F(Options, APageOfALatin1NameIsUtf8) {
     std::string text = csv({white_noise(200, Seed{3}), white_noise(200, Seed{4})}, "T\xb0,y");
-    std::string const page = as_page(identify::identify(folder.file(text, "latin.csv"), {.inputs = {"T\xb0"}, .output = "y", .order = 1}));
+    std::string const page =
+        as_page(identify::identify(folder.file(text, "latin.csv"), {.inputs = {"T\xb0"}, .output = "y", .order = 1}));
     EXPECT_NO_THROW(json(page).dump()) << "not UTF-8";
 }
 

@@ -116,7 +116,8 @@ TEST(OrderCriteria, WithoutHeldOutRowsThereIsNoFitOfThem) {
 }
 
 TEST(LjungBox, IsLjungAndBox) {
-    // Residuals 1, -1, 1, -1, 2: r_1 = (-1 - 1 - 1 - 2)/8 = -5/8, r_2 = (1 + 1 + 2)/8 = 1/2; Q = 5 x 7 (25/64/4 + 1/4/3).
+    // Residuals 1, -1, 1, -1, 2: r_1 = (-1 - 1 - 1 - 2)/8 = -5/8, r_2 = (1 + 1 + 2)/8 = 1/2; Q = 5 x 7 (25/64/4 +
+    // 1/4/3).
     Vector<double> const eps{{1, -1, 1, -1, 2}};
     LjungBox const w = ljung_box(eps, 2, 1);
     EXPECT_DOUBLE_EQ(w.Q, 35 * (25.0 / 256 + 1.0 / 12));
@@ -149,7 +150,8 @@ TEST(LjungBox, PassesAtOnePercentAndLooksAtSoManyLags) {
     EXPECT_EQ(ljung_box_lags(26, 1), 25);
 }
 
-/// y = 3 u with an error of +-f 2^-44 max|y|, alternating: residuals of rounding alone below f = 1, correlated ones above.
+/// y = 3 u with an error of +-f 2^-44 max|y|, alternating: residuals of rounding alone below f = 1, correlated ones
+/// above.
 TEST(RoundingAlone, IsToldFromResidualsAtTwoToTheMinus44) {
     EXPECT_DOUBLE_EQ(rounding_alone(10, 4), 10 * 0x1p-84);
     for (double const f : {0.9, 1.1}) {
@@ -198,25 +200,29 @@ TEST(OrderChoices, FollowTheirRuleAndItsLevels) {
         Choice const should = chosen(c, level, level);
         EXPECT_EQ(c.order, should.order) << seed;
         EXPECT_EQ(c.f_test, should.f_test) << seed;
-        for (auto const& [criterion, order] : {std::pair(&OrderFit::aic, c.aic), {&OrderFit::bic, c.bic}, {&OrderFit::fpe, c.fpe}})
+        for (auto const& [criterion, order] :
+             {std::pair(&OrderFit::aic, c.aic), {&OrderFit::bic, c.bic}, {&OrderFit::fpe, c.fpe}})
             for (OrderFit const& f : c.fits)
                 if (f.order > 0) {
                     EXPECT_LE(c.fits[size_t(order)].*criterion, f.*criterion) << seed;
                 }
-        bool const any_white = std::ranges::any_of(c.fits, [&](OrderFit const& f) { return f.order >= c.bic && f.ljung_box >= level; });
+        bool const any_white =
+            std::ranges::any_of(c.fits, [&](OrderFit const& f) { return f.order >= c.bic && f.ljung_box >= level; });
         (any_white ? c.order == c.bic ? by_bic : by_white : none) += 1;
         EXPECT_EQ(c.why, !any_white ? "the least BIC; neither there nor above do the residuals pass for white"
                          : c.order == c.bic
                              ? "the least BIC, and its residuals pass for white"
-                             : "the least BIC among orders whose residuals pass for white (without that: " + std::to_string(c.bic) + ")");
+                             : "the least BIC among orders whose residuals pass for white (without that: " +
+                                   std::to_string(c.bic) + ")");
         // The trial can tell the level from its neighbours.
         white_low += chosen(c, 0.8 * level, level).order != should.order,
             white_high += chosen(c, 1.25 * level, level).order != should.order;
-        f_low += chosen(c, level, 0.8 * level).f_test != should.f_test, f_high += chosen(c, level, 1.25 * level).f_test != should.f_test;
+        f_low += chosen(c, level, 0.8 * level).f_test != should.f_test,
+            f_high += chosen(c, level, 1.25 * level).f_test != should.f_test;
     }
     for (int const count : {white_low, white_high, f_low, f_high, by_bic, by_white}) EXPECT_GT(count, 0);
-    std::printf("told apart: white %d %d, F %d %d; chosen by BIC %d, by whiteness %d, none white %d\n", white_low, white_high, f_low,
-                f_high, by_bic, by_white, none);
+    std::printf("told apart: white %d %d, F %d %d; chosen by BIC %d, by whiteness %d, none white %d\n", white_low,
+                white_high, f_low, f_high, by_bic, by_white, none);
 }
 TEST(OrderChoices, EndWhereTheColumnsDependOnOneAnother) {
     // y = 2 u[k] + u[k-1] exactly: y[k-1] is a combination of u[k-1] and u[k-2], so that order 2 brings no new column.
@@ -234,7 +240,8 @@ TEST(OrderChoices, CallColumnsDependentBelowTwoToTheMinus90) {
         Seed seed{3};
         for (Index k = 0; k < 40; ++k) {
             c.y[k] = seed.bell(), c.X(k, 0) = k % 2 ? 1 : -1, c.X(k, 1) = seed.bell();
-            c.X(k, 2) = c.X(k, 0) + std::ldexp(k % 4 < 2 ? 1.0 : -1.0, exponent);  // orthogonal to X(k, 0), half of it or so to X(k, 1)
+            c.X(k, 2) = c.X(k, 0) + std::ldexp(k % 4 < 2 ? 1.0 : -1.0,
+                                               exponent);  // orthogonal to X(k, 0), half of it or so to X(k, 1)
         }
         EXPECT_EQ(choose_order(c, 1, 0).fits.size(), exponent == -44 ? 2u : 1u) << exponent;
     }

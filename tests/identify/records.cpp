@@ -20,7 +20,8 @@ using testing::HasSubstr;
 /// NaN: an empty cell.
 std::string csv(Signal const& u, Signal const& y) {
     std::string out = "u,y";
-    for (size_t k = 0; k < u.size(); ++k) out += fmt::format("\n{},{}", u[k], std::isnan(y[k]) ? "" : fmt::format("{}", y[k]));
+    for (size_t k = 0; k < u.size(); ++k)
+        out += fmt::format("\n{},{}", u[k], std::isnan(y[k]) ? "" : fmt::format("{}", y[k]));
     return out + '\n';
 }
 
@@ -43,7 +44,8 @@ TEST_F(IdentifyRecords, PastOutputsAloneAreAModel) {
     Columns const columns = read_columns(file, {"y"});
     Records const rows = lagged_records(columns, lagged_of("", {"y[k-1..k-3]"}, "y"), "y");
     Vector<double> const theta = fit({.psi = rows.psi.leftCols(197), .y = rows.y.head(197), .names = {}}).theta;
-    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    for (Index i = 0; i < 3; ++i)
+        EXPECT_NEAR(m.parameters[size_t(i)].value, -theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     EXPECT_THAT(as_page(m), HasSubstr("figure id=\"poles\""));
 }
 /// Rows that miss a value are left out of the fit, of the orders and of what is tracked, and keep their places.
@@ -65,7 +67,8 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
             rows.y[at++] = y[k];
         }
     Vector<double> const theta = fit(rows).theta;
-    for (Index i = 0; i < 3; ++i) EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
+    for (Index i = 0; i < 3; ++i)
+        EXPECT_NEAR(m.parameters[size_t(i)].value, theta[i], 1e-3 * m.parameters[size_t(i)].sd);
     ASSERT_EQ(m.measured.size(), 299u);
     EXPECT_TRUE(std::isnan(m.one_step[49]) && std::isnan(m.one_step[50]) && !std::isnan(m.one_step[51]));
     EXPECT_FALSE(std::isnan(m.held_out_one_step)) << "of what was measured";
@@ -74,7 +77,8 @@ TEST_F(IdentifyRecords, MissingValuesAreSkipped) {
     EXPECT_EQ(m.tracked->rows[48].row, 50);
     EXPECT_EQ(m.tracked->rows[49].row, 53);
     options.order = 0;
-    EXPECT_EQ(identify::identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11) << "order 10, its lags and the output";
+    EXPECT_EQ(identify::identify(folder.file(text, "gaps.csv"), options).choice.rows, 190 - 11)
+        << "order 10, its lags and the output";
     EXPECT_THAT(as_page(m), testing::Not(testing::ContainsRegex("[^a-z_]nan[^a-z_]")));
 }
 TEST_F(IdentifyRecords, WithoutARowAreRefused) {
@@ -85,21 +89,25 @@ TEST_F(IdentifyRecords, WithoutARowAreRefused) {
         return folder.without(files::message_of([&] { identify::identify(folder.file(text, "gaps.csv"), options); }));
     };
     EXPECT_EQ(said(csv(u, every_third), {.order = 2}),
-              "gaps.csv: order 2 has 6 parameters, and 0 of its rows in the fitted part miss no value: expected more, or a lower order");
+              "gaps.csv: order 2 has 6 parameters, and 0 of its rows in the fitted part miss no value: expected more, "
+              "or a lower order");
     EXPECT_EQ(said(csv(u, every_third), {.order = 1}), "no error");
     std::string no_input = "u,y\n";
     for (double const v : y) no_input += fmt::format(",{}\n", v);
     EXPECT_EQ(said(no_input, {.order = 1}),
               "gaps.csv: column \"u\": expected a number in the part that is fitted, found missing values alone");
 }
-/// What error does not matter is told in units of each regressor: units of u move no digit and no word. Little noise, slow poles.
+/// What error does not matter is told in units of each regressor: units of u move no digit and no word. Little noise,
+/// slow poles.
 TEST_F(IdentifyRecords, UnitsChangeNothing) {
     Signal noise = white_noise(300, Seed{3}), small = u;
     for (double& x : noise) x *= 1e-9;
     for (double& x : small) x *= 0x1p-40;
-    Signal const slow = simulate({.a = {-2.91, 2.8226, -0.912576}, .b = {{0, 1e-3, 2e-3, 1e-3}}, .delay = 0, .c = 0}, {u}, noise);
+    Signal const slow =
+        simulate({.a = {-2.91, 2.8226, -0.912576}, .b = {{0, 1e-3, 2e-3, 1e-3}}, .delay = 0, .c = 0}, {u}, noise);
     auto const of = [&](Signal const& input) {
-        return identify::identify(folder.file(csv(input, slow), "slow.csv"), {.inputs = {"u"}, .output = "y", .order = 3});
+        return identify::identify(folder.file(csv(input, slow), "slow.csv"),
+                                  {.inputs = {"u"}, .output = "y", .order = 3});
     };
     Identified const one = of(u), other = of(small);
     EXPECT_EQ(one.c, other.c);

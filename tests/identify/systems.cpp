@@ -85,7 +85,8 @@ Record direct_feedback() {
 /// y = y[k-1] + u[k-1] + e: another spread in each part of the record.
 Record integrator() {
     Signal const e = white(N, 3, 0.1);
-    return {{"u", "y"}, {random_input(), simulate({.a = {-1}, .b = {{0, 1}}, .delay = 0, .c = 0}, {random_input()}, e)}};
+    return {{"u", "y"},
+            {random_input(), simulate({.a = {-1}, .b = {{0, 1}}, .delay = 0, .c = 0}, {random_input()}, e)}};
 }
 Record regression(Signal const& a, Signal const& b, Signal const& c, std::string format = "{}") {
     return {{"a", "b", "c", "y"}, {a, b, c, plus(plus(a, b, -1), white(N, 9, 0.1))}, std::move(format)};
@@ -116,7 +117,8 @@ std::vector<System> systems() {
         {"clean", first_order(random_input(), 0.1), arx(), {nothing_wrong}, {}},
         {"second_order_given",
          {{"u", "y"},
-          {random_input(), simulate({.a = {-1.5, 0.7}, .b = {{0, 1, 0.5}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.1))}},
+          {random_input(),
+           simulate({.a = {-1.5, 0.7}, .b = {{0, 1, 0.5}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.1))}},
          arx({.order = 2}),
          {nothing_wrong},
          {}},
@@ -142,23 +144,25 @@ std::vector<System> systems() {
              Signal const u = random_input(), v = white(N, 7);
              Signal shifted(v.size(), 0.0);
              std::copy(v.begin(), v.end() - 12, shifted.begin() + 12);
-             return Record{{"u", "v", "y"},
-                           {u, v, simulate({.a = {-0.5}, .b = {{0, 1}, {0, 1}}, .delay = 0, .c = 0}, {u, shifted}, white(N, 1, 0.1))}};
+             return Record{
+                 {"u", "v", "y"},
+                 {u, v,
+                  simulate({.a = {-0.5}, .b = {{0, 1}, {0, 1}}, .delay = 0, .c = 0}, {u, shifted}, white(N, 1, 0.1))}};
          }(),
          {.inputs = {"u", "v"}, .output = "y", .order = 1},
          {"the residuals follow past v", "next: --delay 0,13"},
          {"follow past u"}},
         {"order_too_low",
          {{"u", "y"},
-          {random_input(),
-           simulate({.a = {-1.2, 0.7, -0.2}, .b = {{0, 1, 0.5, -0.4}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.02))}},
+          {random_input(), simulate({.a = {-1.2, 0.7, -0.2}, .b = {{0, 1, 0.5, -0.4}}, .delay = 0, .c = 0},
+                                    {random_input()}, white(N, 3, 0.02))}},
          arx({.order = 1}),
          {"the residuals follow past u", "the residuals are not white"},
          {nothing_wrong}},
         {"order_at_the_limit",
          {{"u", "y"},
-          {random_input(),
-           simulate({.a = {-1.2, 0.7, -0.2}, .b = {{1, 1, 0.5, -0.4}}, .delay = 0, .c = 0}, {random_input()}, white(N, 3, 0.02))}},
+          {random_input(), simulate({.a = {-1.2, 0.7, -0.2}, .b = {{1, 1, 0.5, -0.4}}, .delay = 0, .c = 0},
+                                    {random_input()}, white(N, 3, 0.02))}},
          arx({.max_order = 2}),
          {"order 2 is the largest that was tried", "next: --max-order 4"},
          {}},
@@ -193,7 +197,8 @@ std::vector<System> systems() {
         {"outlier_guarded",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] += 100; }),
          arx({.composition = {.guard = "reset"}}),
-         {"row 301 (line 302) is 20 standard deviations off", "% without the outliers", "next: look at row 301 (line 302)\n"},
+         {"row 301 (line 302) is 20 standard deviations off", "% without the outliers",
+          "next: look at row 301 (line 302)\n"},
          {nothing_wrong}},
         {"outlier_held_out",
          with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[500] += 100; }),
@@ -211,8 +216,16 @@ std::vector<System> systems() {
          {"one value of input u, in row 201, is", "next: look at row 201"},
          {"rest on a few rows"}},
         {"integrator", integrator(), arx({.order = 1}), {}, {"its level changed"}},
-        {"a_controller_in_the_same_row", direct_feedback(), arx({.order = 1, .delay = {1}}), {"made from the output of the same row"}, {}},
-        {"outlier_emptied", with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] = NAN; }), arx(), {nothing_wrong}, {}},
+        {"a_controller_in_the_same_row",
+         direct_feedback(),
+         arx({.order = 1, .delay = {1}}),
+         {"made from the output of the same row"},
+         {}},
+        {"outlier_emptied",
+         with(first_order(random_input(), 0.1), 1, [](Signal& y) { y[300] = NAN; }),
+         arx(),
+         {nothing_wrong},
+         {}},
         // Regressors that depend on one another.
         {"collinear",
          regression(white(N, 1), white(N, 2), plus(white(N, 1), white(N, 2))),
@@ -271,7 +284,8 @@ std::vector<System> systems() {
         {"unstable",
          [] {
              Signal const u = white(120, 2);
-             return Record{{"u", "y"}, {u, simulate({.a = {-1.05}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, white(120, 1, 0.1))}};
+             return Record{{"u", "y"},
+                           {u, simulate({.a = {-1.05}, .b = {{0, 0.5}}, .delay = 0, .c = 0}, {u}, white(120, 1, 0.1))}};
          }(),
          arx({.order = 1}),
          {"a pole lies on or outside the unit circle", "steady-state gain of u: none"},
@@ -280,12 +294,14 @@ std::vector<System> systems() {
         {"closed_loop_without_dither", closed_loop(0.7, 0), arx({.order = 1}), {"REFUSED"}, {}},
         // Units.
         {"tiny_units",
-         with(with(first_order(random_input(), 0.1), 0, [](Signal& u) { u = times(u, 1e-12); }), 1, [](Signal& y) { y = times(y, 1e12); }),
+         with(with(first_order(random_input(), 0.1), 0, [](Signal& u) { u = times(u, 1e-12); }), 1,
+              [](Signal& y) { y = times(y, 1e12); }),
          arx(),
          {nothing_wrong},
          {}},
         {"huge_units",
-         with(with(first_order(random_input(), 0.1), 0, [](Signal& u) { u = times(u, 1e12); }), 1, [](Signal& y) { y = times(y, 1e-12); }),
+         with(with(first_order(random_input(), 0.1), 0, [](Signal& u) { u = times(u, 1e12); }), 1,
+              [](Signal& y) { y = times(y, 1e-12); }),
          arx(),
          {nothing_wrong},
          {}},
@@ -300,7 +316,11 @@ std::vector<System> systems() {
          arx({.na = 0, .nb = {0}}),
          {"the residuals are not white", "the noise has dynamics of its own"},
          {"follow past u"}},
-        {"a_series_alone", {{"y"}, {coloured_noise(N, {-1.2, 0.5}, seed_of(1))}}, list({"y[k-1..k-2]"}), {nothing_wrong}, {"nothing"}},
+        {"a_series_alone",
+         {{"y"}, {coloured_noise(N, {-1.2, 0.5}, seed_of(1))}},
+         list({"y[k-1..k-2]"}),
+         {nothing_wrong},
+         {"nothing"}},
         {"missing_values",
          with(with(first_order(random_input(), 0.1), 0, [](Signal& u) { u[100] = u[450] = NAN; }), 1,
               [](Signal& y) { y[200] = y[201] = NAN; }),
@@ -336,7 +356,8 @@ TEST_P(Systems, SayWhatAUserShouldRead) {
     for (std::string const& sentence : s.read) EXPECT_THAT(said, HasSubstr(sentence));
     for (std::string const& sentence : s.not_read) EXPECT_THAT(said, Not(HasSubstr(sentence)));
 }
-INSTANTIATE_TEST_SUITE_P(Known, Systems, testing::ValuesIn(systems()), [](auto const& system) { return system.param.name; });
+INSTANTIATE_TEST_SUITE_P(Known, Systems, testing::ValuesIn(systems()),
+                         [](auto const& system) { return system.param.name; });
 
 }  // namespace
 }  // namespace rlslab

@@ -80,7 +80,8 @@ TEST(Csv, SkipsWhatIsNoRowAndCountsItsLines) {
 }
 
 TEST(Csv, QuotedCellsHoldQuotesSeparatorsAndLineEnds) {
-    auto const data = read("\"a \"\"b\"\"\", \"note\" ,y\r\n\"1\",\"one,\r\ntwo\n\n#three\",\" 2 \"\n3,,\"\"\n", {"a \"b\"", "y"});
+    auto const data =
+        read("\"a \"\"b\"\"\", \"note\" ,y\r\n\"1\",\"one,\r\ntwo\n\n#three\",\" 2 \"\n3,,\"\"\n", {"a \"b\"", "y"});
     EXPECT_EQ(data["a \"b\""], (Numbers{1, 3}));
     EXPECT_TRUE(same_bits(data["y"], {2, missing}));
     EXPECT_EQ(data.lines, (std::vector<long>{2, 6}));
@@ -118,7 +119,8 @@ TEST(CsvRefuses, CellsThatAreNoNumbers) {
     for (std::string const text : {"0x10", "1e", "1 2", "--1", "+-1", "1d5", "nan(1)", "-", "1.2.3", "1_000", "e5"})
         EXPECT_EQ(refusal("u\n" + text, {"u"}), "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
     for (std::string const text : {"inf", "-Infinity", "+INF"})
-        EXPECT_EQ(refusal(text + "\n1", {"1"}), "data.csv:1: column 1: expected a finite number, found \"" + text + "\"");
+        EXPECT_EQ(refusal(text + "\n1", {"1"}),
+                  "data.csv:1: column 1: expected a finite number, found \"" + text + "\"");
     for (std::string const text : {"3.3e150", "-1e200", "1e999", "1e-999"})
         EXPECT_EQ(refusal("u\n" + text, {"u"}),
                   "data.csv:2: column 1 (u): expected 0 or a size from 2^-1074 to 2^500 "
@@ -134,7 +136,8 @@ TEST(CsvRefuses, GarbageShortenedAndPrintable) {
     EXPECT_EQ(refusal("u\n" + std::string(1000000, 'a'), {"u"}),
               "data.csv:2: column 1 (u): expected a number, found \"" + std::string(40, 'a') + "...\"");
     EXPECT_EQ(refusal("u\n\"a\nb\"", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"a\\x0ab\"");
-    EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}), "data.csv:3: expected text, found a zero byte (a binary file?)");
+    EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}),
+              "data.csv:3: expected text, found a zero byte (a binary file?)");
     EXPECT_EQ(refusal("\xff\xfeu\n", {"u"}), "data.csv: expected rows of numbers as UTF-8 text, found UTF-16");
 }
 
@@ -147,7 +150,8 @@ TEST(CsvRefuses, RaggedRows) {
 
 TEST(CsvRefuses, BrokenQuotes) {
     EXPECT_EQ(refusal("u,y\n1,2\n3,\"4\n5,6\n", {"u"}), "data.csv:3: column 2: expected a closing quote");
-    EXPECT_EQ(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}), "data.csv:2: column 2: expected a closing quote");
+    EXPECT_EQ(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}),
+              "data.csv:2: column 2: expected a closing quote");
     EXPECT_EQ(refusal("u,\"y\n1,2\n", {"u"}), "data.csv:1: column 2: expected a closing quote");
     EXPECT_EQ(refusal("u,y\n\"1\"2,3\n", {"u"}), "data.csv:2: column 1: expected a separator behind the closing quote");
 }
@@ -155,14 +159,16 @@ TEST(CsvRefuses, BrokenQuotes) {
 TEST(CsvRefuses, FilesWithoutRows) {
     EXPECT_EQ(refusal("", {"u"}), "data.csv: expected rows of numbers, found an empty file");
     EXPECT_EQ(refusal("# x\n\n  \n", {"u"}), "data.csv: expected rows of numbers, found only comments and blank lines");
-    EXPECT_EQ(refusal("u,y\n\n", {"u"}), "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+    EXPECT_EQ(refusal("u,y\n\n", {"u"}),
+              "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
 }
 
 TEST(CsvRefuses, ColumnsThatAreNotThere) {
     EXPECT_EQ(refusal("time,flow,temperature\n1,2,3\n", {"temprature"}),
               "data.csv: no column \"temprature\" (did you mean \"temperature\"?); the columns are \"time\", \"flow\", "
               "\"temperature\"");
-    EXPECT_EQ(refusal("u,y\n1,2\n", {"U"}), "data.csv: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\"");
+    EXPECT_EQ(refusal("u,y\n1,2\n", {"U"}),
+              "data.csv: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\"");
     EXPECT_EQ(refusal("u,y\n1,2\n", {"2"}), "data.csv: no column \"2\"; the columns are \"u\", \"y\"");
     EXPECT_EQ(refusal("1,2\n", {"u"}), "data.csv: no column \"u\"; without a header they are \"1\", \"2\"");
     EXPECT_EQ(refusal("1,2,3,4,5,6,7,8,9\n", {"10"}),
@@ -174,13 +180,16 @@ TEST(CsvRefuses, ColumnsThatAreNotThere) {
 }
 
 TEST(CsvRefuses, AnAmbiguousNameOnlyWhenAskedFor) {
-    EXPECT_EQ(refusal("# c\nu,y,u\n1,2,3\n", {"u"}), "data.csv:2: expected different names, found \"u\" over columns 1 and 3");
+    EXPECT_EQ(refusal("# c\nu,y,u\n1,2,3\n", {"u"}),
+              "data.csv:2: expected different names, found \"u\" over columns 1 and 3");
     EXPECT_EQ(refusal("u,y,u\n1,2,3\n", {"y"}), "no error");
 }
 
 TEST(CsvRefuses, FilesThatCannotBeRead) {
     Folder const folder;
-    auto const told = [&](std::string const& path) { return folder.without(message_of([&] { read_columns(path, {"u"}); })); };
+    auto const told = [&](std::string const& path) {
+        return folder.without(message_of([&] { read_columns(path, {"u"}); }));
+    };
     EXPECT_EQ(told(folder.path / "no.csv"), "no.csv: cannot be opened: No such file or directory");
     fs::create_directory(folder.path / "dir.csv");
     EXPECT_EQ(told(folder.path / "dir.csv"), "dir.csv: expected a file, found a directory");
@@ -248,7 +257,8 @@ TEST(CsvStream, ADashIsStandardInput) {
     Folder const folder;
     int const saved = dup(0);
     ASSERT_NE(std::freopen(folder.file("u\n1\nx\n").c_str(), "rb", stdin), nullptr);
-    EXPECT_EQ(message_of([] { read_columns("-", {"u"}); }), "standard input:3: column 1 (u): expected a number, found \"x\"");
+    EXPECT_EQ(message_of([] { read_columns("-", {"u"}); }),
+              "standard input:3: column 1 (u): expected a number, found \"x\"");
     std::clearerr(stdin);
     dup2(saved, 0);
     close(saved);

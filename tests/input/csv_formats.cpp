@@ -1,5 +1,5 @@
-// Separators and decimal marks are found out, or given. A file that can be read in two ways, or is no table, is refused in a line that
-// names the remedy, unless another cell says which it is.
+// Separators and decimal marks are found out, or given. A file that can be read in two ways, or is no table, is refused
+// in a line that names the remedy, unless another cell says which it is.
 #include "tests/common/files.hpp"
 
 #include <rlslab/input/csv.hpp>
@@ -28,7 +28,8 @@ std::string refusal(std::string const& text, Names const& asked, CsvFormat forma
     return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
 }
 
-// --- decimal commas -------------------------------------------------------------------------------------------------------
+// --- decimal commas
+// -------------------------------------------------------------------------------------------------------
 
 TEST(DecimalComma, IsReadWhereItIsNoSeparator) {
     EXPECT_EQ(read("u;y\n1,5;-2,25e1\n3;,5\n4,;1234,5678\n", {"u", "y"}).values,
@@ -40,15 +41,18 @@ TEST(DecimalComma, IsReadWhereItIsNoSeparator) {
     EXPECT_FALSE(read("1,5;2,5\n", {"1"}).header);
 }
 TEST(DecimalComma, OneMarkAFile) {
-    EXPECT_EQ(refusal("u;y\n1;2\n1,5;2.5\n", {"u", "y"}), "data.csv:3: column 2 (y): expected a decimal comma as in line 3, found \"2.5\"");
-    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}), "data.csv:3: column 2 (y): expected a decimal point as in line 2, found \"2,5\"");
+    EXPECT_EQ(refusal("u;y\n1;2\n1,5;2.5\n", {"u", "y"}),
+              "data.csv:3: column 2 (y): expected a decimal comma as in line 3, found \"2.5\"");
+    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}),
+              "data.csv:3: column 2 (y): expected a decimal point as in line 2, found \"2,5\"");
     EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"y"}), "no error");  // of what is asked for
     EXPECT_EQ(refusal("u;y\n1,x;2\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"1,x\"");
     EXPECT_EQ(refusal("1,5;-\n", {"2"}), "data.csv: no column \"2\"; the columns are \"1,5\", \"-\"");
 }
 TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
     std::string const why =
-        "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says which "
+        "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says "
+        "which "
         "(--decimal , if it is the former)";
     EXPECT_EQ(refusal("u;y\n1,234;1\n2;2\n", {"u"}), why);
     EXPECT_EQ(read("u;y\n1,234;1\n2,5;2\n", {"u"})["u"], (Numbers{1.234, 2.5}));          // the next one tells
@@ -57,19 +61,25 @@ TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
     EXPECT_EQ(read("u;y\n-1,234;1\n", {"u"}, {.decimal = ','})["u"], (Numbers{-1.234}));
     EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u", "y"}),
               "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
-    EXPECT_EQ(refusal("u;y\n2.5;1\n1,234;2\n", {"u"}), "data.csv:3: column 1 (u): expected a decimal point as in line 2, found \"1,234\"");
-    EXPECT_EQ(refusal("u;y\n1,234;1\n", {"u"}, {.decimal = '.'}), "data.csv:2: column 1 (u): expected a decimal point, found \"1,234\"");
+    EXPECT_EQ(refusal("u;y\n2.5;1\n1,234;2\n", {"u"}),
+              "data.csv:3: column 1 (u): expected a decimal point as in line 2, found \"1,234\"");
+    EXPECT_EQ(refusal("u;y\n1,234;1\n", {"u"}, {.decimal = '.'}),
+              "data.csv:2: column 1 (u): expected a decimal point, found \"1,234\"");
     for (std::string const text : {"1,234,567", "1,234.5", "1.234,5", "1.234.567", "-12,345,678.25"})
-        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}),
-                  "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"" + text + "\"");
+        EXPECT_EQ(
+            refusal("u;y\n" + text + ";1", {"u"}),
+            "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"" + text + "\"");
     for (std::string const text : {"1,2,3", "1,23,456", "1.2,3", "1,234.5.6", ",", "1,,5", "1,-5"})
-        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
+        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}),
+                  "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
 }
 
-// --- separators -----------------------------------------------------------------------------------------------------------
+// --- separators
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(Separator, BlanksAnyNumberOfThem) {
-    EXPECT_EQ(read("   u      y\n  1.5   -2e3\n\n  3 \t  4  \n", {"u", "y"}).values, (std::vector<Numbers>{{1.5, 3}, {-2000, 4}}));
+    EXPECT_EQ(read("   u      y\n  1.5   -2e3\n\n  3 \t  4  \n", {"u", "y"}).values,
+              (std::vector<Numbers>{{1.5, 3}, {-2000, 4}}));
     EXPECT_EQ(read("# by hand\n1 2\n3 4\n", {"2"})["2"], (Numbers{2, 4}));
     EXPECT_EQ(read("\"flow rate\" \"y\"\n1 2\n", {"flow rate"})["flow rate"], (Numbers{1}));
     EXPECT_EQ(read("u y\n1 NA\n", {"u"})["u"], (Numbers{1}));
@@ -91,7 +101,8 @@ TEST(Separator, ASpreadsheetsFirstLineNamesIt) {
     EXPECT_EQ(read("\xef\xbb\xbf\"sep=\t\"\nu\ty\n1\t2\n", {"y"})["y"], (Numbers{2}));
     EXPECT_EQ(read("SEP=|\nu|y\n1,5|2\n", {"u"})["u"], (Numbers{1.5}));
     EXPECT_EQ(read("sep=,\nu,y\n1,2\n", {"y"}).lines, (std::vector<long>{3}));
-    EXPECT_EQ(refusal("sep=x\nu,y\n1,2\n", {"y"}), "data.csv:1: expected sep= with a comma, semicolon, tab, bar or blank, found \"sep=x\"");
+    EXPECT_EQ(refusal("sep=x\nu,y\n1,2\n", {"y"}),
+              "data.csv:1: expected sep= with a comma, semicolon, tab, bar or blank, found \"sep=x\"");
     EXPECT_EQ(refusal("sep=;\n", {"y"}), "data.csv: expected rows of numbers, found only comments and blank lines");
     EXPECT_EQ(refusal("u;y\nsep=;1\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"sep=\"");
 }
@@ -108,16 +119,19 @@ TEST(Separator, GivenItIsObeyed) {
 }
 TEST(Separator, RowsTwiceAsLongAsTheHeaderSayWhy) {
     EXPECT_EQ(refusal("u,y\n1,5,2,5\n", {"u"}),
-              "data.csv:2: expected 2 columns as in line 1, found 4 (decimal commas? they need another separator, or quotes)");
+              "data.csv:2: expected 2 columns as in line 1, found 4 (decimal commas? they need another separator, or "
+              "quotes)");
 }
 
-// --- what is no text --------------------------------------------------------------------------------------------------------
+// --- what is no text
+// --------------------------------------------------------------------------------------------------------
 
 TEST(CsvRefuses, WhatOtherProgramsWrite) {
     EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}),
               "data.csv: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
-    EXPECT_EQ(refusal("PK\x03\x04", {"u"}),
-              "data.csv: expected rows of numbers as UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
+    EXPECT_EQ(
+        refusal("PK\x03\x04", {"u"}),
+        "data.csv: expected rows of numbers as UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
     EXPECT_EQ(refusal("\xd0\xcf\x11\xe0", {"u"}),
               "data.csv: expected rows of numbers as UTF-8 text, found a workbook: save the sheet as CSV");
 }
@@ -129,7 +143,9 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
     bool const header = flag(), given = separator == '|' || flag();
     std::string text = given || flag() ? "" : fmt::format("sep={}\r\n", separator);
     auto const between = [&](std::size_t j) {
-        return j == 0 ? "" : separator == ' ' ? std::string(*rc::gen::inRange<std::size_t>(1, 4), ' ') : std::string(1, separator);
+        return j == 0             ? ""
+               : separator == ' ' ? std::string(*rc::gen::inRange<std::size_t>(1, 4), ' ')
+                                  : std::string(1, separator);
     };
     Names names;
     for (std::size_t j = 0; j < columns; ++j) names.push_back(header ? fmt::format("n{}", j) : std::to_string(j + 1));
@@ -146,7 +162,8 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
             text += between(j) + cell;
         }
     bool const doubt = decimal == ',';
-    auto const data = read(text, names, {.separator = given ? separator : '\0', .decimal = doubt && flag() ? ',' : '\0'});
+    auto const data =
+        read(text, names, {.separator = given ? separator : '\0', .decimal = doubt && flag() ? ',' : '\0'});
     RC_ASSERT(data.header == header);
     for (std::size_t j = 0; j < columns; ++j)
         RC_ASSERT(std::ranges::equal(data.values[j], table[j], [](double a, double b) {
@@ -154,15 +171,18 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
         }));
 }
 
-// --- a point that may stand between thousands -------------------------------------------------------------------------------
+// --- a point that may stand between thousands
+// -------------------------------------------------------------------------------
 
-std::string const or_point = " may be a decimal point or a mark between thousands, and ", way_out = " (--decimal . if it is the former)";
+std::string const or_point = " may be a decimal point or a mark between thousands, and ",
+                  way_out = " (--decimal . if it is the former)";
 
 TEST(PointOrThousands, IsRefusedWhereAnyColumnHasADecimalComma) {
     std::string const german = "druck;y;temp\n967;2908;20,69\n1.047;3148;15,63\n";
-    EXPECT_EQ(refusal(german, {"druck", "y"}),
-              "data.csv:3: column 1 (druck): \"1.047\"" + or_point + "\"20,69\" in line 2 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal(german, {"druck", "temp"}), "data.csv:3: column 1 (druck): expected a decimal comma as in line 2, found \"1.047\"");
+    EXPECT_EQ(refusal(german, {"druck", "y"}), "data.csv:3: column 1 (druck): \"1.047\"" + or_point +
+                                                   "\"20,69\" in line 2 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal(german, {"druck", "temp"}),
+              "data.csv:3: column 1 (druck): expected a decimal comma as in line 2, found \"1.047\"");
     EXPECT_EQ(read(german, {"druck"}, {.decimal = '.'})["druck"], (Numbers{967, 1.047}));
     EXPECT_EQ(read(german, {"y"})["y"], (Numbers{2908, 3148})) << "no number in doubt";
     // The comma comes after the number in doubt, in quotes, in a column of text, beside a number with a point.
@@ -188,12 +208,15 @@ TEST(PointOrThousands, IsRefusedWhereANumberWithThousandsOrAUnitShowsTheComma) {
     for (std::string const separator : {"\t", ";"})
         for (std::string const shown : {"1.353,27", "-1.353,27", "1.234.567,5", "15,7 %", "3,25°C"})
             EXPECT_EQ(refusal("u" + separator + "t\n1.047" + separator + shown + "\n", {"u"}),
-                      "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"" + shown + "\" in line 2 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal("u\tt\n1.047\t1.234.567\n", {"u"}),
-              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.234.567\" in line 2 has points between thousands" + way_out);
-    EXPECT_EQ(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}),
-              "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"1.353,27\" in line 2 has a decimal comma" + way_out);
-    for (std::string const shows_nothing : {"1.2.3", "12.03.2024", "192.168.0.1", "a,b", "1,2,3", "12:30", "1.234 kg", "3.5 %"})
+                      "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"" + shown +
+                          "\" in line 2 has a decimal comma" + way_out);
+    EXPECT_EQ(refusal("u\tt\n1.047\t1.234.567\n", {"u"}), "data.csv:2: column 1 (u): \"1.047\"" + or_point +
+                                                              "\"1.234.567\" in line 2 has points between thousands" +
+                                                              way_out);
+    EXPECT_EQ(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}), "data.csv:2: column 1 (u): \"1.047\"" + or_point +
+                                                               "\"1.353,27\" in line 2 has a decimal comma" + way_out);
+    for (std::string const shows_nothing :
+         {"1.2.3", "12.03.2024", "192.168.0.1", "a,b", "1,2,3", "12:30", "1.234 kg", "3.5 %"})
         EXPECT_EQ(read("u\tt\n1.047\t" + shows_nothing + "\n", {"u"})["u"], (Numbers{1.047})) << shows_nothing;
 }
 TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
@@ -209,11 +232,13 @@ TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
 TEST(CommaOrThousands, AnyColumnShowsWhich) {
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u"})["u"], (Numbers{1.234}));
     EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u"}),
-              "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in line 2 has a decimal "
+              "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in "
+              "line 2 has a decimal "
               "point (--decimal , if it is the former)");
 }
 
-// --- blank lines in a file of one column --------------------------------------------------------------------------------------
+// --- blank lines in a file of one column
+// --------------------------------------------------------------------------------------
 
 TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
     Columns const data = read("u\n1\n\n2\n   \n\n3\n\n", {"u"});
@@ -224,7 +249,8 @@ TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
     EXPECT_EQ(read("u\n\n1\n2\n", {"u"})["u"], (Numbers{1, 2})) << "above the first row";
 }
 
-// --- a first row of numbers and text ------------------------------------------------------------------------------------------
+// --- a first row of numbers and text
+// ------------------------------------------------------------------------------------------
 
 TEST(FirstRow, LikeTheNextHasNoNamesWhereColumnsAreAskedForByNumber) {
     std::string const dates = "2024-01-01,5,8\n2024-01-02,6,9\n";
@@ -232,12 +258,12 @@ TEST(FirstRow, LikeTheNextHasNoNamesWhereColumnsAreAskedForByNumber) {
     EXPECT_FALSE(data.header);
     EXPECT_EQ(data.values, (std::vector<Numbers>{{8, 9}, {5, 6}}));
     EXPECT_EQ(data.lines, (std::vector<long>{1, 2}));
-    EXPECT_EQ(
-        refusal("2024-01-01,3,2\n2024-01-02,6,9\n", {"3", "2"}),
-        "data.csv:1: expected a row of names: \"3\" may be column \"3\", or column 2 with \"3\" in this row, which is like the row below");
-    EXPECT_EQ(
-        refusal("2024-01-01,2,8\n2024-01-02,6,9\n", {"2"}),
-        "data.csv:1: expected a row of names: \"2\" may be column \"2\", or column 2 with \"2\" in this row, which is like the row below");
+    EXPECT_EQ(refusal("2024-01-01,3,2\n2024-01-02,6,9\n", {"3", "2"}),
+              "data.csv:1: expected a row of names: \"3\" may be column \"3\", or column 2 with \"3\" in this row, "
+              "which is like the row below");
+    EXPECT_EQ(refusal("2024-01-01,2,8\n2024-01-02,6,9\n", {"2"}),
+              "data.csv:1: expected a row of names: \"2\" may be column \"2\", or column 2 with \"2\" in this row, "
+              "which is like the row below");
     EXPECT_EQ(refusal(dates, {"1"}), "data.csv:1: column 1: expected a number, found \"2024-01-01\"");
     EXPECT_EQ(refusal(dates, {"4"}), "data.csv: no column \"4\"; the columns are \"2024-01-01\", \"5\", \"8\"");
     EXPECT_EQ(read("a 1\nb 2\n", {"2"})["2"], (Numbers{1, 2})) << "blanks separate: the row below was looked at before";
@@ -247,16 +273,19 @@ TEST(FirstRow, OfNamesStaysOne) {
     EXPECT_EQ(read("country,1990,1991\nFrance,1,2\n", {"1991"})["1991"], (Numbers{2})) << "years";
     EXPECT_EQ(read("k,2,1\n5,6,7\n", {"2"})["2"], (Numbers{6})) << "a name over a number";
     EXPECT_EQ(read("k,2,1\nNA,6,7\n", {"1"})["1"], (Numbers{7}));
-    EXPECT_EQ(refusal("k,2,1\n", {"2"}), "data.csv: expected rows below the header, found none (the columns are \"k\", \"2\", \"1\")");
+    EXPECT_EQ(refusal("k,2,1\n", {"2"}),
+              "data.csv: expected rows below the header, found none (the columns are \"k\", \"2\", \"1\")");
     EXPECT_EQ(refusal("k,u\nx,5\n", {"2"}), "data.csv: no column \"2\"; the columns are \"k\", \"u\"");
 }
 
-// --- ends of lines --------------------------------------------------------------------------------------------------------------
+// --- ends of lines
+// --------------------------------------------------------------------------------------------------------------
 
 TEST(LineEnds, ACarriageReturnAloneIsOne) {
     EXPECT_EQ(read("u,y\r1,2\r3,4\r", {"y"})["y"], (Numbers{2, 4}));
     EXPECT_EQ(read("# by hand\r\ru;y\r1,5;2\r3;4", {"u"}).lines, (std::vector<long>{4, 5}));
-    EXPECT_EQ(refusal("u,y\r", {"u"}), "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+    EXPECT_EQ(refusal("u,y\r", {"u"}),
+              "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
 }
 TEST(LineEnds, TheFirstOneOutsideQuotesDecides) {
     EXPECT_EQ(read("\"a\rb\",y\n1,2\n", {"a\rb"})["a\rb"], (Numbers{1}));
@@ -267,11 +296,13 @@ TEST(LineEnds, TheFirstOneOutsideQuotesDecides) {
         EXPECT_EQ(read(piece.substr(1) + end + "u" + end + "1" + end, {"u"})["u"], (Numbers{1}));
 }
 
-// --- what is no table -----------------------------------------------------------------------------------------------------------
+// --- what is no table
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(NoTable, IsNamed) {
     auto const found = [](std::string const& begin) {
-        std::string const text = refusal(begin + "\n1,2\n", {"u"}), before = "data.csv: expected rows of numbers as UTF-8 text, found ";
+        std::string const text = refusal(begin + "\n1,2\n", {"u"}),
+                          before = "data.csv: expected rows of numbers as UTF-8 text, found ";
         return text.starts_with(before) ? text.substr(before.size()) : text;
     };
     EXPECT_EQ(found("\x89PNG\r\n\x1a"), "a PNG image");

@@ -1,4 +1,5 @@
-// Compressed data are read as the data they contain, and MATLAB's variables as columns. A file that cannot be read is refused in one line.
+// Compressed data are read as the data they contain, and MATLAB's variables as columns. A file that cannot be read is
+// refused in one line.
 #include "tests/common/files.hpp"
 
 #include <rlslab/input/formats/gzip.hpp>
@@ -39,7 +40,8 @@ std::string refusal(std::string const& bytes, Names const& asked, CsvFormat form
     return folder.without(message_of([&] { read_data({folder.file(bytes, "data"), format}, asked); }));
 }
 
-// --- gzip -----------------------------------------------------------------------------------------------------------------
+// --- gzip
+// -----------------------------------------------------------------------------------------------------------------
 
 TEST(Gzip, IsReadByItsContent) {
     EXPECT_EQ(read(packed("u;y\n1,5;2\n3;4\n"), {"u"})["u"], (Numbers{1.5, 3}));
@@ -50,18 +52,22 @@ TEST(Gzip, IsReadByItsContent) {
 TEST(Gzip, PartsThatWereJoinedAreOneFile) {
     EXPECT_EQ(read(packed("u,y\n1,2\n3,") + packed("") + packed("4\n"), {"y"})["y"], (Numbers{2, 4}));
     EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));  // as a tape pads it
-    EXPECT_EQ(refusal(packed("u\n1\n") + "more", {"u"}), "data: expected the compressed data to end the file, found something behind them");
+    EXPECT_EQ(refusal(packed("u\n1\n") + "more", {"u"}),
+              "data: expected the compressed data to end the file, found something behind them");
 }
 TEST(Gzip, DamageIsSeenWhereverItIs) {
     std::string text = "u\n";
     for (int i = 0; i < 300; ++i) text += std::to_string(i * i % 97) + '\n';
     std::string const whole = packed(text);
     for (std::size_t length = 2; length < whole.size(); ++length)
-        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: the compressed data end too early (was the file cut short?)") << length;
+        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}),
+                  "data: the compressed data end too early (was the file cut short?)")
+            << length;
     for (std::size_t at = 10; at < whole.size(); ++at) {  // behind the header
         std::string damaged = whole;
         damaged[at] = char(damaged[at] ^ 0x10);
-        if (refusal(damaged, {"u"}) == "no error") {  // a bit that fills up the last byte before the checksum says nothing
+        if (refusal(damaged, {"u"}) ==
+            "no error") {  // a bit that fills up the last byte before the checksum says nothing
             EXPECT_EQ(at, whole.size() - 9);
             EXPECT_EQ(read(damaged, {"u"})["u"], read(whole, {"u"})["u"]);
         }
@@ -95,9 +101,11 @@ TEST(Gzip, RowsWithoutEndAreRefused) {
     EXPECT_LT(given, 2 << 20);
 }
 
-// --- MATLAB -----------------------------------------------------------------------------------------------------------------
+// --- MATLAB
+// -----------------------------------------------------------------------------------------------------------------
 
-/// A .mat file of version 5 as the format's description has it, without matio: each variable a matrix of doubles by columns.
+/// A .mat file of version 5 as the format's description has it, without matio: each variable a matrix of doubles by
+/// columns.
 struct Mat5 {
     std::string bytes;
     Mat5() : bytes("MATLAB 5.0 MAT-file, by hand") {
@@ -110,7 +118,8 @@ struct Mat5 {
         bytes.append(raw.begin(), raw.end());
     }
     void pad() { bytes.resize((bytes.size() + 7) / 8 * 8, '\0'); }
-    Mat5& add(std::string const& name, std::int32_t rows, std::int32_t cols, Numbers const& values, std::uint32_t flags = 6) {
+    Mat5& add(std::string const& name, std::int32_t rows, std::int32_t cols, Numbers const& values,
+              std::uint32_t flags = 6) {
         std::size_t const names = (name.size() + 7) / 8 * 8, numbers = values.size() * 8;
         put(std::uint32_t(14)), put(std::uint32_t(16 + 16 + 8 + names + 8 + numbers));
         put(std::uint32_t(6)), put(std::uint32_t(8)), put(flags), put(std::uint32_t(0));
@@ -125,19 +134,26 @@ struct Mat5 {
 };
 
 TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
-    std::string const file =
-        Mat5().add("u", 3, 1, {1, 2.5, -3}).add("y", 1, 3, {4, 5, 6}).add("X", 3, 2, {1, 2, 3, 7, 8, 9}).add("Ts", 1, 1, {0.1}).bytes;
+    std::string const file = Mat5()
+                                 .add("u", 3, 1, {1, 2.5, -3})
+                                 .add("y", 1, 3, {4, 5, 6})
+                                 .add("X", 3, 2, {1, 2, 3, 7, 8, 9})
+                                 .add("Ts", 1, 1, {0.1})
+                                 .bytes;
     Columns const data = read(file, {"y", "u", "X_2"});
     EXPECT_EQ(data["u"], (Numbers{1, 2.5, -3}));
     EXPECT_EQ(data["y"], (Numbers{4, 5, 6}));
     EXPECT_EQ(data["X_2"], (Numbers{7, 8, 9}));
-    EXPECT_EQ(read(file, {"X(:,1)", "X(:, 2)", "u(:,1)"}).values, (std::vector<Numbers>{{1, 2, 3}, {7, 8, 9}, {1, 2.5, -3}}));
+    EXPECT_EQ(read(file, {"X(:,1)", "X(:, 2)", "u(:,1)"}).values,
+              (std::vector<Numbers>{{1, 2, 3}, {7, 8, 9}, {1, 2.5, -3}}));
     EXPECT_EQ(read(file, {"X(:,2)"})["X(:,2)"], (Numbers{7, 8, 9}));
-    EXPECT_EQ(refusal(file, {"y(:,2)"}), "data: no column \"y(:,2)\"; the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
+    EXPECT_EQ(refusal(file, {"y(:,2)"}),
+              "data: no column \"y(:,2)\"; the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
     EXPECT_EQ(data.lines, (std::vector<long>{1, 2, 3}));
     EXPECT_EQ(refusal(file, {"u", "Ts"}), "data: expected columns of equal length, found 3 numbers in u and 1 in Ts");
     EXPECT_EQ(refusal(file, {"X"}), "data: X is a matrix: its columns are called X_1 ... X_2");
-    EXPECT_EQ(refusal(file, {"U"}), "data: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
+    EXPECT_EQ(refusal(file, {"U"}),
+              "data: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
     EXPECT_EQ(refusal(file, {"u"}, {.decimal = ','}), "data: a MATLAB file has no separators and decimal marks");
 }
 TEST(Matlab, WhatIsNoRealVectorIsNamed) {
@@ -150,8 +166,10 @@ TEST(Matlab, WhatIsNoRealVectorIsNamed) {
                                  .add("c", 2, 1, {1, 2}, 1)
                                  .add("X", 1 << 30, 3, {1})
                                  .bytes;
-    EXPECT_EQ(refusal(file, {"u"}), "data: u, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found inf");
-    EXPECT_EQ(refusal(file, {"v"}), "data: v, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found -1e+200");
+    EXPECT_EQ(refusal(file, {"u"}),
+              "data: u, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found inf");
+    EXPECT_EQ(refusal(file, {"v"}),
+              "data: v, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found -1e+200");
     std::string const expected = ": expected a real numeric vector or matrix, found ";
     EXPECT_EQ(refusal(file, {"w"}), "data: w" + expected + "nothing");
     EXPECT_EQ(refusal(file, {"z"}), "data: z" + expected + "complex numbers");
@@ -164,14 +182,17 @@ TEST(Matlab, CutShortItIsRefused) {
     std::string const whole = Mat5().add("u", 3, 1, {1, 2, 3}).bytes;
     EXPECT_EQ(refusal(whole.substr(0, 128), {"u"}), "data: expected variables, found none");
     for (std::size_t length = 129; length < whole.size(); ++length)
-        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: it ends within a variable: the file is damaged") << length;
-    EXPECT_EQ(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}), "data: u: 8 bytes of numbers for 1048576 x 1: the file is damaged");
+        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: it ends within a variable: the file is damaged")
+            << length;
+    EXPECT_EQ(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}),
+              "data: u: 8 bytes of numbers for 1048576 x 1: the file is damaged");
 }
 TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
     std::ifstream stream(std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/mat5_packed", std::ios::binary);
     std::string const whole{std::istreambuf_iterator<char>(stream), {}};
     auto const good = read(whole, {"u", "y"}).values;
-    for (std::size_t length = 129; length < whole.size(); ++length) {  // between variables nothing shows what is missing behind
+    for (std::size_t length = 129; length < whole.size();
+         ++length) {  // between variables nothing shows what is missing behind
         std::string const told = refusal(whole.substr(0, length), {"u", "y"});
         if (told == "no error") {
             EXPECT_EQ(read(whole.substr(0, length), {"u", "y"}).values, good);
@@ -209,7 +230,8 @@ TEST(Matlab, BothVersionsPackedAndPlain) {
         std::string const told = message_of([&] { data = read_data(path, {"u", "y", "x_2", "s"}); });
         if (told.find("matio") != told.npos) continue;  // without it, or it without HDF5
         ASSERT_EQ(told, "no error") << name;
-        EXPECT_EQ(data.values, (std::vector<Numbers>{{1, 2.5, -3, 4}, {1, 2, 3, 4.5}, {5, 6, 7, 8}, {1, -2, 3, 4}})) << name;
+        EXPECT_EQ(data.values, (std::vector<Numbers>{{1, 2.5, -3, 4}, {1, 2, 3, 4.5}, {5, 6, 7, 8}, {1, -2, 3, 4}}))
+            << name;
     }
 }
 

@@ -1,4 +1,5 @@
-// Complex scalars in exact arithmetic: the real filter of twice the size on the real rows, and the normal equations, with ==.
+// Complex scalars in exact arithmetic: the real filter of twice the size on the real rows, and the normal equations,
+// with ==.
 #include "tests/common/complex.hpp"
 
 #include <rlslab/adapt/time_update.hpp>
@@ -46,17 +47,18 @@ Matrix<Q> over_reals(Matrix<C> const& A) {
     return out;
 }
 
-/// Law 1: with psi = a + ib, (psi'theta) is the pair of rows (a, b), (-b, a) of a real filter for (Re theta; Im theta), time passing once a
-/// pair. theta, P, J and the product of the two gammas are the same. Forms whose time does not pass by itself are tried at lambda = 1.
+/// Law 1: with psi = a + ib, (psi'theta) is the pair of rows (a, b), (-b, a) of a real filter for (Re theta; Im theta),
+/// time passing once a pair. theta, P, J and the product of the two gammas are the same. Forms whose time does not pass
+/// by itself are tried at lambda = 1.
 template <class F>
 bool is_the_real_filter() {
     using R = RealTwin<F>;
     Q const lambda = NamesItsForm<R> ? Q(15) / 16 : Q(1);
     Problem<C> const problem{.size = d, .forgetting = lambda, .prior = whole_prior()};
-    Problem<Q> const real{
-        .size = 2 * d,
-        .forgetting = lambda,
-        .prior = Prior<Q>{.theta = over_reals(*problem.prior->theta), .covariance = over_reals(*problem.prior->covariance)}};
+    Problem<Q> const real{.size = 2 * d,
+                          .forgetting = lambda,
+                          .prior = Prior<Q>{.theta = over_reals(*problem.prior->theta),
+                                            .covariance = over_reals(*problem.prior->covariance)}};
     F f(problem);
     R g(real);
     ComplexRows const rows = complex_rows(d, 4, 11);
@@ -94,8 +96,8 @@ TEST(ComplexExact, WhichFindsEachMissingConjugate) {
     EXPECT_FALSE((is_the_real_filter<Plain<C, Broken::gain>>()));
 }
 
-/// Law 5: X theta = b and X K = psi for X = lambda^n P0^-1 + sum lambda^(n-k) psi psi', b = lambda^n P0^-1 theta0 + sum lambda^(n-k) psi y,
-/// P0 = 4 I. Nothing is solved: what the filter answers is put in.
+/// Law 5: X theta = b and X K = psi for X = lambda^n P0^-1 + sum lambda^(n-k) psi psi', b = lambda^n P0^-1 theta0 + sum
+/// lambda^(n-k) psi y, P0 = 4 I. Nothing is solved: what the filter answers is put in.
 template <class F>
 bool solves_the_normal_equations() {
     Q const lambda = Q(7) / 8;

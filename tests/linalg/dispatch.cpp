@@ -1,4 +1,5 @@
-// What the tables of dispatch.hpp choose on each instruction set, also on those that this machine lacks: nothing is run.
+// What the tables of dispatch.hpp choose on each instruction set, also on those that this machine lacks: nothing is
+// run.
 #include "tests/common/each_isa.hpp"
 
 #include <gtest/gtest.h>
@@ -46,11 +47,14 @@ template <class... Passes>
 void check_monotonic() {
     for (Index d = 1; d < 2048; ++d)
         for (Isa isa : {Isa::baseline, Isa::avx2})
-            EXPECT_TRUE((... && (!one_pass_is_faster<Passes>(isa, d) || one_pass_is_faster<Passes>(Isa(int(isa) + 1), d)))) << d;
+            EXPECT_TRUE(
+                (... && (!one_pass_is_faster<Passes>(isa, d) || one_pass_is_faster<Passes>(Isa(int(isa) + 1), d))))
+                << d;
 }
 TEST(Dispatch, OnePassStaysFasterOnAWiderSet) {
-    check_monotonic<SubtractRankOne<double>, SubtractRankOne<float>, SubtractMirrored<double>, SubtractMirrored<float>, SweepUd<double>,
-                    SweepUd<float>, SweepCarlson<double>, SweepCarlson<float>, SweepRotations<double>, SweepRotations<float>>();
+    check_monotonic<SubtractRankOne<double>, SubtractRankOne<float>, SubtractMirrored<double>, SubtractMirrored<float>,
+                    SweepUd<double>, SweepUd<float>, SweepCarlson<double>, SweepCarlson<float>, SweepRotations<double>,
+                    SweepRotations<float>>();
 }
 
 /// The processor's best, or an earlier one that the environment names.

@@ -1,5 +1,5 @@
-// Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the text for single rows,
-// at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
+// Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the
+// text for single rows, at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
 #include <rlslab/core/random.hpp>
 #include <rlslab/linalg/kernels.hpp>
 
@@ -24,10 +24,12 @@ T number(Seed& seed, Kind kind) {
     if (kind == Kind::ordinary) return x;
     if (chance == 0) return T(0);
     if (chance == 1) return -T(0);
-    if (chance < 6) return std::ldexp(x, int(seed.next() % 600) * (sizeof(T) == 8 ? 3 : 1) / 3 - (sizeof(T) == 8 ? 300 : 100));
+    if (chance < 6)
+        return std::ldexp(x, int(seed.next() % 600) * (sizeof(T) == 8 ? 3 : 1) / 3 - (sizeof(T) == 8 ? 300 : 100));
     if (chance == 6) return std::numeric_limits<T>::denorm_min() * T(1 + seed.next() % 9);
     if (kind == Kind::special && seed.next() % 64 == 0) {
-        T const bad[] = {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()};
+        T const bad[] = {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(),
+                         std::numeric_limits<T>::quiet_NaN()};
         return bad[seed.next() % 3];
     }
     return x;
@@ -46,7 +48,8 @@ struct Operands {
     bool flag = false;
     int overwritten = -1;  // the v that the kernel leaves undefined
 
-    Operands(Index size, Part p, Kind kind, Seed seed) : d(size), ld(column_stride<T, Dynamic>(size)), part(p), A(size_t(ld * d)), B(A) {
+    Operands(Index size, Part p, Kind kind, Seed seed)
+        : d(size), ld(column_stride<T, Dynamic>(size)), part(p), A(size_t(ld * d)), B(A) {
         for (T& x : A) x = number<T>(seed, kind);
         for (T& x : B) x = number<T>(seed, kind);
         for (Index j = 0; j < d; ++j)
@@ -66,7 +69,8 @@ struct Operands {
         for (int i = 0; i < 8; ++i)
             if (i != overwritten) out.insert(out.end(), v[i].begin(), v[i].begin() + d);
         for (Index j = 0; j < d; ++j)
-            for (Index i = part == Part::lower ? j : 0; i < (part == Part::upper ? j + 1 : d); ++i) out.push_back(A[size_t(j * ld + i)]);
+            for (Index i = part == Part::lower ? j : 0; i < (part == Part::upper ? j + 1 : d); ++i)
+                out.push_back(A[size_t(j * ld + i)]);
         return out;
     }
 };
@@ -76,7 +80,8 @@ template <class T>
 long difference(std::vector<T> const& a, std::vector<T> const& b) {
     using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
     for (size_t i = 0; i < a.size(); ++i)
-        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i]))) return long(i);
+        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i])))
+            return long(i);
     return -1;
 }
 
@@ -88,8 +93,8 @@ std::vector<T> after(Operands<T> operands, Make make, Run run) {
     return operands.results();
 }
 
-/// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal times an infinity are
-/// NaN, which single rows never compute. (The filter is broken down then, and says so.)
+/// With infinities the registers are compared with one another alone: in a triangle, the zeros beside the diagonal
+/// times an infinity are NaN, which single rows never compute. (The filter is broken down then, and says so.)
 template <class T, class Make>
 void check_one(char const* name, Operands<T> const& operands, Kind kind, Make make) {
     auto const narrow = after(operands, make, [](auto const& k) {
@@ -98,7 +103,8 @@ void check_one(char const* name, Operands<T> const& operands, Kind kind, Make ma
     });
     auto const same = [&](char const* set, std::vector<T> const& other) {
         long const at = difference(narrow, other);
-        EXPECT_EQ(at, -1) << name << " on " << set << ", " << operands.d << " parameters: " << narrow[size_t(std::max(at, 0L))] << " and "
+        EXPECT_EQ(at, -1) << name << " on " << set << ", " << operands.d
+                          << " parameters: " << narrow[size_t(std::max(at, 0L))] << " and "
                           << other[size_t(std::max(at, 0L))];
     };
     if (kind != Kind::special)
@@ -121,7 +127,8 @@ void check_one(char const* name, Operands<T> const& operands, Kind kind, Make ma
 #endif
 }
 
-/// make(operands) where a sweep goes through its matrix the other way: each remainder of a group of columns, and of a block of rows.
+/// make(operands) where a sweep goes through its matrix the other way: each remainder of a group of columns, and of a
+/// block of rows.
 template <class T, class Make>
 void check_large(char const* name, Part part, Make make) {
     using K = decltype(make(std::declval<Operands<T>&>()));
@@ -173,18 +180,25 @@ TYPED_TEST(KernelBits, OfProductsAreTheSame) {
         return MultiplyTransposed<T, Shape::upper>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
     });
     check<T>(
-        "MultiplySquares", Part::full, [](O& o) { return MultiplySquares<T>{o.d, o.ld, o.B.data(), o.B.data(), o.ld, 1, o.A.data()}; }, 33);
+        "MultiplySquares", Part::full,
+        [](O& o) { return MultiplySquares<T>{o.d, o.ld, o.B.data(), o.B.data(), o.ld, 1, o.A.data()}; }, 33);
 }
 
 /// check_sweep(name, part, make) for each sweep.
 template <class T, class Check>
 void each_sweep(Check check_sweep) {
     using O = Operands<T>;
-    auto const rank_one = [](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
-    auto const symmetric = [](O& o) { return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; };
+    auto const rank_one = [](O& o) {
+        return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar};
+    };
+    auto const symmetric = [](O& o) {
+        return SubtractMirrored<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar};
+    };
     auto const over = [](O& o) { return OverTriangle<T>{o.d, o.ld, o.A.data(), o.v[0].data()}; };
     auto const ud = [=](O& o) { return SweepUd<T>{over(o), o.v[1].data(), o.v[2].data()}; };
-    auto const carlson = [=](O& o) { return SweepCarlson<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.scalar}; };
+    auto const carlson = [=](O& o) {
+        return SweepCarlson<T>{over(o), o.v[1].data(), o.v[2].data(), o.v[3].data(), o.scalar};
+    };
     auto const rotations = [=](O& o) {
         for (T& c : o.v[1]) c = std::abs(c);  // as cosines are here
         return SweepRotations<T>{over(o), o.v[1].data(), o.v[2].data(), o.scalar};
@@ -192,7 +206,9 @@ void each_sweep(Check check_sweep) {
     auto const multiplied = [](auto make) {
         return [=](O& o) { return ThenMultiply<decltype(make(o))>{make(o), o.v[4].data(), o.v[5].data()}; };
     };
-    check_sweep("Multiply", Part::full, [](O& o) { return Multiply<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()}; });
+    check_sweep("Multiply", Part::full, [](O& o) {
+        return Multiply<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
+    });
     check_sweep("SubtractRankOne", Part::full, rank_one);
     check_sweep("SubtractRankOne and the product", Part::full, multiplied(rank_one));
     check_sweep("SubtractMirrored", Part::symmetric, symmetric);
@@ -229,7 +245,8 @@ TYPED_TEST(KernelBits, OfLowerTrianglesAreTheSame) {
         return SweepGentleman<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.v[2].data(), o.v[3].data()};
     });
     check<T>("RotateIn", Part::lower, [](O& o) {
-        return RotateIn<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), &o.sum, o.v[2].data(), o.v[3].data(), std::abs(o.scalar)};
+        return RotateIn<T>{o.d,    o.ld,          o.A.data(),    o.v[0].data(),     o.v[1].data(),
+                           &o.sum, o.v[2].data(), o.v[3].data(), std::abs(o.scalar)};
     });
     check<T>("ReflectIn", Part::lower, [](O& o) {
         return ReflectIn<T>{o.d,    o.ld,          o.A.data(),      o.v[0].data(),     o.v[1].data(),
@@ -247,14 +264,17 @@ TYPED_TEST(KernelBits, OfReflectionsAreTheSame) {
     });
     check<T>("Reflections", Part::full, [](O& o) {  // all of them below the same numbers
         Index const count = std::min<Index>(o.d, 3), no_stride = 0;
-        return Reflections<T>{o.d, o.d, count, o.B.data(), o.v[0].data(), o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
+        return Reflections<T>{o.d,        o.d,           count,     o.B.data(),   o.v[0].data(),
+                              o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
     });
-    check<T>("Reflections of zeros", Part::full, [](O& o) {  // 0 - t in place of -t, or sums that start at 0, make another zero of them
-        Index const count = std::min<Index>(o.d, 3), no_stride = 0;
-        for (auto* zeros : {&o.A, &o.v[1], &o.v[2]}) std::ranges::fill(*zeros, -T(0));
-        for (T& x : o.B) x = std::abs(x);
-        return Reflections<T>{o.d, o.d, count, o.B.data(), o.v[0].data(), o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
-    });
+    check<T>("Reflections of zeros", Part::full,
+             [](O& o) {  // 0 - t in place of -t, or sums that start at 0, make another zero of them
+                 Index const count = std::min<Index>(o.d, 3), no_stride = 0;
+                 for (auto* zeros : {&o.A, &o.v[1], &o.v[2]}) std::ranges::fill(*zeros, -T(0));
+                 for (T& x : o.B) x = std::abs(x);
+                 return Reflections<T>{o.d,        o.d,           count,     o.B.data(),   o.v[0].data(),
+                                       o.A.data(), o.v[1].data(), no_stride, o.v[2].data()};
+             });
 }
 
 /// Two saboteurs: lanes added from the first to the last, and a product that is not rounded before it is subtracted.
@@ -292,8 +312,9 @@ TYPED_TEST(KernelBits, DifferIfLanesAreAddedInAnotherOrderOrAProductIsFused) {
             return MultiplyTransposed<T, Shape::full>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data()};
         },
         [](auto const& k) { portable::evaluate<FirstToLast<T>>(k); }));
-    EXPECT_TRUE(differs([](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; },
-                        [](auto const& k) { portable::evaluate<Fused<T>>(k); }));
+    EXPECT_TRUE(
+        differs([](O& o) { return SubtractRankOne<T>{o.d, o.ld, o.A.data(), o.v[0].data(), o.v[1].data(), o.scalar}; },
+                [](auto const& k) { portable::evaluate<Fused<T>>(k); }));
 }
 
 }  // namespace

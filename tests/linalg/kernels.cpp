@@ -1,5 +1,5 @@
-// One order of evaluation: every variant gives the same bits on each instruction set, at a fixed size, and in a scalar that
-// the kernels' registers know nothing of (Counted: the hardware's arithmetic through the text for any arithmetic).
+// One order of evaluation: every variant gives the same bits on each instruction set, at a fixed size, and in a scalar
+// that the kernels' registers know nothing of (Counted: the hardware's arithmetic through the text for any arithmetic).
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
@@ -20,7 +20,8 @@ T value(Counted<T> const& x) {
     return x.value();
 }
 
-/// Every number that a filter reports on its way and at its end, over rows of noise with zeros of both signs among them.
+/// Every number that a filter reports on its way and at its end, over rows of noise with zeros of both signs among
+/// them.
 template <class F, class T>
 std::vector<T> trace(Index d, Index steps) {
     using S = typename F::scalar;
@@ -63,17 +64,20 @@ long difference(std::vector<T> const& a, std::vector<T> const& b) {
     using Bits = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
     if (a.size() != b.size()) return 0;
     for (size_t i = 0; i < a.size(); ++i)
-        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i]))) return long(i);
+        if (std::bit_cast<Bits>(a[i]) != std::bit_cast<Bits>(b[i]) && !(std::isnan(a[i]) && std::isnan(b[i])))
+            return long(i);
     return -1;
 }
 
 template <class T, template <class, int> class F>
 void check(Index d, Index steps) {
     auto const on_baseline = trace_on<F<T, Dynamic>, T>(Isa::baseline, d, steps);
-    EXPECT_EQ(difference(on_baseline, trace<F<Counted<T>, Dynamic>, T>(d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
+    EXPECT_EQ(difference(on_baseline, trace<F<Counted<T>, Dynamic>, T>(d, steps)), -1)
+        << F<T, Dynamic>::name << ' ' << d;
     for (Isa isa : {Isa::avx2, Isa::avx512}) {
         if (isa > kernels::best_isa()) break;
-        EXPECT_EQ(difference(on_baseline, trace_on<F<T, Dynamic>, T>(isa, d, steps)), -1) << F<T, Dynamic>::name << ' ' << d;
+        EXPECT_EQ(difference(on_baseline, trace_on<F<T, Dynamic>, T>(isa, d, steps)), -1)
+            << F<T, Dynamic>::name << ' ' << d;
     }
 }
 template <class T, template <class, int> class F, int N>

@@ -1,4 +1,5 @@
-// Folding in a block gives the same bits with registers of any width: baseline, AVX2, AVX-512, and a scalar without registers.
+// Folding in a block gives the same bits with registers of any width: baseline, AVX2, AVX-512, and a scalar without
+// registers.
 #include "tests/common/each_isa.hpp"
 
 #include <rlslab/arithmetic/counted.hpp>
@@ -12,7 +13,8 @@
 namespace rlslab {
 namespace {
 
-/// R', theta and the reports of single rows after a few blocks of so many rows, zeros and numbers of very different size among them.
+/// R', theta and the reports of single rows after a few blocks of so many rows, zeros and numbers of very different
+/// size among them.
 template <class T>
 std::vector<double> folded(Index size, Index rows, double unit) {
     Seed seed{std::uint64_t(64 * size + rows)};
@@ -43,7 +45,9 @@ void check() {
         for (Index size : {1, 2, 3, 4, 5, 8, 9, 15, 33})
             for (Index rows : {1, 2, 7, 8, 9, 16, 23, 64, 65}) {
                 std::vector<double> const plain = folded<Counted<T>>(size, rows, unit);
-                on_each_isa([&] { EXPECT_EQ(folded<T>(size, rows, unit), plain) << size << " parameters, " << rows << " rows"; });
+                on_each_isa([&] {
+                    EXPECT_EQ(folded<T>(size, rows, unit), plain) << size << " parameters, " << rows << " rows";
+                });
             }
 }
 TEST(Reflections, HaveTheSameBitsWithAnyRegistersInDouble) { check<double>(); }

@@ -28,7 +28,8 @@ Matrix<T> noise(Index rows, Index columns, Seed seed) {
 
 template <class F>
 std::vector<double> reported(F const& filter, Step<typename F::scalar> const& step) {
-    std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma), double(int(step.health))};
+    std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma),
+                            double(int(step.health))};
     auto const add = [&](auto const& numbers) {
         for (auto const& x : numbers.reshaped()) out.push_back(double(x));
     };
@@ -61,7 +62,8 @@ bool equal(Index size, Index block, Index blocks = 2) {
     F single = started<F>(size), at_once = single;
     Step<T> step{}, last{};
     for (Index k = 0; k < blocks * block; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
-    for (Index k = 0; k < blocks; ++k) last = at_once.update_block(psi.middleCols(k * block, block), y.segment(k * block, block));
+    for (Index k = 0; k < blocks; ++k)
+        last = at_once.update_block(psi.middleCols(k * block, block), y.segment(k * block, block));
     if (!same_bits(reported(single, step), reported(at_once, last))) return false;
     Regressor<T> const next(psi.col(blocks * block).data(), size);
     step = single.update(next, y[blocks * block]), last = at_once.update(next, y[blocks * block]);
@@ -72,8 +74,10 @@ template <template <class, int> class F, class T>
 void check() {
     on_each_isa([&] {
         for (Index size = 1; size <= 130; ++size)
-            for (Index block : {1, 2, 7}) EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
-        // large ones, where each way through the matrix is taken (dispatch.hpp), with every remainder of a group of columns
+            for (Index block : {1, 2, 7})
+                EXPECT_TRUE((equal<F<T, Dynamic>>(size, block))) << size << " parameters, blocks of " << block;
+        // large ones, where each way through the matrix is taken (dispatch.hpp), with every remainder of a group of
+        // columns
         for (Index size : {200, 255, 256, 322, 385, 517, 643, 1028, 1606, 1607})
             EXPECT_TRUE((equal<F<T, Dynamic>>(size, 3))) << size << " parameters";
         EXPECT_TRUE((equal<F<T, Dynamic>>(20, 64))) << "64 rows";
@@ -102,13 +106,15 @@ TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
             F single = started<F>(size), at_once = single;
             Step<T> step{};
             for (Index k = 0; k < 3; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
-            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y)))) << F::name << ", " << size;
+            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y))))
+                << F::name << ", " << size;
         }
     };
     on_each_isa([&] {
         check_signs(started<Conventional<double>>(1)), check_signs(started<Conventional<float>>(1));
         check_signs(started<Symmetric<double>>(1)), check_signs(started<Symmetric<float>>(1));
-        check_signs(started<Ud<double>>(1)), check_signs(started<Carlson<double>>(1)), check_signs(started<InverseQr<double>>(1));
+        check_signs(started<Ud<double>>(1)), check_signs(started<Carlson<double>>(1)),
+            check_signs(started<InverseQr<double>>(1));
     });
 }
 
@@ -116,8 +122,8 @@ TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
 TEST(RowsAtOnce, ReadNothingBehindTheLastRegressor) {
     Index const size = 397, rows = 3, bytes = size * rows * Index(sizeof(double)), page = sysconf(_SC_PAGESIZE),
                 pages = (bytes + page - 1) / page * page;
-    auto* const memory =
-        static_cast<char*>(mmap(nullptr, size_t(pages + page), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+    auto* const memory = static_cast<char*>(
+        mmap(nullptr, size_t(pages + page), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
     ASSERT_NE(memory, MAP_FAILED);
     ASSERT_EQ(mprotect(memory + pages, size_t(page), PROT_NONE), 0);
     Eigen::Map<Matrix<double>> psi(reinterpret_cast<double*>(memory + pages - bytes), size, rows);
@@ -125,7 +131,8 @@ TEST(RowsAtOnce, ReadNothingBehindTheLastRegressor) {
     Vector<double> const y = Vector<double>::Ones(rows);
     auto const check_end = [&](auto filter) { EXPECT_EQ(filter.update_block(psi, y).health, Health::sound); };
     check_end(started<Conventional<double>>(size)), check_end(started<Symmetric<double>>(size));
-    check_end(started<Ud<double>>(size)), check_end(started<Carlson<double>>(size)), check_end(started<InverseQr<double>>(size));
+    check_end(started<Ud<double>>(size)), check_end(started<Carlson<double>>(size)),
+        check_end(started<InverseQr<double>>(size));
     munmap(memory, size_t(pages + page));
 }
 
@@ -137,13 +144,14 @@ void check_view(Shown shown, char const* what) {
     auto const trio = [&] {
         std::vector<F> all(3, started<F>(size));
         for (int i = 0; i < 3; ++i)
-            for (Index k = 0; k < 4; ++k) all[size_t(i)].update(noise<double>(size, 1, Seed{std::uint64_t(10 * i + k)}).col(0), double(k));
+            for (Index k = 0; k < 4; ++k)
+                all[size_t(i)].update(noise<double>(size, 1, Seed{std::uint64_t(10 * i + k)}).col(0), double(k));
         return all;
     };
     auto single = trio(), at_once = trio();
     auto const regressors = [&](std::vector<F> const& of) {
-        return Eigen::Map<Matrix<double> const, 0, Eigen::OuterStride<>>(shown(of[0]).data(), size, 3,
-                                                                         Eigen::OuterStride<>(sizeof(F) / sizeof(double)));
+        return Eigen::Map<Matrix<double> const, 0, Eigen::OuterStride<>>(
+            shown(of[0]).data(), size, 3, Eigen::OuterStride<>(sizeof(F) / sizeof(double)));
     };
     Step<double> step{};
     for (Index k = 0; k < 3; ++k) step = single[1].update({regressors(single).col(k).data(), size}, y[k]);
@@ -156,7 +164,8 @@ TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
         check_view<F>([](F const& f) { return f.theta(); }, "theta");
         check_view<F>([](F const& f) { return f.gain(); }, "gain");
     };
-    check_both(std::type_identity<Conventional<double, 128>>()), check_both(std::type_identity<Symmetric<double, 128>>());
+    check_both(std::type_identity<Conventional<double, 128>>()),
+        check_both(std::type_identity<Symmetric<double, 128>>());
     check_both(std::type_identity<Ud<double, 128>>()), check_both(std::type_identity<Carlson<double, 128>>());
     check_both(std::type_identity<InverseQr<double, 128>>());
 }
@@ -164,14 +173,16 @@ TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
 TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
     auto const check_moved = []<class F>(F filter) {
         F const taken = std::move(filter);
-        EXPECT_THROW(filter.update_block(Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument) << F::name;
+        EXPECT_THROW(filter.update_block(Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument)
+            << F::name;
         EXPECT_THROW(filter.update(Vector<double>(0), 1), std::invalid_argument) << F::name;
         F itself = taken;
         F& same = itself;
         itself = std::move(same);
         EXPECT_THROW(itself.update(Vector<double>::Ones(20).eval(), 1), std::invalid_argument) << F::name;
     };
-    check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)), check_moved(started<InverseQr<double>>(20));
+    check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)),
+        check_moved(started<InverseQr<double>>(20));
     check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
 }
 
@@ -199,8 +210,8 @@ TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
     Step<double> step{};
     for (Index k = 0; k < 150; ++k) step = single.update({psi.col(k).data(), 100}, y[k]);
     EXPECT_TRUE(same_bits(reported(single, step), reported(processed, process(processed, psi, y))));
-    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> && TakesRowsAtOnce<Ud<float>> &&
-                !TakesRowsAtOnce<QrBlock<double>>);
+    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> &&
+                TakesRowsAtOnce<Ud<float>> && !TakesRowsAtOnce<QrBlock<double>>);
 }
 
 TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
@@ -221,7 +232,8 @@ TEST(RowsAtOnce, ANanOfTheNextRowComesWithThatRow) {
     EXPECT_EQ(filter.update_block(psi, Vector<double>::Ones(3)).health, Health::nonfinite);
 }
 
-/// The saboteur multiplies by the matrix as it was before the change. Of a size for which the pass also multiplies on this instruction set.
+/// The saboteur multiplies by the matrix as it was before the change. Of a size for which the pass also multiplies on
+/// this instruction set.
 TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
     on_each_isa([] {
         Index d = 1;
@@ -240,7 +252,8 @@ TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
         subtract_rank_one(A, x, f, by_r, next);
         multiply(A, x.data(), right);
         StateVector<double> ahead(d);
-        EXPECT_TRUE(next.move_product(ahead) && !next.move_product(ahead)) << d << " parameters on " << name_of(kernels::isa);
+        EXPECT_TRUE(next.move_product(ahead) && !next.move_product(ahead))
+            << d << " parameters on " << name_of(kernels::isa);
         EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
         EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
     });

@@ -1,5 +1,5 @@
-// Rows that are rotated in at the same time leave the bits of one row after another: the kernel against the text for single rows, and
-// update_block of qr and extended_qr against update, with whatever rows.
+// Rows that are rotated in at the same time leave the bits of one row after another: the kernel against the text for
+// single rows, and update_block of qr and extended_qr against update, with whatever rows.
 #include "tests/common/each_isa.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -15,7 +15,8 @@
 namespace rlslab {
 namespace {
 
-/// Rows of white noise; with zeros of both signs and whole rows of them; of every magnitude; with infinities and NaN besides.
+/// Rows of white noise; with zeros of both signs and whole rows of them; of every magnitude; with infinities and NaN
+/// besides.
 enum class Kind { ordinary, zeros, scaled, special };
 constexpr Kind kinds[] = {Kind::ordinary, Kind::zeros, Kind::scaled, Kind::special};
 
@@ -29,7 +30,8 @@ T number(Seed& seed, Kind kind) {
     if (chance < 10) return std::ldexp(x, int(seed.next() % 2001 - 1000) / (sizeof(T) == 8 ? 1 : 8));
     if (chance == 10) return std::numeric_limits<T>::denorm_min() * T(1 + seed.next() % 9);
     if (kind == Kind::special && seed.next() % 64 == 0) {
-        T const bad[] = {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()};
+        T const bad[] = {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(),
+                         std::numeric_limits<T>::quiet_NaN()};
         return bad[seed.next() % 3];
     }
     return x;
@@ -45,7 +47,8 @@ bool same(std::vector<T> const& a, std::vector<T> const& b) {
     return std::ranges::equal(a, b, [](T x, T y) { return same(x, y); });
 }
 
-// --- the kernel ------------------------------------------------------------------------------------------------------------
+// --- the kernel
+// ------------------------------------------------------------------------------------------------------------
 
 constexpr Index together = kernels::RotateInRows<double>::together;
 
@@ -57,7 +60,8 @@ struct Operands {
     T eta[together], r;
 
     Operands(Index size, Kind kind, Seed seed)
-        : d(size), ld(column_stride<T, Dynamic>(size)), L(size_t(ld * d)), x(size_t(ld * together)), z(size_t(ld)), c(x), s(x) {
+        : d(size), ld(column_stride<T, Dynamic>(size)), L(size_t(ld * d)), x(size_t(ld * together)), z(size_t(ld)),
+          c(x), s(x) {
         for (auto* v : {&L, &x, &z, &c, &s})
             for (T& number_of_v : *v) number_of_v = number<T>(seed, kind);
         for (T& e : eta) e = number<T>(seed, kind);
@@ -69,7 +73,8 @@ struct Operands {
         for (Index i = 0; i < d; ++i) {
             out.push_back(z[size_t(i)]);
             for (Index j = 0; j < d; ++j) out.push_back(L[size_t(i * ld + j)]);  // above the diagonal nothing changes
-            for (Index n = 0; n < together; ++n) out.push_back(c[size_t(n * ld + i)]), out.push_back(s[size_t(n * ld + i)]);
+            for (Index n = 0; n < together; ++n)
+                out.push_back(c[size_t(n * ld + i)]), out.push_back(s[size_t(n * ld + i)]);
         }
         return out;
     }
@@ -107,7 +112,8 @@ void check_kernel(Index d, Kind kind) {
         check("AVX2", [](K const& k) { kernels::avx2::run_outlined<kernels::avx2::InRegisters<K, T, 32>>(k); });
     if constexpr (sizeof(T) == 8)
         if (kernels::best_isa() >= Isa::avx512)
-            check("AVX-512", [](K const& k) { kernels::avx512::run_outlined<kernels::avx512::InRegisters<K, T, 64>>(k); });
+            check("AVX-512",
+                  [](K const& k) { kernels::avx512::run_outlined<kernels::avx512::InRegisters<K, T, 64>>(k); });
 #endif
 }
 
@@ -123,8 +129,8 @@ TYPED_TEST(RowsInFlightKernel, LeavesTheBitsOfOneRowAfterAnother) {
     }
 }
 
-/// The rotations (row n, column i) in the order of i + lag n. With lag 1 each finds what it needs. The saboteur starts one rotation too
-/// early: where two rows turn against one column in one step, the later row comes first.
+/// The rotations (row n, column i) in the order of i + lag n. With lag 1 each finds what it needs. The saboteur starts
+/// one rotation too early: where two rows turn against one column in one step, the later row comes first.
 template <class T>
 std::vector<T> interleaved(Operands<T> o, Index lag) {
     for (Index step = 0; step < o.d + lag * (together - 1); ++step)
@@ -145,12 +151,14 @@ TYPED_TEST(RowsInFlightKernel, WouldDifferIfARowStartedOneRotationTooEarly) {
     }
 }
 
-// --- the filters -----------------------------------------------------------------------------------------------------------
+// --- the filters
+// -----------------------------------------------------------------------------------------------------------
 
 template <class F>
 std::vector<double> reported(F const& f, Step<typename F::scalar> const& step) {
     using T = typename F::scalar;
-    std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma), double(int(step.health))};
+    std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma),
+                            double(int(step.health))};
     auto const add = [&](auto const& numbers) {
         for (auto const& x : numbers.reshaped()) out.push_back(double(x));
     };
@@ -201,7 +209,8 @@ void check_filter() {
                     Problem<T> problem{.size = d, .forgetting = block % 2 ? T(0.984375) : T(1)};
                     if (StartsWithoutPrior<F> && d % 3 == 0) problem.prior.reset();
                     Rows<T> const rows(d, block == 100 ? 101 : 2 * block + 1, kind, Seed{std::uint64_t(d)});
-                    EXPECT_TRUE((equal<F>(problem, rows, block))) << d << " parameters, blocks of " << block << ", kind " << int(kind);
+                    EXPECT_TRUE((equal<F>(problem, rows, block)))
+                        << d << " parameters, blocks of " << block << ", kind " << int(kind);
                 }
     });
 }
@@ -220,7 +229,8 @@ TEST(RowsInFlight, LeaveTheBitsAtFixedSizesAndInOtherArithmetics) {
         Vector<T> const y = rows.y.unaryExpr([](double x) { return T(x); });
         Step<T> step{};
         for (Index k = 0; k < 27; ++k) step = single.update({psi.col(k).data(), d}, y[k]);
-        EXPECT_TRUE(same(reported(single, step), reported(at_once, at_once.update_block(psi, y)))) << d << " parameters";
+        EXPECT_TRUE(same(reported(single, step), reported(at_once, at_once.update_block(psi, y))))
+            << d << " parameters";
     };
     check(std::type_identity<Qr<double, 4>>{}, 4);
     check(std::type_identity<Qr<float, 8>>{}, 8);
@@ -250,7 +260,8 @@ TEST(RowsInFlight, LeaveTheOrderOfRandomRoundings) {
     EXPECT_EQ(run(std::type_identity<ExtendedQr<T>>{}, 1), run(std::type_identity<ExtendedQr<T>>{}, 12));
 }
 
-/// One row of a block is not finite. The rows before it are as they were, and the health after it is that of single rows.
+/// One row of a block is not finite. The rows before it are as they were, and the health after it is that of single
+/// rows.
 TEST(RowsInFlight, ReportABreakdownInTheMiddleOfABlock) {
     Index const d = 20, count = 14;
     for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308})

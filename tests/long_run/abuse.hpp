@@ -16,8 +16,8 @@ inline constexpr int d = 5, recovery = 5 * 50, good = 400;  // rows from a distu
 inline constexpr std::array names{"burst",          "silence",         "collinear",    "outlier of 1e6", "not finite",
                                   "constant input", "1 outlier in 20", "out of scale", "true change"};
 
-/// The disturbances in turn, each after a stretch of good rows: psi white, y = psi'theta + noise of deviation 0.1, theta =
-/// (1, -2, 3, -4, 5) until the next true change, which negates it.
+/// The disturbances in turn, each after a stretch of good rows: psi white, y = psi'theta + noise of deviation 0.1,
+/// theta = (1, -2, 3, -4, 5) until the next true change, which negates it.
 ///   burst             20 rows times 1000               outlier of 1e6     one
 ///   silence           3000 rows, psi = 0               not finite         7 rows with NaN, infinities
 ///   collinear         2000 rows, all of psi alike      1 outlier in 20    300 rows, of deviation 10
@@ -96,11 +96,13 @@ class Beside {
     std::optional<Ud<double, d>> fresh_;
 
 public:
-    /// After a filter has taken this row. Whether five memory lengths have passed since the disturbance: then theta(i) was compared.
+    /// After a filter has taken this row. Whether five memory lengths have passed since the disturbance: then theta(i)
+    /// was compared.
     template <class Theta>
     bool compare(Abuse const& abuse, float const (&psi)[d], float y, Theta theta, Survived& out) {
         if (!abuse.is_good() || !abuse.begun()) return false;
-        if (abuse.since() == 1) fresh_.emplace(Problem<double>{.forgetting = lambda, .prior = Prior<double>{.variance = 100}});
+        if (abuse.since() == 1)
+            fresh_.emplace(Problem<double>{.forgetting = lambda, .prior = Prior<double>{.variance = 100}});
         double const exact[d] = {psi[0], psi[1], psi[2], psi[3], psi[4]};
         fresh_->update(exact, y);
         if (abuse.since() != recovery) return false;
@@ -118,9 +120,9 @@ public:
     }
 };
 
-/// F, a Ud<float, 5> or a type around it, over so many rows. After each row every number of theta, D and U is looked at. Five memory
-/// lengths after each disturbance theta is compared, and whether P is positive definite is decided exactly. `told(rows, survived)` every
-/// `interval` rows.
+/// F, a Ud<float, 5> or a type around it, over so many rows. After each row every number of theta, D and U is looked
+/// at. Five memory lengths after each disturbance theta is compared, and whether P is positive definite is decided
+/// exactly. `told(rows, survived)` every `interval` rows.
 template <class F, class Told>
 Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
     Survived out;
@@ -144,7 +146,8 @@ Survived survive(F& f, Index rows, Seed seed, Index interval, Told told) {
         ++out.checked;
         bool const finite = sum == 0;
         out.not_definite +=
-            !finite || definiteness(f.stored().template mapped<Reference>([](float x) { return Reference(x); })) != Health::sound;
+            !finite ||
+            definiteness(f.stored().template mapped<Reference>([](float x) { return Reference(x); })) != Health::sound;
     }
     return out;
 }

@@ -1,4 +1,5 @@
-// peers_long_run ROWS [SEED]: the rows of long_run through dlib's and liquid's filters. How they end stands in docs/long_run.md.
+// peers_long_run ROWS [SEED]: the rows of long_run through dlib's and liquid's filters. How they end stands in
+// docs/long_run.md.
 #include "tests/long_run/abuse.hpp"
 #include "tests/long_run/arguments.hpp"
 
@@ -52,7 +53,8 @@ public:
     }
 };
 
-/// screened: rows with a number that is not finite, or of a magnitude beyond 1e18, are kept from the filter, as a careful caller would.
+/// screened: rows with a number that is not finite, or of a magnitude beyond 1e18, are kept from the filter, as a
+/// careful caller would.
 template <class Peer>
 void run(Index rows, Seed seed, bool screened) {
     Peer peer;
@@ -70,7 +72,8 @@ void run(Index rows, Seed seed, bool screened) {
         double sum = 0;
         for (int i = 0; i < d; ++i) sum += 0 * peer.theta(i);
         survived.not_finite += !(sum == 0);
-        if (first == 0 && !(sum == 0)) first = k, during = abuse.is_good() ? "good rows" : long_run::names[size_t(abuse.kind())];
+        if (first == 0 && !(sum == 0))
+            first = k, during = abuse.is_good() ? "good rows" : long_run::names[size_t(abuse.kind())];
         beside.compare(
             abuse, psi, y, [&peer](int i) { return peer.theta(i); }, survived);
     }
@@ -79,10 +82,11 @@ void run(Index rows, Seed seed, bool screened) {
         std::printf("theta not finite from row %lld on (%s), after %lld of %lld rows", (long long)first, during,
                     (long long)survived.not_finite, (long long)rows);
     else std::printf("theta finite after all of %lld rows", (long long)rows);
-    std::printf("\n    beyond 2x after %lld of %lld disturbances\n", (long long)survived.all_worse(), (long long)survived.all_compared());
+    std::printf("\n    beyond 2x after %lld of %lld disturbances\n", (long long)survived.all_worse(),
+                (long long)survived.all_compared());
     for (size_t i = 0; i < long_run::names.size(); ++i)
-        std::printf("  %-16s %10lld %11lld %26.4g\n", long_run::names[i], (long long)survived.compared[i], (long long)survived.worse[i],
-                    std::abs(survived.ratio[i]));
+        std::printf("  %-16s %10lld %11lld %26.4g\n", long_run::names[i], (long long)survived.compared[i],
+                    (long long)survived.worse[i], std::abs(survived.ratio[i]));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Many rows at once: wrong sizes are refused before any row is processed, and every thread computes as the calling one would.
+// Many rows at once: wrong sizes are refused before any row is processed, and every thread computes as the calling one
+// would.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/many/fold_all.hpp>
@@ -28,7 +29,8 @@ TEST(Feed, RefusesOtherSizes) {
             return Vector<double>(f.theta());
         };
         F const untouched(problem);
-        EXPECT_EQ(theta_after(3, 50, 80, true), Vector<double>(untouched.theta())) << F::name;  // was read beyond the end
+        EXPECT_EQ(theta_after(3, 50, 80, true), Vector<double>(untouched.theta()))
+            << F::name;  // was read beyond the end
         EXPECT_EQ(theta_after(3, 80, 30, true), Vector<double>(untouched.theta())) << F::name;
         EXPECT_EQ(theta_after(2, 80, 80, true), Vector<double>(untouched.theta())) << F::name;
         EXPECT_EQ(theta_after(4, 80, 80, true), Vector<double>(untouched.theta())) << F::name;
@@ -42,7 +44,9 @@ TEST(FoldAll, RefusesRecordsWithMoreOrFewerOutputs) {
     for (Index const outputs : {0, 30, 49, 51, 80}) {
         Records records = whole;
         records.y = Vector<double>::Ones(outputs);
-        EXPECT_THROW(fold_all<QrBlock<double>>(Problem<double>{.size = 2}, RowsInMemory(records), 2, 16), std::invalid_argument) << outputs;
+        EXPECT_THROW(fold_all<QrBlock<double>>(Problem<double>{.size = 2}, RowsInMemory(records), 2, 16),
+                     std::invalid_argument)
+            << outputs;
     }
 }
 TEST(FoldAll, OnePartMayBeAsLargeAsAnyNumber) {
@@ -57,13 +61,15 @@ TEST(FoldAll, OnePartMayBeAsLargeAsAnyNumber) {
 }
 TEST(FoldAll, NoRowsAreThePrior) {
     Records const records{.psi = Matrix<double>(2, 0), .y = Vector<double>(0), .names = {}};
-    EXPECT_EQ(fold_all<QrBlock<double>>(Problem<double>{.size = 2}, RowsInMemory(records), 3).theta(), Vector<double>::Zero(2));
+    EXPECT_EQ(fold_all<QrBlock<double>>(Problem<double>{.size = 2}, RowsInMemory(records), 3).theta(),
+              Vector<double>::Zero(2));
 }
 
 /// Everything that a filter of this arithmetic holds after all rows, on so many threads.
 template <class T>
 Matrix<double> folded(Records const& records, unsigned threads) {
-    auto const filter = fold_all<QrBlock<T>>(problem_as<T>({.size = records.parameters()}), RowsInMemory(records), threads, 20);
+    auto const filter =
+        fold_all<QrBlock<T>>(problem_as<T>({.size = records.parameters()}), RowsInMemory(records), threads, 20);
     Matrix<double> out(records.parameters(), records.parameters() + 1);
     out << filter.stored().F.unaryExpr([](T const& x) { return static_cast<double>(x); }),
         Vector<T>(filter.theta()).unaryExpr([](T const& x) { return static_cast<double>(x); });
@@ -86,7 +92,8 @@ TEST(FoldAll, StochasticRoundingIsThatOfTheSeedOnAnyThreads) {
         Seed own{seed};
         StochasticStream const stream(own);
         Matrix<double> const first = folded<BFloat16Stochastic>(records, threads);
-        return std::pair(first, folded<BFloat16Stochastic>(records, threads));  // the seed goes on, whatever the threads
+        return std::pair(first,
+                         folded<BFloat16Stochastic>(records, threads));  // the seed goes on, whatever the threads
     };
     auto const one = with_seed(9, 1);
     for (unsigned const threads : {2u, 3u, 8u})

@@ -15,12 +15,14 @@ struct Sample {
     Vector<T> y;
 };
 
-/// Rows of `filters` filters; a third of the samples of every fifth filter, and everything in some steps, is missing in one of three ways.
+/// Rows of `filters` filters; a third of the samples of every fifth filter, and everything in some steps, is missing in
+/// one of three ways.
 template <class T>
 std::vector<Sample<T>> samples(Index filters, Index size, int steps, std::uint64_t from) {
     Seed seed{from};
     std::vector<Sample<T>> out;
-    T const bad[] = {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity()};
+    T const bad[] = {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity(),
+                     -std::numeric_limits<T>::infinity()};
     for (int k = 0; k < steps; ++k) {
         Sample<T> s{Matrix<T>(filters, size), Vector<T>(filters)};
         for (Index i = 0; i < filters; ++i) {
@@ -69,7 +71,8 @@ TEST(Fleet, EachFilterHasItsBitsWhateverTheOthersMiss) {
         }
 }
 
-/// Filters that start without prior, each of which misses rows of its own and begins anew when it likes: theta and health of each alone.
+/// Filters that start without prior, each of which misses rows of its own and begins anew when it likes: theta and
+/// health of each alone.
 template <class V, class One>
 void expect_the_same_without_prior(Index filters, std::uint64_t from) {
     using T = typename One::scalar;

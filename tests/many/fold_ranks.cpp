@@ -1,4 +1,5 @@
-// Rows folded by ranks that send each other states: the same bits for any number of ranks and threads, here and as an MPI job.
+// Rows folded by ranks that send each other states: the same bits for any number of ranks and threads, here and as an
+// MPI job.
 #include "tests/common/laws.hpp"
 #include "tests/common/program.hpp"
 
@@ -54,7 +55,8 @@ struct Watched {
     }
 };
 
-std::vector<std::byte> folded(Problem<double> const& p, Records const& records, int ranks, unsigned threads, Index group, Index part) {
+std::vector<std::byte> folded(Problem<double> const& p, Records const& records, int ranks, unsigned threads,
+                              Index group, Index part) {
     Mail mail;
     std::vector<std::byte> out;
     std::vector<std::set<Index>> read(size_t(ranks), std::set<Index>{});
@@ -102,12 +104,15 @@ TEST(FoldRanks, WhatIsNoStateIsRefused) {
     Records const records = laws::noise_records(4, 500, Seed{76});
     Mail mail;
     mail.from_to[{1, 0}].emplace_back(100, std::byte{7});
-    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 2}, laws::problem(4), RowsInMemory(records), 1, 100, 64), std::runtime_error);
+    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 2}, laws::problem(4), RowsInMemory(records), 1, 100, 64),
+                 std::runtime_error);
     auto damaged = state_of(F(Problem<double>{.size = 4}));
     damaged[120] ^= std::byte{1};
     mail.from_to[{1, 0}] = {damaged};
-    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 2}, laws::problem(4), RowsInMemory(records), 1, 100, 64), std::runtime_error);
-    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 1}, laws::problem(4), RowsInMemory(records), 1, 0), std::invalid_argument);
+    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 2}, laws::problem(4), RowsInMemory(records), 1, 100, 64),
+                 std::runtime_error);
+    EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 1}, laws::problem(4), RowsInMemory(records), 1, 0),
+                 std::invalid_argument);
     EXPECT_THROW(fold_ranks<F>(RanksHere{&mail, 0, 1}, laws::problem(3), RowsInMemory(records)), std::invalid_argument);
 }
 

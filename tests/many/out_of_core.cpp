@@ -1,4 +1,5 @@
-// Rows folded on several threads, from memory and from a file larger than memory: the same bits; errors that name the file.
+// Rows folded on several threads, from memory and from a file larger than memory: the same bits; errors that name the
+// file.
 #include "tests/common/files.hpp"
 #include "tests/common/laws.hpp"
 
@@ -33,7 +34,9 @@ std::string file_of(Folder const& folder, Records const& records) {
     }
     return folder.file(rows, "rows.bin");
 }
-std::string file_of_bytes(Folder const& folder, size_t bytes) { return folder.file(std::string(bytes, '\0'), "rows.bin"); }
+std::string file_of_bytes(Folder const& folder, size_t bytes) {
+    return folder.file(std::string(bytes, '\0'), "rows.bin");
+}
 
 TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
     Records const records = laws::noise_records(5, 1003, Seed{51});
@@ -50,7 +53,8 @@ TEST(OutOfCore, TheBitsAreTheSameForAnyNumberOfThreadsAndFromAFile) {
         F all(p);
         all.update_block(records.psi, records.y);
         EXPECT_LE((one.theta() - all.theta()).norm(), 60 * epsilon<double>() * all.theta().norm());
-        EXPECT_LE((fold_all<F>(p, RowsInMemory(records), 2).theta() - all.theta()).norm(), 60 * epsilon<double>() * all.theta().norm());
+        EXPECT_LE((fold_all<F>(p, RowsInMemory(records), 2).theta() - all.theta()).norm(),
+                  60 * epsilon<double>() * all.theta().norm());
     }
 }
 TEST(OutOfCore, ShortWordsTakeTheirRowsRounded) {
@@ -89,8 +93,9 @@ TEST(RowFile, SaysWhatIsWrongAndWithWhichFile) {
     ASSERT_EQ(mkfifo((folder.path / "pipe").c_str(), 0600), 0);
     EXPECT_THAT(opening(folder.path / "pipe"), HasSubstr("pipe: is not a regular file"));
     EXPECT_THAT(opening(file_of_bytes(folder, 0)), HasSubstr("rows.bin: is empty"));
-    EXPECT_THAT(opening(file_of_bytes(folder, 83)),
-                HasSubstr("rows.bin: expected rows of 5 numbers (40 bytes each), found 83 bytes: 3 more than whole rows"));
+    EXPECT_THAT(
+        opening(file_of_bytes(folder, 83)),
+        HasSubstr("rows.bin: expected rows of 5 numbers (40 bytes each), found 83 bytes: 3 more than whole rows"));
     EXPECT_THROW(RowFile(file_of_bytes(folder, 80), 0), std::invalid_argument);
 }
 TEST(RowFile, ReadsAnyRowsAndNoOthers) {

@@ -10,11 +10,12 @@
 namespace rlslab {
 namespace {
 
-// --- order, eigenvalue, condition ---------------------------------------------------------------------------------------------
+// --- order, eigenvalue, condition
+// ---------------------------------------------------------------------------------------------
 
 TEST(ExcitationNumbers, OrderTwoByHand) {
-    // v_k = [x_k, x_(k-1)], k = 1 ... 4, of 1, 2, -1, 3, 0: sum x_k^2 = 4 + 1 + 9 + 0 = 14, sum x_(k-1)^2 = 1 + 4 + 1 + 9 = 15,
-    // sum x_k x_(k-1) = 2 - 2 - 3 + 0 = -3.
+    // v_k = [x_k, x_(k-1)], k = 1 ... 4, of 1, 2, -1, 3, 0: sum x_k^2 = 4 + 1 + 9 + 0 = 14, sum x_(k-1)^2 = 1 + 4 + 1 +
+    // 9 = 15, sum x_k x_(k-1) = 2 - 2 - 3 + 0 = -3.
     Signal const x{1, 2, -1, 3, 0};
     double const mean = 14.5, root = std::sqrt(0.25 + 9), least = mean - root, largest = mean + root;
     Excitation const e = excitation(x, 2);
@@ -33,7 +34,8 @@ TEST(ExcitationNumbers, OrderTwoByHand) {
     EXPECT_THROW(correlation(x, {1}, 0), std::invalid_argument);
 }
 TEST(ExcitationNumbers, OfOnePeriodOfAMaximalRegister) {
-    // The n x n Gram matrix over whole periods of M = 31 has the eigenvalues M + 1 (n - 1 times) and M + 1 - n for each period.
+    // The n x n Gram matrix over whole periods of M = 31 has the eigenvalues M + 1 (n - 1 times) and M + 1 - n for each
+    // period.
     Signal const u = prbs(5, 31 + 4);  // 31 windows of 5
     Excitation const e = excitation(u, 5);
     ExcitationOrder const& five = e.orders[4];
@@ -67,7 +69,8 @@ TEST(ExcitationNumbers, AStandstillIsCountedFromTheStart) {
     EXPECT_EQ(excitation({1, 1, 1}, 1).constant_at_start, 3);
 }
 
-// --- resolution ---------------------------------------------------------------------------------------------------------------
+// --- resolution
+// ---------------------------------------------------------------------------------------------------------------
 
 Signal levels(size_t n, double unit, size_t repeat = 3) {
     Signal out;
@@ -111,22 +114,25 @@ TEST(Resolution, OfAConverterIsItsStep) {
         resolution(white_noise(400, Seed{1})), 0x1p-42 *
                                                    [] {
                                                        double most = 0;
-                                                       for (double const v : white_noise(400, Seed{1})) most = std::max(most, std::abs(v));
+                                                       for (double const v : white_noise(400, Seed{1}))
+                                                           most = std::max(most, std::abs(v));
                                                        return most;
                                                    }())
         << "numbers of a program: a thousand of binary64's roundings";
 }
 TEST(Resolution, LeastEigenvaluesBelowFourTimesItsNoiseSayNothing) {
-    // Whole numbers q = 1: rounding adds 1/12, what counts is above 4/12. A sine of 100 and white noise of variance v: the least
-    // eigenvalue of order 3 is about v + 1/12.
+    // Whole numbers q = 1: rounding adds 1/12, what counts is above 4/12. A sine of 100 and white noise of variance v:
+    // the least eigenvalue of order 3 is about v + 1/12.
     for (double const variance : {0.16, 0.36}) {
         Signal x = white_noise(4000, Seed{6});
-        for (size_t k = 0; k < x.size(); ++k) x[k] = std::round(100 * std::sin(0.5 * double(k)) + std::sqrt(variance) * x[k]);
+        for (size_t k = 0; k < x.size(); ++k)
+            x[k] = std::round(100 * std::sin(0.5 * double(k)) + std::sqrt(variance) * x[k]);
         ExcitationOrder const three = excitation(x, 3).orders[2];
         ASSERT_NEAR(three.least, variance + 1.0 / 12, 0.03);
         EXPECT_EQ(three.resolved, three.least > 4.0 / 12);
         EXPECT_EQ(three.resolved, variance > 0.25);
-        EXPECT_TRUE(variance > 0.25 ? three.least < 5.0 / 12 + 0.07 : three.least > 2.5 / 12) << "near the threshold, or nothing is shown";
+        EXPECT_TRUE(variance > 0.25 ? three.least < 5.0 / 12 + 0.07 : three.least > 2.5 / 12)
+            << "near the threshold, or nothing is shown";
         EXPECT_EQ(excitation(x, 3).order, variance > 0.25 ? 3 : 2);
         EXPECT_EQ(excitation(x, 3).exact_order, 3);
     }
@@ -147,7 +153,8 @@ TEST(Resolution, TheThresholdIsAThird) {
     }
 }
 
-// --- signals --------------------------------------------------------------------------------------------------------------------
+// --- signals
+// --------------------------------------------------------------------------------------------------------------------
 
 TEST(SignalNumbers, ColouredNoiseIsItsRecursion) {
     Signal const w = white_noise(9, Seed{4}), x = coloured_noise(5, {-0.5, 0.25}, Seed{4}, 4);
@@ -180,7 +187,8 @@ TEST(SignalNumbers, AMultisineIsItsSum) {
     for (Index k : {0, 1, 13, 49}) {
         long double sum = 0;
         long double const pi = std::acos(-1.0L);
-        for (int h = 1; h <= H; ++h) sum += std::cos(2 * pi * (long double)(h * k) / n - pi * (long double)(h * (h - 1)) / H);
+        for (int h = 1; h <= H; ++h)
+            sum += std::cos(2 * pi * (long double)(h * k) / n - pi * (long double)(h * (h - 1)) / H);
         EXPECT_NEAR(u[size_t(k)], double(sum * std::sqrt(2.0L / H)), 1e-15);
     }
     EXPECT_NO_THROW(multisine(50, 24));
@@ -217,7 +225,8 @@ TEST(SignalNumbers, StepsLastAsLongAsTheyMay) {
     EXPECT_THROW(random_steps(5, 4, 3, Seed{2}), std::invalid_argument);
 }
 
-// --- the difference equation --------------------------------------------------------------------------------------------------
+// --- the difference equation
+// --------------------------------------------------------------------------------------------------
 
 TEST(DifferenceNumbers, SimulatesItsEquation) {
     // y[k] = 0.5 y[k-1] - 0.25 y[k-2] + 2 u[k-1] + u[k-2] - v[k-1] + 0.125 + xi[k]: by hand.
@@ -234,7 +243,8 @@ TEST(DifferenceNumbers, SimulatesItsEquation) {
     EXPECT_THROW(simulate(m, {u}, xi), std::invalid_argument);
     EXPECT_THROW(simulate(m, {u, {1}}, xi), std::invalid_argument);
     EXPECT_THROW(simulate_from(m, {u}, y, 2), std::invalid_argument);
-    DifferenceEquation const of = DifferenceEquation::of({.na = 1, .nb = 1, .delay = 3, .intercept = true}, Vector<double>{{1, 2, 3, 4}});
+    DifferenceEquation const of =
+        DifferenceEquation::of({.na = 1, .nb = 1, .delay = 3, .intercept = true}, Vector<double>{{1, 2, 3, 4}});
     EXPECT_EQ(of.a, (std::vector<double>{1}));
     EXPECT_EQ(of.b, (std::vector<std::vector<double>>{{2, 3}}));
     EXPECT_EQ(of.delay, 3);
@@ -254,14 +264,16 @@ TEST(DifferenceNumbers, SimulatesItsEquation) {
     EXPECT_THROW(DifferenceEquation::of(present, Vector<double>{{1}}, 1), std::invalid_argument);
     EXPECT_THROW(DifferenceEquation::of(third, Vector<double>{{1}}, 2), std::invalid_argument);
     EXPECT_THROW(DifferenceEquation::of(two, Vector<double>{{1, 2}}), std::invalid_argument);
-    EXPECT_EQ(DifferenceEquation::of(std::vector<EquationTerm>{{EquationTerm::output, 1}}, Vector<double>{{1}}, 0).delay, 0);
+    EXPECT_EQ(
+        DifferenceEquation::of(std::vector<EquationTerm>{{EquationTerm::output, 1}}, Vector<double>{{1}}, 0).delay, 0);
 }
 TEST(DifferenceNumbers, RootsAreThoseOfTheirPolynomial) {
     // (z - 3)(z - 1/2)(z^2 - z + 1/2) = z^4 - 4.5 z^3 + 5.5 z^2 - 3.25 z + 0.75
     auto const r = roots({-4.5, 5.5, -3.25, 0.75});
     ASSERT_EQ(r.size(), 4u);
     std::vector<std::complex<double>> const should{3, {0.5, 0.5}, {0.5, -0.5}, 0.5};
-    for (size_t i = 0; i < 4; ++i) EXPECT_LT(std::abs(r[i] - should[i]), 1e-15) << i << ": largest first, upper half first";
+    for (size_t i = 0; i < 4; ++i)
+        EXPECT_LT(std::abs(r[i] - should[i]), 1e-15) << i << ": largest first, upper half first";
     auto const refined = roots({-2.0, 1 - 0x1p-40});  // 1 +- 2^-20: the companion matrix alone leaves 2^-33 or so
     EXPECT_NEAR(refined[0].real() - 1, 0x1p-20, 1e-15);
     EXPECT_NEAR(refined[1].real() - 1, -0x1p-20, 1e-15);
@@ -278,7 +290,8 @@ TEST(DifferenceNumbers, RandomSystemsAreAsTheySay) {
         EXPECT_EQ(m.a.size(), 1 + seed % 5);
         EXPECT_EQ(m.b[0].size(), 2 + seed % 5);
         EXPECT_GE(std::abs(m.b[0][0]), 0.1);
-        for (auto const& p : poles(m)) EXPECT_TRUE(0.3 - 1e-6 <= std::abs(p) && std::abs(p) <= 0.95 + 1e-6) << std::abs(p);
+        for (auto const& p : poles(m))
+            EXPECT_TRUE(0.3 - 1e-6 <= std::abs(p) && std::abs(p) <= 0.95 + 1e-6) << std::abs(p);
         for (double const b : m.b[0]) EXPECT_TRUE(-1 <= b && b < 1);
     }
     EXPECT_THROW(random_stable(0, Seed{1}), std::invalid_argument);

@@ -1,4 +1,5 @@
-// Orders of excitation that a user can rely on: records as programs write them, one change of the input, a constant beside the input.
+// Orders of excitation that a user can rely on: records as programs write them, one change of the input, a constant
+// beside the input.
 #include <rlslab/model/excitation.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -28,7 +29,8 @@ Signal sines(size_t samples, std::vector<double> const& frequencies, double offs
     return u;
 }
 
-// --- resolution -----------------------------------------------------------------------------------------------------------------
+// --- resolution
+// -----------------------------------------------------------------------------------------------------------------
 
 TEST(Written, WithSignificantDigitsAsWithDecimals) {
     // Two sines around 3, from 0.2 to 5.8: exciting of order 5. Five digits are four decimals, and five below 1.
@@ -56,7 +58,8 @@ TEST(Written, OneNumberOfMoreDigitsChangesNothing) {
     EXPECT_EQ(excitation(u, 12).order, 5);
 }
 
-// --- what one change carries ------------------------------------------------------------------------------------------------------
+// --- what one change carries
+// ------------------------------------------------------------------------------------------------------
 
 TEST(Persistent, AStepIsOfOrderOne) {
     Excitation const e = excitation(step(2000, 700), 20);
@@ -73,7 +76,8 @@ TEST(Persistent, AStepIsOfOrderOne) {
 }
 TEST(Persistent, NoiseSinesAndRegistersAreWhatTheyAre) {
     EXPECT_EQ(excitation(white_noise(400, Seed{1}), 20).persistent, 20);
-    EXPECT_NEAR(excitation(white_noise(60000, Seed{1}), 1).orders[0].carried, 60000 / 2.9, 500) << "twelve uniforms: kurtosis 3 - 6/5/12";
+    EXPECT_NEAR(excitation(white_noise(60000, Seed{1}), 1).orders[0].carried, 60000 / 2.9, 500)
+        << "twelve uniforms: kurtosis 3 - 6/5/12";
     EXPECT_EQ(excitation(prbs(5, 300), 31).persistent, 31);
     EXPECT_EQ(excitation(sines(400, {0.3}), 6).persistent, 2);
     EXPECT_NEAR(excitation(sines(4000, {0.3}), 2).orders[1].carried, 4000 * 2.0 / 3, 5) << "a sine has kurtosis 3/2";
@@ -82,7 +86,8 @@ TEST(Persistent, NoiseSinesAndRegistersAreWhatTheyAre) {
     EXPECT_EQ(excitation(Signal(300, 0.0), 6).changes, 0);
 }
 
-// --- with a constant in the model ---------------------------------------------------------------------------------------------------
+// --- with a constant in the model
+// ---------------------------------------------------------------------------------------------------
 
 TEST(WithAConstant, TheMeanExcitesNothing) {
     auto const order = [](Signal const& u, bool constant) { return excitation(u, 8, {.constant = constant}).order; };
@@ -108,7 +113,8 @@ TEST(WithAConstant, DefiniteIsTheRankOfTheWindowsAndTheConstant) {
     EXPECT_EQ(excitation({1, 2, 4}, 9, {.constant = true}).orders.size(), 1u);
 }
 
-// --- against the definition ---------------------------------------------------------------------------------------------------------
+// --- against the definition
+// ---------------------------------------------------------------------------------------------------------
 
 TEST(Windows, HaveTheConditionOfTheirRows) {
     Signal const u = coloured_noise(300, {-1.6, 0.7}, Seed{3});
@@ -128,7 +134,8 @@ TEST(Windows, OfAnySizeAreDecidedExactly) {
     Signal u = sines(60, {0.3, 1.1});
     for (size_t k = 0; k < u.size(); k += 7) u[k] *= 0x1p-300;  // squares are 2^-600 of the others
     EXPECT_EQ(excitation(u, 20).exact_order, 20);
-    // A geometric series satisfies a recursion of order 1, whatever its range; one sample that is off by 2^-900 breaks it.
+    // A geometric series satisfies a recursion of order 1, whatever its range; one sample that is off by 2^-900 breaks
+    // it.
     Signal series(41);
     for (size_t k = 0; k < series.size(); ++k) series[k] = std::ldexp(1.0, 20 * int(k) - 400);
     EXPECT_EQ(excitation(series, 5).exact_order, 1);

@@ -22,7 +22,8 @@ Records nist(std::string const& name) {
     return linear_records(data, regressors, "y");
 }
 
-// --- the tails that the tests below rely on, against published tables ---------------------------------------------------------
+// --- the tails that the tests below rely on, against published tables
+// ---------------------------------------------------------
 
 TEST(Tails, AreThoseOfTheTables) {
     using namespace exact_fit;
@@ -40,12 +41,14 @@ TEST(Tails, AreThoseOfTheTables) {
     EXPECT_NEAR(f_tail(4, 20, 2.8661), 0.05, 1e-5);
 }
 
-// --- by hand ------------------------------------------------------------------------------------------------------------------
+// --- by hand
+// ------------------------------------------------------------------------------------------------------------------
 
-/// y = 1, 3, 2, 5 at x = 0, 1, 2, 3: slope 1.1, intercept 1.1, residuals -0.1, 0.8, -1.3, 0.6, J = 2.7, sigma^2 = 2.7 / 2,
-/// Phi'Phi = [4 6; 6 14], its inverse [14 -6; -6 4] / 20, mean 2.75, sum of squares about it 8.75.
+/// y = 1, 3, 2, 5 at x = 0, 1, 2, 3: slope 1.1, intercept 1.1, residuals -0.1, 0.8, -1.3, 0.6, J = 2.7, sigma^2 = 2.7 /
+/// 2, Phi'Phi = [4 6; 6 14], its inverse [14 -6; -6 4] / 20, mean 2.75, sum of squares about it 8.75.
 TEST(FitByHand, AStraightLineThroughFourPoints) {
-    Records const line{.psi = Matrix<double>{{1, 1, 1, 1}, {0, 1, 2, 3}}, .y = Vector<double>{{1, 3, 2, 5}}, .names = {}};
+    Records const line{
+        .psi = Matrix<double>{{1, 1, 1, 1}, {0, 1, 2, 3}}, .y = Vector<double>{{1, 3, 2, 5}}, .names = {}};
     for (FitBy by : {FitBy::normal_equations, FitBy::qr, FitBy::svd}) {
         Fit const f = fit(line, by);
         EXPECT_NEAR(f.theta[0], 1.1, 1e-14) << name_of(by);
@@ -61,7 +64,8 @@ TEST(FitByHand, AStraightLineThroughFourPoints) {
         double const t = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95));
         EXPECT_NEAR(f.lower[1], 1.1 - t * std::sqrt(0.27), 1e-13) << name_of(by);
         EXPECT_NEAR(f.upper[1], 1.1 + t * std::sqrt(0.27), 1e-13) << name_of(by);
-        EXPECT_NEAR(fit(line, by, 0.5).upper[0], 1.1 + 0.5 * std::sqrt(2 / 0.75) * std::sqrt(1.35 * 0.7), 1e-13) << name_of(by);
+        EXPECT_NEAR(fit(line, by, 0.5).upper[0], 1.1 + 0.5 * std::sqrt(2 / 0.75) * std::sqrt(1.35 * 0.7), 1e-13)
+            << name_of(by);
         EXPECT_NEAR(f.percent, 100 * (1 - std::sqrt(2.7 / 8.75)), 1e-12) << name_of(by);
         EXPECT_EQ(f.rank, 2) << name_of(by);
     }
@@ -98,7 +102,8 @@ TEST(FitByHand, ThePercentOfAFit) {
 /// A tolerance drops directions and their rank, and sigma^2 counts what is kept.
 TEST(FitByHand, TheSvdsToleranceIsRelativeToTheLargest) {
     // Columns (1, 0, 0) and (0, 2^-10, 0): singular values 1 and 2^-10; y = (1, 2^-10, 1), J = 1 with both.
-    Records const r{.psi = Matrix<double>{{1, 0, 0}, {0, 0x1p-10, 0}}, .y = Vector<double>{{1, 0x1p-10, 1}}, .names = {}};
+    Records const r{
+        .psi = Matrix<double>{{1, 0, 0}, {0, 0x1p-10, 0}}, .y = Vector<double>{{1, 0x1p-10, 1}}, .names = {}};
     Fit const both = fit(r, FitBy::svd, 0.95, 0x1p-11), one = fit(r, FitBy::svd, 0.95, 0x1p-10),
               scaled = fit(r, FitBy::svd, 0.95, 0x1.8p-11);
     EXPECT_EQ(both.rank, 2);
@@ -110,26 +115,31 @@ TEST(FitByHand, TheSvdsToleranceIsRelativeToTheLargest) {
     EXPECT_DOUBLE_EQ(one.sigma2, (1 + 0x1p-20) / 2);
     // By default max(N, d) u: 3 x 2^-53 of the largest.
     auto const rank = [](double least) {
-        return fit(Records{.psi = Matrix<double>{{4, 0, 0}, {0, 4 * least, 0}}, .y = Vector<double>{{1, 1, 1}}, .names = {}}, FitBy::svd)
+        return fit(Records{.psi = Matrix<double>{{4, 0, 0}, {0, 4 * least, 0}},
+                           .y = Vector<double>{{1, 1, 1}},
+                           .names = {}},
+                   FitBy::svd)
             .rank;
     };
     EXPECT_EQ(rank(2.9 * 0x1p-53), 1);
     EXPECT_EQ(rank(3.1 * 0x1p-53), 2);
 }
 
-// --- NIST's sets: residual standard deviation and standard deviations of the estimates ------------------------------------------
+// --- NIST's sets: residual standard deviation and standard deviations of the estimates
+// ------------------------------------------
 
 struct Certified {
     std::string name;
     double residual_sd;
     std::vector<double> sd;
 };
-/// NIST Statistical Reference Datasets, Linear Regression, certified values (itl.nist.gov/div898/strd); Wampler 1 and 2 fit exactly.
+/// NIST Statistical Reference Datasets, Linear Regression, certified values (itl.nist.gov/div898/strd); Wampler 1 and 2
+/// fit exactly.
 std::vector<Certified> const certified_values{
     {"longley",
      304.854073561965,
-     {890420.383607373, 84.9149257747669, 0.334910077722432e-01, 0.488399681651699, 0.214274163161675, 0.226073200069370,
-      455.478499142212}},
+     {890420.383607373, 84.9149257747669, 0.334910077722432e-01, 0.488399681651699, 0.214274163161675,
+      0.226073200069370, 455.478499142212}},
     {"wampler3",
      2360.14502379268,
      {2152.32624678170, 2363.55173469681, 779.343524331583, 101.475507550350, 5.64566512170752, 0.112324854679312}},
@@ -157,7 +167,8 @@ TEST(FitOfNist, StandardDeviationsAreTheCertifiedOnes) {
         EXPECT_NEAR(std::sqrt(f.sigma2) / set.residual_sd, 1, lost) << set.name;
         for (Index i = 0; i < d; ++i) {
             EXPECT_NEAR(rational.sd(i, freedom) / set.sd[size_t(i)], 1, 2e-14) << set.name << ' ' << i;
-            EXPECT_NEAR(s.scatter.sd[i] * std::sqrt(s.scatter.J / s.scatter.freedom) / rational.sd(i, freedom), 1, 1e-14)
+            EXPECT_NEAR(s.scatter.sd[i] * std::sqrt(s.scatter.J / s.scatter.freedom) / rational.sd(i, freedom), 1,
+                        1e-14)
                 << set.name << ' ' << i;
             EXPECT_NEAR(f.sd[i] / set.sd[size_t(i)], 1, lost) << set.name << ' ' << i;
             double const t = (f.upper[i] - f.theta[i]) / f.sd[i];
@@ -176,10 +187,12 @@ TEST(FitOfNist, FilipInBalls) {
     EXPECT_NEAR(rational.sd(0, freedom) / 298.084530995537, 1, 0.1);
     EXPECT_DOUBLE_EQ(s.scatter.freedom, double(freedom));
     EXPECT_NEAR(s.scatter.J / static_cast<double>(rational.J), 1, 1e-12);
-    for (Index i = 0; i < d; ++i) EXPECT_NEAR(s.scatter.sd[i] / std::sqrt(static_cast<double>(rational.inverse(i, i))), 1, 1e-12) << i;
+    for (Index i = 0; i < d; ++i)
+        EXPECT_NEAR(s.scatter.sd[i] / std::sqrt(static_cast<double>(rational.inverse(i, i))), 1, 1e-12) << i;
 }
 
-// --- scatter: with forgetting and with a prior, in rationals --------------------------------------------------------------------
+// --- scatter: with forgetting and with a prior, in rationals
+// --------------------------------------------------------------------
 
 TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
     Seed seed{11};
@@ -219,7 +232,8 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                 }
             }
             Matrix<Rational> const P = X.rightCols(d);
-            // H = Phi P Phi'W maps y to its prediction: the residuals are (I - H) xi, and E J / sigma^2 is the trace of (I-H)'W(I-H).
+            // H = Phi P Phi'W maps y to its prediction: the residuals are (I - H) xi, and E J / sigma^2 is the trace of
+            // (I-H)'W(I-H).
             Matrix<Rational> E(N, N);
             Vector<Rational> weights(N);
             for (Index k = N - 1; k >= 0; --k) weights[k] = k == N - 1 ? Rational(1) : Rational(weights[k + 1] * l);
@@ -227,13 +241,15 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
                 for (Index b = 0; b < N; ++b) {
                     Rational h = 0;
                     for (Index i = 0; i < d; ++i)
-                        for (Index j = 0; j < d; ++j) h += Rational(records.psi(i, a)) * P(i, j) * Rational(records.psi(j, b));
+                        for (Index j = 0; j < d; ++j)
+                            h += Rational(records.psi(i, a)) * P(i, j) * Rational(records.psi(j, b));
                     E(a, b) = (a == b ? 1 : 0) - h * weights[b];
                 }
             Rational freedom = 0, J = 0;
             for (Index a = 0; a < N; ++a) {
                 Rational e = 0;
-                for (Index b = 0; b < N; ++b) freedom += weights[a] * E(a, b) * E(a, b), e += E(a, b) * Rational(records.y[b]);
+                for (Index b = 0; b < N; ++b)
+                    freedom += weights[a] * E(a, b) * E(a, b), e += E(a, b) * Rational(records.y[b]);
                 J += weights[a] * e * e;
             }
             // B = (I-H)'W(I-H), which gives J = xi'B xi: the variance of J is 2 tr B^2 of normal xi.
@@ -248,7 +264,8 @@ TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
             Scatter const s = scattered(problem, records, {N}).front().scatter;
             auto const number = [](Rational const& x) { return static_cast<double>(x); };
             EXPECT_NEAR(s.freedom, number(freedom), 1e-12) << lambda << ' ' << variance;
-            EXPECT_NEAR(s.student / number(Rational(freedom * freedom / variance_of_J)), 1, 1e-12) << lambda << ' ' << variance;
+            EXPECT_NEAR(s.student / number(Rational(freedom * freedom / variance_of_J)), 1, 1e-12)
+                << lambda << ' ' << variance;
             EXPECT_NEAR(s.J / number(J), 1, 1e-12) << lambda << ' ' << variance;
             for (Index i = 0; i < d; ++i)
                 for (Index j = 0; j < d; ++j) {
@@ -273,15 +290,19 @@ TEST(ScatterInRationals, IntervalsCoverWithForgetting) {
                 for (Index i = 0; i < d; ++i) records.psi(i, k) = seed.bell();
                 records.y[k] = records.psi(0, k) + 0.5 * seed.bell();
             }
-            Scattered const s = scattered({.size = d, .forgetting = lambda, .prior = std::nullopt}, records, {60}).front();
+            Scattered const s =
+                scattered({.size = d, .forgetting = lambda, .prior = std::nullopt}, records, {60}).front();
             double const sd = s.scatter.sd[0] * std::sqrt(s.scatter.J / s.scatter.freedom);
-            inside += std::abs(static_cast<double>(s.exact.theta()[0]) - 1) <= correctly::student_quantile(s.scatter.student, 0.975) * sd;
+            inside += std::abs(static_cast<double>(s.exact.theta()[0]) - 1) <=
+                      correctly::student_quantile(s.scatter.student, 0.975) * sd;
         }
-        EXPECT_NEAR(double(inside) / trials, 0.95, 0.025) << d << ' ' << lambda << ": five standard deviations of the count";
+        EXPECT_NEAR(double(inside) / trials, 0.95, 0.025)
+            << d << ' ' << lambda << ": five standard deviations of the count";
     }
 }
 TEST(ScatterInRationals, AFitWithoutResidualsHasNone) {
-    Records const line{.psi = Matrix<double>{{1, 1, 1, 1}, {0, 1, 2, 3}}, .y = Vector<double>{{1, 3, 5, 7}}, .names = {}};
+    Records const line{
+        .psi = Matrix<double>{{1, 1, 1, 1}, {0, 1, 2, 3}}, .y = Vector<double>{{1, 3, 5, 7}}, .names = {}};
     auto const all = scattered({.size = 2, .prior = std::nullopt}, line, {1, 3, 4});
     EXPECT_TRUE(std::isnan(all[0].scatter.J) && std::isnan(all[0].scatter.sd[0])) << "one row does not determine two";
     EXPECT_EQ(all[2].scatter.J, 0);

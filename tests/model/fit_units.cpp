@@ -35,7 +35,9 @@ Records times(Records records, std::vector<int> const& psi, int y) {
     for (double& v : records.y) v = std::scalbn(v, y);
     return records;
 }
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b); }
+bool same(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b);
+}
 
 /// Whether b is the fit a of data in other units.
 void expect_in_units(Fit const& a, Fit const& b, std::vector<int> const& psi, int y) {
@@ -67,7 +69,8 @@ struct Case {
 Case any_case() {
     Index const d = *rc::gen::inRange<Index>(1, 9), rank = *rc::gen::inRange<Index>(1, d + 1),
                 rows = *rc::gen::inRange<Index>(d, 3 * d + 70);
-    unsigned const zeros = *rc::gen::weightedElement<bool>({{3, false}, {1, true}}) ? *rc::gen::inRange(0u, 1u << d) : 0;
+    unsigned const zeros =
+        *rc::gen::weightedElement<bool>({{3, false}, {1, true}}) ? *rc::gen::inRange(0u, 1u << d) : 0;
     return {d, rank, rows, integers(d, rank, rows, Seed{*rc::gen::arbitrary<std::uint64_t>()}, zeros)};
 }
 
@@ -86,7 +89,8 @@ RC_GTEST_PROP(Fits, OfEachColumnInAUnitOfItsOwnAreTheSame, ()) {
     std::vector<int> psi(size_t(c.d), 0);
     for (int& e : psi) e = *rc::gen::inRange(-1000, 1001);
     int const y = *rc::gen::inRange(-1000, 1001);
-    for (FitBy by : {FitBy::qr, FitBy::normal_equations}) expect_in_units(fit(c.records, by), fit(times(c.records, psi, y), by), psi, y);
+    for (FitBy by : {FitBy::qr, FitBy::normal_equations})
+        expect_in_units(fit(c.records, by), fit(times(c.records, psi, y), by), psi, y);
     RC_ASSERT(fit(times(c.records, psi, y), FitBy::svd).converged);  // which drops what is small beside the rest
 }
 RC_GTEST_PROP(Fits, OfRankDeficientRowsAreTheShortestBySvd, ()) {
@@ -98,7 +102,8 @@ RC_GTEST_PROP(Fits, OfRankDeficientRowsAreTheShortestBySvd, ()) {
     RC_ASSERT(f.rank <= c.rank && f.rank <= c.d - Index(zero.size()));
     for (Index const j : zero) RC_ASSERT(f.theta[j] == 0);  // a parameter that nothing shows
     if (f.rank == 0) return;
-    // Phi'(Y - Phi theta) = 0; and theta, the shortest, is what an output without noise gives back. Budgets: kappa u, a thousandfold.
+    // Phi'(Y - Phi theta) = 0; and theta, the shortest, is what an output without noise gives back. Budgets: kappa u, a
+    // thousandfold.
     double const kappa = f.singular[0] / f.singular[f.rank - 1], u = 0x1p-53;
     Vector<double> const gradient = c.records.psi * f.residuals;
     RC_ASSERT(gradient.norm() <= 1e3 * kappa * u * f.singular[0] * c.records.y.norm());
@@ -142,7 +147,8 @@ TEST(Fits, PercentOfTinyAndHugeOutputs) {
     Vector<double> const y{{1, 2, 4}}, predicted{{1, 2, 3}};
     double const percent = fit_percent(y, predicted);
     for (int const e : {-1070, -600, 600, 1020})
-        EXPECT_NEAR(fit_percent(std::scalbn(1.0, e) * y, std::scalbn(1.0, e) * predicted), percent, e == -1070 ? 1 : 0) << e;
+        EXPECT_NEAR(fit_percent(std::scalbn(1.0, e) * y, std::scalbn(1.0, e) * predicted), percent, e == -1070 ? 1 : 0)
+            << e;
     EXPECT_EQ(fit_percent(Vector<double>::Zero(3), Vector<double>::Zero(3)), 100);
     EXPECT_EQ(fit_percent(Vector<double>::Ones(3), Vector<double>::Zero(3)), -HUGE_VAL);
 }
@@ -157,7 +163,8 @@ TEST(Fits, ExcitationDoesNotDependOnTheUnit) {
     for (Signal const& other : {tiny, huge}) {
         Excitation const o = excitation(other, 6);
         EXPECT_EQ(o.order, e.order);
-        for (size_t i = 0; i < e.orders.size(); ++i) EXPECT_NEAR(o.orders[i].condition / e.orders[i].condition, 1, 1e-12);
+        for (size_t i = 0; i < e.orders.size(); ++i)
+            EXPECT_NEAR(o.orders[i].condition / e.orders[i].condition, 1, 1e-12);
     }
 }
 

@@ -25,7 +25,8 @@ TEST(Lags, AreUnderstood) {
     EXPECT_EQ(list({"y[k-1]", "u[k-3]", "u[k]", "v"}), (List{{"y", 1}, {"u", 3}, {"u", 0}, {"v", 0, true}}));
     EXPECT_EQ(list({"y[k-1..k-3]", "u[k..k-1]"}), (List{{"y", 1}, {"y", 2}, {"y", 3}, {"u", 0}, {"u", 1}}));
     EXPECT_EQ(list({" u [ k - 2 ] ", "flow rate[k-1]"}), (List{{"u", 2}, {"flow rate", 1}}));
-    EXPECT_EQ(list({"x[k-1][k]", "x[k-1][k-2]"}), (List{{"x[k-1]", 0}, {"x[k-1]", 2}})) << "a column whose name ends in brackets";
+    EXPECT_EQ(list({"x[k-1][k]", "x[k-1][k-2]"}), (List{{"x[k-1]", 0}, {"x[k-1]", 2}}))
+        << "a column whose name ends in brackets";
     EXPECT_EQ(list({"1", "2[k-1]"}, "3"), (List{{"1", 0, true}, {"2", 1}})) << "columns without a header";
     EXPECT_EQ(list({"u[k-1000000]"}), (List{{"u", 1000000}}));
     EXPECT_EQ(list({"u[k..k-1999]"}).size(), 2000u);
@@ -34,19 +35,22 @@ TEST(Lags, AreUnderstood) {
 }
 
 TEST(Lags, AreRefusedInOneLineThatSaysWhatWasExpected) {
-    for (char const* word : {"", " ", "[k-1]", "u]", "u[]", "u[3]", "u[k-]", "u[k-x]", "u[k--1]", "u[k-1.5]", "u[k 1]", "u[k-1..]",
-                             "u[k-1..3]", "u[k-1.k-2]"}) {
+    for (char const* word : {"", " ", "[k-1]", "u]", "u[]", "u[3]", "u[k-]", "u[k-x]", "u[k--1]", "u[k-1.5]", "u[k 1]",
+                             "u[k-1..]", "u[k-1..3]", "u[k-1.k-2]"}) {
         std::string const said = refusal({"y[k-1]", word});
-        EXPECT_TRUE(said.starts_with("--regressors: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \""))
+        EXPECT_TRUE(
+            said.starts_with("--regressors: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \""))
             << word << ": " << said;
     }
     EXPECT_EQ(refusal({"y"}), "--regressors: y: the output needs a lag: y[k-1] or further back");
     EXPECT_EQ(refusal({"y[k]"}), "--regressors: y[k]: is what the model is to give: expected y[k-1] or further back");
-    EXPECT_EQ(refusal({"y[k..k-2]"}), "--regressors: y[k..k-2]: is what the model is to give: expected y[k-1] or further back");
+    EXPECT_EQ(refusal({"y[k..k-2]"}),
+              "--regressors: y[k..k-2]: is what the model is to give: expected y[k-1] or further back");
     EXPECT_EQ(refusal({"u[k+1]"}), "--regressors: u[k+1]: lies in the future: expected k, or k-1 and further back");
     EXPECT_EQ(refusal({"u[k-4..k-2]"}), "--regressors: u[k-4..k-2]: expected the nearer lag first, as in u[k-2..k-4]");
     EXPECT_EQ(refusal({"u[k-1000001]"}), "--regressors: u[k-1000001]: expected a lag of at most 1000000");
-    EXPECT_EQ(refusal({"u[k-99999999999999999999]"}), "--regressors: u[k-99999999999999999999]: expected a lag of at most 1000000");
+    EXPECT_EQ(refusal({"u[k-99999999999999999999]"}),
+              "--regressors: u[k-99999999999999999999]: expected a lag of at most 1000000");
     EXPECT_EQ(refusal({"u[k..k-2000]"}), "--regressors: u[k..k-2000]: expected at most 2000 regressors");
     EXPECT_EQ(refusal({"u[k..k-1998]", "v", "w"}), "--regressors: w: expected at most 2000 regressors");
     EXPECT_EQ(refusal({"u", "y[k-1]", "u[k]"}), "--regressors: u[k] is named twice");
@@ -66,13 +70,16 @@ TEST(LaggedRecords, AreTheRowsOfTheEquation) {
     EXPECT_EQ(r.presample, 2);
     EXPECT_EQ(r.rows(), 4);
     for (Index k = 0; k < 4; ++k) {
-        EXPECT_EQ(r.psi.col(k), (Vector<double>{{1, double(k + 1), 10.0 * double(k + 2), data.values[1][size_t(k + 2)]}}));
+        EXPECT_EQ(r.psi.col(k),
+                  (Vector<double>{{1, double(k + 1), 10.0 * double(k + 2), data.values[1][size_t(k + 2)]}}));
         EXPECT_EQ(r.y[k], 10.0 * double(k + 3));
     }
     data.header = false;
-    EXPECT_EQ(lagged_records(data, list({"u[k-2]", "y[k-1]", "v"}), "y").names, (Words{"column u[k-2]", "column y[k-1]", "column v"}));
+    EXPECT_EQ(lagged_records(data, list({"u[k-2]", "y[k-1]", "v"}), "y").names,
+              (Words{"column u[k-2]", "column y[k-1]", "column v"}));
     EXPECT_EQ(message_of([&] { lagged_records(data, list({"u[k-1..k-4]"}), "y"); }),
-              "data.csv: 4 parameters need at least 4 rows, found 2 after a presample of 4 and skipping 0 with missing values");
+              "data.csv: 4 parameters need at least 4 rows, found 2 after a presample of 4 and skipping 0 with missing "
+              "values");
     EXPECT_THROW(lagged_records(data, {}, "y"), std::invalid_argument);
     EXPECT_THROW(lagged_records(data, {{"y", 0}}, "y"), std::invalid_argument);
     EXPECT_THROW(lagged_records(data, {{"u", -1}}, "y"), std::invalid_argument);
@@ -85,7 +92,8 @@ RC_GTEST_PROP(LaggedRecords, ContainTheArxModels, ()) {
     std::vector<double> u(count), y(count);
     for (size_t k = 0; k < count; ++k)
         for (auto* x : {&u, &y})
-            (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? std::numeric_limits<double>::quiet_NaN() : double(*rc::gen::inRange(-99, 99));
+            (*x)[k] = *rc::gen::inRange(0, 30) == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                    : double(*rc::gen::inRange(-99, 99));
     List regressors;
     for (int i = 1; i <= model.na; ++i) regressors.push_back({"y", i});
     for (int i = 0; i <= model.nb; ++i) regressors.push_back({"u", model.delay + i});

@@ -30,7 +30,8 @@ Columns columns(Names names, std::vector<Numbers> values) {
 /// A matrix as people write it: one row of regressors after the other.
 Matrix<double> rows(std::vector<Numbers> const& psi) {
     Matrix<double> matrix(psi[0].size(), psi.size());
-    for (std::size_t k = 0; k < psi.size(); ++k) matrix.col(Index(k)) = Vector<double>::Map(psi[k].data(), matrix.rows());
+    for (std::size_t k = 0; k < psi.size(); ++k)
+        matrix.col(Index(k)) = Vector<double>::Map(psi[k].data(), matrix.rows());
     return matrix;
 }
 Numbers numbers(Vector<double> const& y) { return {y.begin(), y.end()}; }
@@ -167,10 +168,18 @@ TEST(RecordsRefuse, TooFewRows) {
 
 TEST(RecordsRefuse, ColumnsInTwoRoles) {
     auto const data = columns({"u", "y"}, {{1, 2, 3}, {1, 2, 3}});
-    EXPECT_EQ(message_of([&] { linear_records(data, {}, "y"); }), "data.csv: expected the name of a regressor at least");
-    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "y"}, "y"); }), "data.csv: column \"y\" is both regressor and output");
-    EXPECT_EQ(message_of([&] { linear_records(data, {"u", "u"}, "y"); }), "data.csv: column \"u\" is twice among the regressors");
-    EXPECT_EQ(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }), "data.csv: column \"u\" is both input and output");
+    EXPECT_EQ(message_of([&] { linear_records(data, {}, "y"); }),
+              "data.csv: expected the name of a regressor at least");
+    EXPECT_EQ(message_of([&] {
+                  linear_records(data, {"u", "y"}, "y");
+              }),
+              "data.csv: column \"y\" is both regressor and output");
+    EXPECT_EQ(message_of([&] {
+                  linear_records(data, {"u", "u"}, "y");
+              }),
+              "data.csv: column \"u\" is twice among the regressors");
+    EXPECT_EQ(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }),
+              "data.csv: column \"u\" is both input and output");
     EXPECT_THROW(linear_records(data, {"z"}, "y"), std::invalid_argument);
     EXPECT_THROW(arx_records(data, "u", "z", {.na = 1, .nb = 1}), std::invalid_argument);
 }
@@ -209,8 +218,10 @@ TEST(NistData, LeaveTheCertifiedResidualSums) {
     Nist const nist;
     // Rounding theta and psi' theta moves residuals of about 200 by some 1e-9; a mistyped digit moves the sum far more.
     EXPECT_NEAR(residual_sum(nist.records("longley"), nist.theta("longley")), 836424.055505915, 1e-2);
-    for (auto const& [name, sum] :
-         {std::pair{"wampler1", 0.}, {"wampler3", 83554268.}, {"wampler4", 835542680000.}, {"wampler5", 8355426800000000.}})
+    for (auto const& [name, sum] : {std::pair{"wampler1", 0.},
+                                    {"wampler3", 83554268.},
+                                    {"wampler4", 835542680000.},
+                                    {"wampler5", 8355426800000000.}})
         EXPECT_EQ(residual_sum(nist.records(name), nist.theta(name)), sum) << name;  // integers throughout
     EXPECT_LT(residual_sum(nist.records("wampler2"), nist.theta("wampler2")), 1e-24);
     EXPECT_NEAR(residual_sum(nist.records("filip"), nist.theta("filip", "theta_stored")), 0.795851382172941e-3, 1e-9);

@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
     MPI_Init(&argc, &argv);
     using F = rlslab::QrBlock<double>;
     {
-        auto const filter = rlslab::fold_ranks<F>(rlslab::MpiRanks{}, {.size = 4, .forgetting = 0.9999}, Rows{}, 1, 10000, 1000);
+        auto const filter =
+            rlslab::fold_ranks<F>(rlslab::MpiRanks{}, {.size = 4, .forgetting = 0.9999}, Rows{}, 1, 10000, 1000);
         if (filter) {
             for (std::byte const b : rlslab::state_of(*filter)) std::printf("%02x", unsigned(b));
             std::printf("\n");

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# bare_root.sh DEBS TREE: what `./lab package --bare-root` runs, as root, with mmdebstrap. Makes a bare Debian 12 (what apt needs, and
-# an application's compilers), installs the packages there, and builds and runs what users would. The root is thrown away.
+# bare_root.sh DEBS TREE: what `./lab package --bare-root` runs, as root, with mmdebstrap. Makes a bare Debian 12 (what
+# apt needs, and an application's compilers), installs the packages there, and builds and runs what users would. The
+# root is thrown away.
 set -euo pipefail
 debs=$(realpath -- "$1") tree=$(realpath -- "$2")
 given=$(mktemp -d)

@@ -45,12 +45,14 @@ foreach(deb IN LISTS debs)
   names_a_place(${root})
   expect("${named}" "^${root}/planted$" "${name}: a file that does is found")
 endforeach()
-foreach(file bin/rlslab share/man/man1/rlslab.1.gz share/bash-completion/completions/rlslab share/zsh/site-functions/_rlslab)
+foreach(file bin/rlslab share/man/man1/rlslab.1.gz share/bash-completion/completions/rlslab
+    share/zsh/site-functions/_rlslab)
   expect(";${rlslab};" ";usr/${file};" "rlslab")
 endforeach()
 expect_not("${rlslab}" "[^;]*(\\.hpp|\\.a|\\.cmake|\\.pc)(;|$)" "rlslab: what is for developers")
 expect("${rlslab_control}" "Depends: [^\n]*libc6" "rlslab: the libraries that it needs")
-foreach(file include/rlslab/variants/ud.hpp include/rlslab/core/problem.hpp lib/librlslab_core.a lib/cmake/rlslab/rlslabConfig.cmake
+foreach(file include/rlslab/variants/ud.hpp include/rlslab/core/problem.hpp lib/librlslab_core.a
+    lib/cmake/rlslab/rlslabConfig.cmake
     lib/pkgconfig/rlslab.pc lib/pkgconfig/rlslab-core.pc)
   expect(";${librlslab-dev};" ";usr/${file};" "librlslab-dev")
 endforeach()

@@ -1,5 +1,6 @@
 # cmake -DSOURCE_DIR=... -DCOMPILERS=g++,clang++ -DWORK_DIR=... -P within.cmake
-# Another project's build takes the headers where there is Eigen and nothing else: by add_subdirectory and by FetchContent.
+# Another project's build takes the headers where there is Eigen and nothing else: by add_subdirectory and by
+# FetchContent.
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(absent "")
 foreach(package Boost Arb CLI11 fmt nlohmann_json TBB ZLIB PkgConfig SuiteSparse GTest rapidcheck benchmark)
@@ -7,7 +8,8 @@ foreach(package Boost Arb CLI11 fmt nlohmann_json TBB ZLIB PkgConfig SuiteSparse
 endforeach()
 foreach(compiler IN LISTS COMPILERS)
   foreach(fetch OFF ON)
-    run(${CMAKE_COMMAND} --fresh -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/within -B ${WORK_DIR}/build -DRLSLAB=${SOURCE_DIR} -DFETCH=${fetch}
+    run(${CMAKE_COMMAND} --fresh -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/within -B ${WORK_DIR}/build
+        -DRLSLAB=${SOURCE_DIR} -DFETCH=${fetch}
       -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=Release ${absent})
     run(${CMAKE_COMMAND} --build ${WORK_DIR}/build --clean-first)
     run(${WORK_DIR}/build/app)
@@ -23,7 +25,8 @@ endforeach()
 expect_not("${rules}" "file\\(INSTALL" "rules of installation in another project's build")
 
 # That the packages are really out of reach: with the core asked for, the same build is refused.
-execute_process(COMMAND ${CMAKE_COMMAND} --fresh -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/within -B ${WORK_DIR}/build -DRLSLAB=${SOURCE_DIR}
+execute_process(COMMAND ${CMAKE_COMMAND} --fresh -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/within -B ${WORK_DIR}/build
+    -DRLSLAB=${SOURCE_DIR}
   -DRLSLAB_HEADERS_ONLY=OFF ${absent} RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE said)
 expect("${said}" "Boost" "a core without Boost is refused")
 if(code EQUAL 0)

@@ -1,5 +1,5 @@
-// One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every processor, with
-// every compiler: tests/house/portability.cpp compiles this for others and compares.
+// One line for each variant, arithmetic and size: a digest of every bit that 300 rows leave. The same on every
+// processor, with every compiler: tests/house/portability.cpp compiles this for others and compares.
 #include <rlslab/state/state.hpp>
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/pack.hpp>

@@ -23,7 +23,9 @@ TEST(Counting, IsGrowthByStepsOfWhichMostAreEqual) {
     x[4] = x[5];
     EXPECT_EQ(counting_step(x), std::nullopt) << "equal numbers";
     // Weeks as numbers of eight digits: 7 within a month.
-    EXPECT_EQ(counting_step({19580329, 19580405, 19580412, 19580419, 19580426, 19580503, 19580510, 19580517, 19580524, 19580531}), 7);
+    EXPECT_EQ(counting_step(
+                  {19580329, 19580405, 19580412, 19580419, 19580426, 19580503, 19580510, 19580517, 19580524, 19580531}),
+              7);
     EXPECT_EQ(counting_step({1, 2, 3, 4, 5, 7, 9, 12, 15, 19, 20}), std::nullopt) << "half of the steps";
     std::vector<double> seconds;
     for (int k = 0; k < 100; ++k) seconds.push_back(1e4 + 0.01 * k);
@@ -35,7 +37,8 @@ TEST_F(Program, NamesARegressorThatCounts) {
     std::uint64_t bits = 1;
     for (int k = 0; k < 60; ++k) {
         bits = bits * 6364136223846793005u + 1442695040888963407u;
-        text += std::to_string(20240101 + k) + ',' + std::to_string(bits >> 56) + ',' + std::to_string((bits >> 50) & 255) + '\n';
+        text += std::to_string(20240101 + k) + ',' + std::to_string(bits >> 56) + ',' +
+                std::to_string((bits >> 50) & 255) + '\n';
     }
     write("dates.csv", text);
     std::string const warning = "column date counts upwards by steps of 1: a date, a time, the number of the row?";

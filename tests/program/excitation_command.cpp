@@ -22,8 +22,8 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
     for (double const v : x) text += v > 0 ? "1\n" : "-1\n";
     std::string const file = folder.file(text), out = (folder.path / "out").string();
     auto const run = [&](std::string const& words) {
-        int const status =
-            std::system(("'" RLSLAB_PROGRAM "' excitation '" + file + "' --input u " + words + " > '" + out + "' 2>&1").c_str());
+        int const status = std::system(
+            ("'" RLSLAB_PROGRAM "' excitation '" + file + "' --input u " + words + " > '" + out + "' 2>&1").c_str());
         std::ifstream in(out);
         EXPECT_EQ(WEXITSTATUS(status), 0);
         return std::string(std::istreambuf_iterator<char>(in), {});
@@ -46,14 +46,16 @@ TEST(ExcitationCommand, PrintsWhatWasWorkedOut) {
                                            {"rows_that_carry", e.orders[i].carried}}));
     std::string const table = run("--max-order 4");
     EXPECT_THAT(table, testing::HasSubstr("exciting of order 4 at least: a model of order 3 can be identified"));
-    EXPECT_THAT(run("--max-order 50"), testing::HasSubstr("exciting of order 20: models up to order 19 can be identified"))
+    EXPECT_THAT(run("--max-order 50"),
+                testing::HasSubstr("exciting of order 20: models up to order 19 can be identified"))
         << "40 samples: 21 windows of 20";
     text = "u\n";
     for (int k = 0; k < 100; ++k) text += k < 60 ? "0.05\n" : "0.06\n";
     folder.file(text);
     EXPECT_THAT(run("--max-order 4"),
-                testing::HasSubstr("exciting of order 4 at least, but persistently of order 1 only:\n1 of 99 rows carry the least "
-                                   "eigenvalue of order 2 (the input changes once),\nand their noise decides what is identified\n"));
+                testing::HasSubstr(
+                    "exciting of order 4 at least, but persistently of order 1 only:\n1 of 99 rows carry the least "
+                    "eigenvalue of order 2 (the input changes once),\nand their noise decides what is identified\n"));
 }
 
 }  // namespace

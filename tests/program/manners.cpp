@@ -14,7 +14,8 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// ---- did you mean -----------------------------------------------------------------------------------------------------------
+// ---- did you mean
+// -----------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant) {
     refused("compair ok.csv", "no command \"compair\" (did you mean \"compare\"?)");
@@ -25,10 +26,13 @@ TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant)
     refused("study gain_error --buget full", "no option \"--buget\" (did you mean \"--budget\"?)");
     refused("--versoin", "no option \"--versoin\" (did you mean \"--version\"?)");
     std::string const model = "ok.csv --input u --output y --order 1";
-    refused("compare " + model + " --variants ud,jospeh", "--variants: no variant \"jospeh\" (did you mean \"joseph\"?)");
-    refused("compare " + model + " --arithmetic doubel", "--arithmetic: no arithmetic \"doubel\" (did you mean \"double\"?)");
+    refused("compare " + model + " --variants ud,jospeh",
+            "--variants: no variant \"jospeh\" (did you mean \"joseph\"?)");
+    refused("compare " + model + " --arithmetic doubel",
+            "--arithmetic: no arithmetic \"doubel\" (did you mean \"double\"?)");
     refused("compare ok.csv --input U --output y --order 1", "no column \"U\" (did you mean \"u\"?)");
-    refused("identify " + model + " --variant extended", "--variant: no variant \"extended\" (did you mean \"extended_qr\"?)");
+    refused("identify " + model + " --variant extended",
+            "--variant: no variant \"extended\" (did you mean \"extended_qr\"?)");
     refused("study gain_memory", "study: no study \"gain_memory\"");
 }
 TEST_F(Program, SaysWhatAnOptionWants) {
@@ -65,22 +69,26 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
 }
 
-// ---- pipes, disks -----------------------------------------------------------------------------------------------------------
+// ---- pipes, disks
+// -----------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
     // A reader that is gone before the first byte, also where whoever started the program had SIGPIPE ignored.
     for (std::string const before : {"", "trap \"\" PIPE; "})
         for (std::string const command :
              {"list", "list --json", "--help", "compare ok.csv --input u --output y --order 1 --arithmetic double"}) {
-            Outcome const run = shell("(" + before + "sleep 0.2; rlslab " + command + ") | true; exit ${PIPESTATUS[0]}");
+            Outcome const run =
+                shell("(" + before + "sleep 0.2; rlslab " + command + ") | true; exit ${PIPESTATUS[0]}");
             EXPECT_EQ(run.code, 128 + SIGPIPE) << command;
             EXPECT_EQ(run.err, "") << command;
         }
-    EXPECT_EQ(shell("rlslab list | head -1").out, "variants                  propagates   a prior   rows at once  in\n");
+    EXPECT_EQ(shell("rlslab list | head -1").out,
+              "variants                  propagates   a prior   rows at once  in\n");
 }
 TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
     for (std::string const command :
-         {"list", "list --json", "--help", "--version", "compare ok.csv --input u --output y --order 1 --arithmetic double", "simulate",
+         {"list", "list --json", "--help", "--version",
+          "compare ok.csv --input u --output y --order 1 --arithmetic double", "simulate",
           "excitation ok.csv --input u --max-order 3", "identify ok.csv --input u --output y --order 1"}) {
         Outcome const full = shell("rlslab " + command + " >/dev/full");
         EXPECT_EQ(full.code, 2) << command;
@@ -92,8 +100,10 @@ TEST_F(Program, SaysInOneLineWhatItCannotWrite) {
 }
 TEST_F(Program, LeavesNothingHalfWrittenOnAFullDisk) {
     fs::create_directory(folder / "disk");
-    if (shell("mount -t tmpfs -o size=64k none disk").code != 0) GTEST_SKIP() << "only who may mount can make a small disk";
-    for (std::string const command : {"study gain_error --out disk/out", "identify ok.csv --input u --output y --order 1 --out disk/out"}) {
+    if (shell("mount -t tmpfs -o size=64k none disk").code != 0)
+        GTEST_SKIP() << "only who may mount can make a small disk";
+    for (std::string const command :
+         {"study gain_error --out disk/out", "identify ok.csv --input u --output y --order 1 --out disk/out"}) {
         for (int free : {0, 4096, 8192, 40960}) {
             shell("rm -rf disk/*; head -c " + std::to_string(65536 - free) + " /dev/zero >disk/ballast");
             Outcome const run = shell("rlslab " + command);
@@ -116,7 +126,8 @@ TEST_F(Program, LeavesNothingHalfWrittenOnAFullDisk) {
 TEST_F(Program, WhatAKilledRunWasWritingIsRemovedByTheNext) {
     fs::create_directories(folder / "out/.trials");
     // 999999999 is beyond the greatest process id of Linux; 1 is there.
-    for (char const* name : {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"})
+    for (char const* name :
+         {"a.csv.999999999.new", ".trials/b.999999999.new", "a.csv.1.new", "a.new", "999999999.new.csv"})
         write(std::string("out/") + name, "x");
     ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
     std::set<std::string> left;
@@ -132,11 +143,13 @@ TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
         EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
 }
 
-// ---- terminals --------------------------------------------------------------------------------------------------------------
+// ---- terminals
+// --------------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
     // A study of several seconds: progress begins after one.
-    std::string const command = "cd '" + folder.string() + "'; '" + program + "' study accuracy_steps --fresh --threads 1 --out out";
+    std::string const command =
+        "cd '" + folder.string() + "'; '" + program + "' study accuracy_steps --fresh --threads 1 --out out";
     Screen const seen = on_a_terminal(command);
     EXPECT_EQ(seen.code, 0);
     EXPECT_THAT(seen.text, HasSubstr("studying "));
@@ -162,12 +175,14 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
     EXPECT_FALSE(on_terminal(program + " --color never" + compare)) << "also before the command";
     EXPECT_FALSE(on_terminal("NO_COLOR=1 " + program + compare));
     EXPECT_TRUE(on_terminal("NO_COLOR= " + program + compare)) << "empty is as if it were not there";
-    EXPECT_TRUE(on_terminal("NO_COLOR=1 " + program + compare + "--color=always")) << "an option is nearer than the environment";
+    EXPECT_TRUE(on_terminal("NO_COLOR=1 " + program + compare + "--color=always"))
+        << "an option is nearer than the environment";
     EXPECT_FALSE(on_terminal("TERM=dumb " + program + compare));
     EXPECT_FALSE(coloured(shell("rlslab" + compare).out));
     EXPECT_TRUE(coloured(shell("rlslab" + compare + "--color=always").out));
     EXPECT_TRUE(coloured(shell("rlslab --color always" + compare).out));
-    for (std::string const format : {"--json", "--csv"}) EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
+    for (std::string const format : {"--json", "--csv"})
+        EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
     EXPECT_TRUE(coloured(shell("rlslab study gain_identities --out out --color=always").out));
     refused("list --color=sometimes", "--color: expected auto, always or never, found \"sometimes\"");
     for (std::string const command : {"list", "simulate --samples 30", "excitation ok.csv --input u", "--version"})
@@ -186,14 +201,19 @@ TEST(Progress, PromisesATimeFromATenthOn) {
     EXPECT_EQ(rlslab::progress_text("comparing", 1, 100), "comparing 100 %");
 }
 
-// ---- interrupted ------------------------------------------------------------------------------------------------------------
+// ---- interrupted
+// ------------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
-    std::string const study = "'" + program + "' study definiteness --threads 1 --out ", in = "cd '" + folder.string() + "'; exec ";
-    Screen const stopped =
-        on_a_terminal(in + study + "out", [](std::string const& text) { return text.find(" %") == text.npos ? "" : "\003"; });  // Ctrl-C
+    std::string const study = "'" + program + "' study definiteness --threads 1 --out ",
+                      in = "cd '" + folder.string() + "'; exec ";
+    Screen const stopped = on_a_terminal(in + study + "out", [](std::string const& text) {
+        return text.find(" %") == text.npos ? "" : "\003";
+    });  // Ctrl-C
     EXPECT_EQ(stopped.code, 128 + SIGINT) << stopped.text;
-    EXPECT_THAT(stopped.text, HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
+    EXPECT_THAT(
+        stopped.text,
+        HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
     EXPECT_GT(fs::file_size(folder / "out/.trials/definiteness"), 1000u) << "some trials were finished";
     EXPECT_FALSE(fs::exists(folder / "out/definiteness.csv"));
     for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
@@ -203,9 +223,11 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
     EXPECT_EQ(read(folder / "out/definiteness.csv"), read(folder / "whole/definiteness.csv"));
 }
 
-// ---- help -------------------------------------------------------------------------------------------------------------------
+// ---- help
+// -------------------------------------------------------------------------------------------------------------------
 
-std::vector<std::string> const commands{"compare", "study", "merge", "identify", "simulate", "excitation", "state", "list", "help"};
+std::vector<std::string> const commands{"compare",    "study", "merge", "identify", "simulate",
+                                        "excitation", "state", "list",  "help"};
 
 TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     std::string const whole = shell("rlslab --help").out;
@@ -220,7 +242,8 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
         EXPECT_EQ(help.err, "");
         EXPECT_EQ(shell("rlslab " + command + " --help").out, help.out);
         EXPECT_EQ(shell("rlslab --help " + command).out, help.out);
-        EXPECT_EQ(shell("rlslab " + command + " --bogus=1 some words --color=wrong -h").out, help.out) << "who asks for help gets it";
+        EXPECT_EQ(shell("rlslab " + command + " --bogus=1 some words --color=wrong -h").out, help.out)
+            << "who asks for help gets it";
         EXPECT_THAT(help.out, HasSubstr("\nUsage: rlslab " + command));
         EXPECT_THAT(help.out, Not(HasSubstr("\n\n\n")));
         std::istringstream lines(help.out + whole);
@@ -234,7 +257,8 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
 }
 TEST_F(Program, AMissingValueIsNamedByItsLine) {
     write("gap.csv", "u,y\n1,2\n,3\n4,5\n");
-    refused("excitation gap.csv --input u", "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
+    refused("excitation gap.csv --input u",
+            "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
 }
 TEST_F(Program, SaysWhatIsInAState) {
     fs::path const states = fs::path(RLSLAB_SOURCE_DIR) / "tests/data/state";
@@ -262,7 +286,8 @@ TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
         for (std::string line; std::getline(help, line);)
             if (line.starts_with("  --")) {
                 std::string name;
-                for (char c : line.substr(2, line.find_first_of(" ,=", 3) - 2)) name += c == '-' ? "\\-" : std::string(1, c);
+                for (char c : line.substr(2, line.find_first_of(" ,=", 3) - 2))
+                    name += c == '-' ? "\\-" : std::string(1, c);
                 EXPECT_THAT(page, HasSubstr("\\fB" + name + "\\fR")) << command << line;
             }
     }
@@ -273,14 +298,16 @@ TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
 }
 
-// ---- completions ------------------------------------------------------------------------------------------------------------
+// ---- completions
+// ------------------------------------------------------------------------------------------------------------
 
 /// What bash offers for the last of the words, as its function is called by bash.
 class Completion : public Program {
 protected:
     std::string offered(std::string const& words) const {
-        Outcome const run = shell("source <(rlslab completion bash); COMP_WORDS=(" + words +
-                                  "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rlslab; printf \"%s \" \"${COMPREPLY[@]}\"");
+        Outcome const run =
+            shell("source <(rlslab completion bash); COMP_WORDS=(" + words +
+                  "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rlslab; printf \"%s \" \"${COMPREPLY[@]}\"");
         EXPECT_EQ(run.code, 0) << words;
         EXPECT_EQ(run.err, "") << words;
         return run.out;
@@ -291,7 +318,8 @@ TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab \"\""), "compare study merge identify simulate excitation state list help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
-    EXPECT_EQ(offered("rlslab study gain_e"), "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");
+    EXPECT_EQ(offered("rlslab study gain_e"),
+              "gain_error gain_error_size gain_error_growth gain_error_definiteness gain_error_memory ");
     EXPECT_EQ(offered("rlslab study gain_error gain_id"), "gain_identities ");
     EXPECT_EQ(offered("rlslab study --bu"), "--budget ");
     EXPECT_EQ(offered("rlslab --color never study --budget f"), "full ");
@@ -314,9 +342,9 @@ TEST_F(Completion, WorksInZsh) {
     if (shell("command -v zsh").code != 0) GTEST_SKIP() << "no zsh";
     shell("rlslab completion zsh >_rlslab");
     EXPECT_EQ(shell("zsh -n _rlslab").err, "");
-    write(
-        ".zshrc",
-        "PS1=; setopt no_beep; fpath=($PWD $fpath); autoload -U compinit; compinit -u -D; rlslab() { print -r -- ran $* } ; print ready\n");
+    write(".zshrc",
+          "PS1=; setopt no_beep; fpath=($PWD $fpath); autoload -U compinit; compinit -u -D; rlslab() { print -r -- ran "
+          "$* } ; print ready\n");
     auto const completed = [&](std::string const& line) {
         bool typed = false;
         return on_a_terminal("cd '" + folder.string() + "'; ZDOTDIR=$PWD exec zsh -i",
@@ -329,7 +357,8 @@ TEST_F(Completion, WorksInZsh) {
     };
     EXPECT_THAT(completed("rlslab exc\t ok.c\t --inp\tu"), HasSubstr("ran excitation ok.csv --input=u"));
     EXPECT_THAT(completed("rlslab study gain_id\t --fr\t"), HasSubstr("ran study gain_identities --fresh"));
-    EXPECT_THAT(completed("rlslab compare ok.csv --variants=ud,carl\t"), HasSubstr("ran compare ok.csv --variants=ud,carlson"));
+    EXPECT_THAT(completed("rlslab compare ok.csv --variants=ud,carl\t"),
+                HasSubstr("ran compare ok.csv --variants=ud,carlson"));
 }
 
 }  // namespace

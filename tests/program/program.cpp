@@ -62,7 +62,8 @@ TEST_F(Program, RefusesBadOptionsInOneLine) {
     refused(data, "--order: expected");
     refused(data + " --order 30", "61 parameters need at least 61 rows");
     for (std::string const bad : {"0", "1.5", "nan", "-1", "inf", "x"})
-        refused(data + " --order 1 --forgetting " + bad, "--forgetting: expected a number in (0, 1], found \"" + bad + "\"");
+        refused(data + " --order 1 --forgetting " + bad,
+                "--forgetting: expected a number in (0, 1], found \"" + bad + "\"");
     for (std::string const bad : {"0", "-1", "nan", "inf"})
         refused(data + " --order 1 --p0 " + bad, "--p0: expected a positive, finite number, found \"" + bad + "\"");
     refused(data + " --order 1 --delay -1", "--delay: expected a whole number");
@@ -92,7 +93,8 @@ TEST_F(Program, ReadsStandardInput) {
     EXPECT_EQ(run.code, 0) << run.err;
 }
 TEST_F(Program, RefusesALineOfTwoGigabytesAtOnceAndInLittleMemory) {
-    Outcome const run = shell("head -c 2000000000 /dev/zero | tr \"\\0\" 1 | rlslab compare - --input u --output y --order 1");
+    Outcome const run =
+        shell("head -c 2000000000 /dev/zero | tr \"\\0\" 1 | rlslab compare - --input u --output y --order 1");
     EXPECT_EQ(run.code, 2);
     EXPECT_EQ(run.err, "rlslab: standard input:1: expected a line of at most 1 MiB\n");
     rusage usage{};
@@ -100,19 +102,22 @@ TEST_F(Program, RefusesALineOfTwoGigabytesAtOnceAndInLittleMemory) {
     EXPECT_LT(usage.ru_maxrss, 500 * 1024) << "kB, sanitizers included";
 }
 TEST_F(Program, SkipsAndCountsMissingValues) {
-    write("gaps.csv", "u,y\n" + rows(40, [](int k) { return k == 20 ? std::string("NA") : std::to_string(k * 5 % 13); }));
+    write("gaps.csv",
+          "u,y\n" + rows(40, [](int k) { return k == 20 ? std::string("NA") : std::to_string(k * 5 % 13); }));
     Outcome const run = shell("rlslab compare gaps.csv --input u --output y --order 1 --arithmetic double --json");
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(json::parse(run.out)["data"]["skipped"], 2);
     EXPECT_EQ(json::parse(run.out)["data"]["rows"], 37);
 }
 TEST_F(Program, AListDoesNotSwallowTheFileBehindIt) {
-    Outcome const run = shell("rlslab compare --output y --variants ud,qr --arithmetic double --regressors u ok.csv --csv");
+    Outcome const run =
+        shell("rlslab compare --output y --variants ud,qr --arithmetic double --regressors u ok.csv --csv");
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 3) << run.out;
 }
 TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
-    Outcome const run = shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json --all");
+    Outcome const run =
+        shell("rlslab compare '" + root + "/data/sales.csv' --input lead --output sales --order 2 --json --all");
     ASSERT_EQ(run.code, 0) << run.err;
     json const out = json::parse(run.out);
     EXPECT_EQ(out["data"]["rows"], 148);
@@ -123,21 +128,25 @@ TEST_F(Program, JsonHasTheKeysThatAreDocumented) {
     ASSERT_EQ(out["reference"]["theta"].size(), 5u);
     for (std::string const theta : out["reference"]["theta"]) {
         std::string const digits = theta.substr(0, theta.find('e'));
-        EXPECT_EQ(std::count_if(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }), 30) << theta;
+        EXPECT_EQ(std::count_if(digits.begin(), digits.end(), [](unsigned char c) { return std::isdigit(c); }), 30)
+            << theta;
     }
     ASSERT_EQ(out["results"].size(), rlslab::catalogue().size());
     for (json const& r : out["results"]) {
         EXPECT_EQ(r.size(), 13u);  // the keys named below, variant, arithmetic, spread, path, runs, broken
         EXPECT_EQ(r["runs"], 4);
-        for (auto const& [of, at_the_end] :
-             {std::pair{"theta", "theta_digits"}, {"worst", "theta_digits_worst"}, {"covariance", "covariance_digits"}}) {
+        for (auto const& [of, at_the_end] : {std::pair{"theta", "theta_digits"},
+                                             {"worst", "theta_digits_worst"},
+                                             {"covariance", "covariance_digits"}}) {
             EXPECT_EQ(r["path"][of].size(), out["checkpoints"].size());
             EXPECT_EQ(r["path"][of].back(), r[at_the_end]);
         }
-        for (char const* key : {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations", "ns_per_update"})
+        for (char const* key :
+             {"theta_digits", "theta_digits_worst", "covariance_digits", "asymmetry", "operations", "ns_per_update"})
             EXPECT_TRUE(r.at(key).is_number() || r.at(key).is_null()) << key;
-        EXPECT_TRUE(r["breakdown"].is_null() || (r["breakdown"]["step"].is_number_integer() &&
-                                                 std::set<std::string>{"indefinite", "nonfinite"}.contains(r["breakdown"]["kind"])));
+        EXPECT_TRUE(r["breakdown"].is_null() ||
+                    (r["breakdown"]["step"].is_number_integer() &&
+                     std::set<std::string>{"indefinite", "nonfinite"}.contains(r["breakdown"]["kind"])));
     }
     ASSERT_EQ(out["recommendation"].size(), rlslab::arithmetics().size());
     for (json const& r : out["recommendation"]) {
@@ -153,12 +162,14 @@ TEST_F(Program, CsvAndJsonAgreeAndTablesArePlainInAPipe) {
     std::getline(csv, line);
     EXPECT_EQ(line,
               "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
-              "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,worst_high,"
+              "asymmetry,operations,ns_per_update,runs,broken,theta_low,theta_median,theta_high,worst_low,worst_median,"
+              "worst_high,"
               "covariance_low,covariance_median,covariance_high");
     for (json const& r : results) {
         ASSERT_TRUE(std::getline(csv, line));
         std::string const digits = r["theta_digits"].is_null() ? "" : r["theta_digits"].dump();
-        EXPECT_TRUE(line.starts_with(r["variant"].get<std::string>() + "," + r["arithmetic"].get<std::string>() + "," + digits + ","))
+        EXPECT_TRUE(line.starts_with(r["variant"].get<std::string>() + "," + r["arithmetic"].get<std::string>() + "," +
+                                     digits + ","))
             << line;
     }
     EXPECT_FALSE(std::getline(csv, line));

@@ -1,4 +1,5 @@
-// The certified solution: every exact rational solution lies inside its enclosure, and its status says when there is none.
+// The certified solution: every exact rational solution lies inside its enclosure, and its status says when there is
+// none.
 #include <rlslab/core/random.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -108,7 +109,9 @@ std::vector<Problem<double>> problems(Index d) {
         all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 0.3}});
         Vector<double> const theta0 = Vector<double>::LinSpaced(d, -0.7, 2.1);
         all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.variance = 3, .theta = theta0}});
-        all.push_back({.size = d, .forgetting = lambda, .prior = Prior<double>{.theta = theta0, .covariance = random_covariance(d, 5)}});
+        all.push_back({.size = d,
+                       .forgetting = lambda,
+                       .prior = Prior<double>{.theta = theta0, .covariance = random_covariance(d, 5)}});
     }
     return all;
 }
@@ -238,7 +241,8 @@ TEST(Certified, MoreDigitsOnRequest) {
     ASSERT_EQ(exact.status(), Status::certified);
     EXPECT_TRUE(exact.encloses(truth(problem, data, 20).theta));
     EXPECT_LE(exact.radius(), 1e-300) << "as near to 10^-500 as a double bound goes";
-    EXPECT_EQ(exact.theta_strings(400)[0].substr(0, 20), certified(problem, data, {20}).front().theta_strings()[0].substr(0, 20));
+    EXPECT_EQ(exact.theta_strings(400)[0].substr(0, 20),
+              certified(problem, data, {20}).front().theta_strings()[0].substr(0, 20));
 }
 
 TEST(Certified, ZeroSolutionsAndComponents) {
@@ -335,14 +339,15 @@ TEST(Certified, MisuseThrows) {
 }
 
 TEST(Certified, LongleyToThirtyDigits) {
-    constexpr double rows[16][7] = {{83.0, 234289, 2356, 1590, 107608, 1947, 60323},  {88.5, 259426, 2325, 1456, 108632, 1948, 61122},
-                                    {88.2, 258054, 3682, 1616, 109773, 1949, 60171},  {89.5, 284599, 3351, 1650, 110929, 1950, 61187},
-                                    {96.2, 328975, 2099, 3099, 112075, 1951, 63221},  {98.1, 346999, 1932, 3594, 113270, 1952, 63639},
-                                    {99.0, 365385, 1870, 3547, 115094, 1953, 64989},  {100.0, 363112, 3578, 3350, 116219, 1954, 63761},
-                                    {101.2, 397469, 2904, 3048, 117388, 1955, 66019}, {104.6, 419180, 2822, 2857, 118734, 1956, 67857},
-                                    {108.4, 442769, 2936, 2798, 120445, 1957, 68169}, {110.8, 444546, 4681, 2637, 121950, 1958, 66513},
-                                    {112.6, 482704, 3813, 2552, 123366, 1959, 68655}, {114.2, 502601, 3931, 2514, 125368, 1960, 69564},
-                                    {115.7, 518173, 4806, 2572, 127852, 1961, 69331}, {116.9, 554894, 4007, 2827, 130081, 1962, 70551}};
+    constexpr double rows[16][7] = {
+        {83.0, 234289, 2356, 1590, 107608, 1947, 60323},  {88.5, 259426, 2325, 1456, 108632, 1948, 61122},
+        {88.2, 258054, 3682, 1616, 109773, 1949, 60171},  {89.5, 284599, 3351, 1650, 110929, 1950, 61187},
+        {96.2, 328975, 2099, 3099, 112075, 1951, 63221},  {98.1, 346999, 1932, 3594, 113270, 1952, 63639},
+        {99.0, 365385, 1870, 3547, 115094, 1953, 64989},  {100.0, 363112, 3578, 3350, 116219, 1954, 63761},
+        {101.2, 397469, 2904, 3048, 117388, 1955, 66019}, {104.6, 419180, 2822, 2857, 118734, 1956, 67857},
+        {108.4, 442769, 2936, 2798, 120445, 1957, 68169}, {110.8, 444546, 4681, 2637, 121950, 1958, 66513},
+        {112.6, 482704, 3813, 2552, 123366, 1959, 68655}, {114.2, 502601, 3931, 2514, 125368, 1960, 69564},
+        {115.7, 518173, 4806, 2572, 127852, 1961, 69331}, {116.9, 554894, 4007, 2827, 130081, 1962, 70551}};
     // Decimal data are the definition; ten times x1 makes them integers, and its coefficient a tenth.
     Records data{.psi = Eigen::MatrixXd(7, 16), .y = Vector<double>(16), .names = {}};
     for (Index k = 0; k < 16; ++k) {
@@ -353,10 +358,11 @@ TEST(Certified, LongleyToThirtyDigits) {
     }
     CertifiedSolution const exact = certified({.size = 7, .prior = std::nullopt}, data, {16}).front();
     ASSERT_EQ(exact.status(), Status::certified);
-    EXPECT_EQ(exact.theta_strings(), (std::vector<std::string>{"-3.48225863459581832527689742876e6", "1.50618722713732949699884679430e0",
-                                                               "-3.58191792925910166168577525360e-2", "-2.02022980381682508565347406204e0",
-                                                               "-1.03322686717359197549469146328e0", "-5.11041056535807144706642656987e-2",
-                                                               "1.82915146461355184522976668424e3"}));
+    EXPECT_EQ(exact.theta_strings(),
+              (std::vector<std::string>{"-3.48225863459581832527689742876e6", "1.50618722713732949699884679430e0",
+                                        "-3.58191792925910166168577525360e-2", "-2.02022980381682508565347406204e0",
+                                        "-1.03322686717359197549469146328e0", "-5.11041056535807144706642656987e-2",
+                                        "1.82915146461355184522976668424e3"}));
 }
 
 TEST(Certified, TheSameFromEveryThread) {

@@ -20,7 +20,9 @@ struct Random : Seed {
     Index below(Index n) { return Index(next() % std::uint64_t(n)); }
 };
 
-Stored<double> plain(Matrix<double> F, Quantity quantity = Quantity::covariance) { return {quantity, Form::plain, std::move(F)}; }
+Stored<double> plain(Matrix<double> F, Quantity quantity = Quantity::covariance) {
+    return {quantity, Form::plain, std::move(F)};
+}
 Stored<double> factor(Matrix<double> F, Vector<double> D = {}, Quantity quantity = Quantity::covariance) {
     return {quantity, Form::factor, std::move(F), std::move(D)};
 }
@@ -197,8 +199,8 @@ TEST(SurelyPositive, CoversTheRoundingItWasToldOf) {
     EXPECT_GT(claimed, 100);
 }
 
-/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for delta > (d + 1) u d +
-/// 2 u:
+/// (1 - delta) 1 1' + delta I has the least eigenvalue delta and the trace d. With u = 2^-53 Rump's bound asks for
+/// delta > (d + 1) u d + 2 u:
 /// half of it proves nothing, twice as much (and what the factorisation itself rounds away) is enough.
 TEST(SurelyPositive, AsksForTheLeastEigenvalueOfItsBound) {
     constexpr double u = 0x1p-53;

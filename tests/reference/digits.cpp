@@ -21,7 +21,9 @@ Records integers() {
     data.y = data.psi.transpose() * (Vector<double>(3) << 3, -4, 12).finished();
     return data;
 }
-CertifiedSolution solution(int digits = 30) { return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front(); }
+CertifiedSolution solution(int digits = 30) {
+    return certified({.size = 3, .prior = std::nullopt}, integers(), {5}, digits).front();
+}
 
 Vector<Reference> theta(double a, double b, double c) {
     Vector<Reference> x(3);
@@ -119,7 +121,8 @@ TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     double const norm = std::sqrt(84.0) / 8;
     P(0, 1) += Reference(1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, P), 6 + std::log10(norm), 1e-7) << "not symmetrised";
-    Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9), scaled_down = information() * Reference(1 + 1e-9);
+    Matrix<Reference> const swollen = covariance() * Reference(1 + 1e-9),
+                            scaled_down = information() * Reference(1 + 1e-9);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, swollen), 9, 1e-6);
     EXPECT_NEAR(digits_of(Quantity::information, Form::plain, scaled_down), 9, 1e-6);
     EXPECT_NEAR(digits_of(Quantity::covariance, Form::plain, Matrix<Reference>::Zero(3, 3)), 0, 1e-9);
@@ -129,7 +132,8 @@ TEST(CovarianceDigits, AreMinusLogOfTheRelativeFrobeniusError) {
     double const change = std::sqrt(25 + 4 + 1.0) * std::sqrt(25 + 4 + 1.0) / 64;
     EXPECT_NEAR(digits_of(Quantity::information, Form::plain, asymmetric), 8 - std::log10(change / norm), 1e-6);
     // an indefinite matrix is as far away as it is
-    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, Matrix<Reference>(-information())), -std::log10(2.0), 1e-9);
+    EXPECT_NEAR(digits_of(Quantity::information, Form::plain, Matrix<Reference>(-information())), -std::log10(2.0),
+                1e-9);
     EXPECT_NEAR(digits_of(Quantity::information, Form::factor, Matrix<Reference>::Identity(3, 3), theta(1e-100, 1, 1)),
                 -100 + std::log10(norm), 1e-6);
 }

@@ -1,4 +1,5 @@
-// Where the certified reference stops, and what it decides there: the largest precision, and a solution of exactly zero.
+// Where the certified reference stops, and what it decides there: the largest precision, and a solution of exactly
+// zero.
 #include <rlslab/reference/balls.hpp>
 #include <rlslab/reference/certified.hpp>
 
@@ -83,8 +84,8 @@ TEST(Certified, ARankIsThatOfTheSignedNumbers) {
     EXPECT_EQ(certified({.size = 3, .prior = std::nullopt}, data, {12}).front().status(), Status::certified);
 }
 
-/// 2^-t <= 10^-digits for t = bits(digits), and hardly more, where digits log2(10) is just above a whole number: denominators
-/// of its continued fraction.
+/// 2^-t <= 10^-digits for t = bits(digits), and hardly more, where digits log2(10) is just above a whole number:
+/// denominators of its continued fraction.
 template <class Bits>
 bool suffice(Bits bits) {
     Reference const log2_10 = log(Reference(10)) / log(Reference(2));
@@ -96,7 +97,8 @@ bool suffice(Bits bits) {
 }
 TEST(Certified, BitsForDigitsSuffice) {
     EXPECT_TRUE(suffice(&balls::bits_for));
-    EXPECT_FALSE(suffice([](long digits) { return long(std::ceil(double(digits) * 3.3219280948873624)); })) << "log2(10) to nearest";
+    EXPECT_FALSE(suffice([](long digits) { return long(std::ceil(double(digits) * 3.3219280948873624)); }))
+        << "log2(10) to nearest";
     EXPECT_FALSE(suffice([](long digits) { return balls::bits_for(digits) + 1; }));
 }
 

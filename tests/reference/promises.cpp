@@ -16,8 +16,8 @@ void set_ball(arb_ptr ball, double middle, double radius) {
 }
 
 /// theta = (t, s), P = [p q; q p], all radii but those given zero.
-CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q, double rad_q,
-                                       int digits = 10) {
+CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double rad_s, double p, double rad_p, double q,
+                                       double rad_q, int digits = 10) {
     CertifiedSolution::Enclosure x{BallMatrix(2, 1), BallMatrix(2, 2), 128, digits};
     set_ball(x.theta(0, 0), t, rad_t);
     set_ball(x.theta(1, 0), s, rad_s);
@@ -29,7 +29,8 @@ CertifiedSolution::Enclosure enclosure(double t, double rad_t, double s, double 
 }
 
 constexpr double too_wide = 1 + 1e-6;
-/// The criterion works in powers of two: 2^-34 for ten digits, which ask for 2^-33.2; and a radius is kept to 30 bits, rounded up.
+/// The criterion works in powers of two: 2^-34 for ten digits, which ask for 2^-33.2; and a radius is kept to 30 bits,
+/// rounded up.
 constexpr double narrow = 0x1p-34 * (1 - 1e-6);
 
 TEST(ReferencePromise, EachComponentOfTheta) {
@@ -84,14 +85,17 @@ TEST(ReferencePromise, RadiiAreRelativeInTheNormAndNeverTooSmall) {
 }
 
 TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
-    // Off by 0.5 in a norm of 5, and the ball is as wide again in one component: at most 1 = |(0, 0.5 + 0.5)| from 4.5 less the ball.
-    CertifiedSolution const sharp = by_hand(enclosure(3, 0, 4, 0, 6, 0, -8, 0)), wide = by_hand(enclosure(3, 0, 4, 0.5, 6, 0, -8, 0));
+    // Off by 0.5 in a norm of 5, and the ball is as wide again in one component: at most 1 = |(0, 0.5 + 0.5)| from 4.5
+    // less the ball.
+    CertifiedSolution const sharp = by_hand(enclosure(3, 0, 4, 0, 6, 0, -8, 0)),
+                            wide = by_hand(enclosure(3, 0, 4, 0.5, 6, 0, -8, 0));
     Vector<Reference> const estimate{{Reference(3), Reference(4.5)}};
     EXPECT_NEAR(sharp.theta_digits(estimate), 1, 1e-14);
     EXPECT_NEAR(sharp.theta_digits_worst(estimate), -std::log10(0.125), 1e-14);
     EXPECT_LE(wide.theta_digits(estimate), -std::log10(1.0 / std::hypot(3, 4.5)));
     EXPECT_LE(wide.theta_digits_worst(estimate), -std::log10(1.0 / 4.5));
-    Matrix<Reference> P{{Reference(6), Reference(-8)}, {Reference(-8), Reference(7)}};  // one entry off by 1 of sqrt(200)
+    Matrix<Reference> P{{Reference(6), Reference(-8)},
+                        {Reference(-8), Reference(7)}};  // one entry off by 1 of sqrt(200)
     using S = Stored<Reference>;
     EXPECT_NEAR(sharp.covariance_digits({S::Quantity::covariance, S::Form::plain, P}), 0.5 * std::log10(200.0), 1e-14);
     P(0, 0) = 7, P(1, 1) = 6;
@@ -99,7 +103,8 @@ TEST(ReferencePromise, DigitsCountTheEnclosureAgainstTheEstimate) {
 }
 
 TEST(ReferencePromise, ChangesAreRelativeToTheSecond) {
-    CertifiedSolution const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)), b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)),
+    CertifiedSolution const a = by_hand(enclosure(3, 0, 4, 0, 1, 0, 0, 0)),
+                            b = by_hand(enclosure(3, 0, 0, 0, 1, 0, 0, 0)),
                             zero = by_hand(enclosure(0, 0, 0, 0, 1, 0, 0, 0));
     EXPECT_DOUBLE_EQ(relative_change(a, b), 4.0 / 3);
     EXPECT_DOUBLE_EQ(relative_change(b, a), 0.8);
@@ -148,7 +153,9 @@ TEST(ReferencePromise, HoldsOfWhatIsCertified) {
                             for (int n = 0; n < digits; ++n) arf_mul(out, out, ten, ARF_PREC_EXACT, ARF_RND_DOWN);
                             return out;
                         };
-                        Float floor, tiny(1e-40);  // a component so much smaller than the largest is held to that; one here is zero
+                        Float floor,
+                            tiny(1e-40);  // a component so much smaller than the largest is held to that; one here is
+                                          // zero
                         arf_mul(floor, largest_theta, tiny, ARF_PREC_EXACT, ARF_RND_DOWN);
                         for (Index i = 0; i < 2; ++i) {
                             arf_abs(size, arb_midref(theta(i, 0)));

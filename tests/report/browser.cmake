@@ -18,7 +18,8 @@ if(failed)
   message(FATAL_ERROR "identify failed: ${failed}")
 endif()
 
-execute_process(COMMAND ${PROGRAM} compare ${DATA}/sales.csv --input lead --output sales --order 2 --no-timings --out ${WORK_DIR}
+execute_process(COMMAND ${PROGRAM} compare ${DATA}/sales.csv --input lead --output sales --order 2 --no-timings --out
+    ${WORK_DIR}
   RESULT_VARIABLE failed OUTPUT_QUIET)
 if(failed)
   message(FATAL_ERROR "compare failed: ${failed}")
@@ -36,7 +37,8 @@ function(look_at file figures formulas)
     file(WRITE ${WORK_DIR}/frame.html "<!doctype html>
 <script>onmessage = e => Object.assign(document.documentElement.dataset, e.data)</script>
 <iframe src='looked_at.html' style='border:0;width:${width}px;height:3000px'></iframe>")
-    execute_process(COMMAND ${BROWSER} --headless --no-sandbox --disable-gpu --user-data-dir=${WORK_DIR}/profile --virtual-time-budget=10000
+    execute_process(COMMAND ${BROWSER} --headless --no-sandbox --disable-gpu --user-data-dir=${WORK_DIR}/profile
+        --virtual-time-budget=10000
         --window-size=1400,3100 --dump-dom file://${WORK_DIR}/frame.html
       OUTPUT_VARIABLE shown ERROR_QUIET RESULT_VARIABLE failed TIMEOUT 120)
     if(NOT shown MATCHES "data-seen=\"([^\"]*)\"")
@@ -50,7 +52,8 @@ function(look_at file figures formulas)
     string(REGEX MATCH "width ([0-9]+), figures ([0-9]+), formulas ([0-9]+), typeset ([0-9]+)" whole "${seen}")
     if(NOT CMAKE_MATCH_1 EQUAL width OR CMAKE_MATCH_2 LESS figures OR CMAKE_MATCH_3 LESS formulas
         OR (PANDOC AND NOT CMAKE_MATCH_4 EQUAL CMAKE_MATCH_3))
-      message(FATAL_ERROR "${file} at ${width} pixels: expected ${figures} figures and ${formulas} formulas at least, found: ${seen}")
+      message(FATAL_ERROR
+          "${file} at ${width} pixels: expected ${figures} figures and ${formulas} formulas at least, found: ${seen}")
     endif()
     message("${file}: ${seen}")
   endforeach()

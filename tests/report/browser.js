@@ -1,4 +1,4 @@
-// Appended to a page by browser.cmake, which shows it in a frame as wide as a screen: says what a reader of it would miss.
+// Appended to a page by browser.cmake, which shows it in a frame as wide as a screen: what a reader would miss.
 'use strict';
 const wrong = [];
 const wide = document.documentElement.scrollWidth;
@@ -13,7 +13,8 @@ for (const figure of document.querySelectorAll('figure')) {
   const panels = [...figure.querySelectorAll('.panel')];
   if (!panels.length) wrong.push(`no panel in ${figure.id}`);
   for (const panel of panels)
-    if ([...panel.querySelectorAll('svg')].filter(shown).length !== 1) wrong.push(`not one drawing is seen in a panel of ${figure.id}`);
+    if ([...panel.querySelectorAll('svg')].filter(shown).length !== 1)
+      wrong.push(`not one drawing is seen in a panel of ${figure.id}`);
   // Text of 13 units: what is it on this screen?
   for (const svg of [...figure.querySelectorAll('.panel svg')].filter(shown)) {
     const scale = svg.getBoundingClientRect().width / svg.viewBox.baseVal.width;
@@ -24,7 +25,8 @@ for (const box of document.querySelectorAll('.formula')) {
   if (!box.textContent.trim()) wrong.push('an empty formula');
   if (box.querySelector('merror')) wrong.push(`not typeset: ${box.textContent}`);
 }
-for (const image of document.images) if (!image.complete || !image.naturalWidth) wrong.push(`a broken image: ${image.src}`);
+for (const image of document.images) if (!image.complete || !image.naturalWidth)
+  wrong.push(`a broken image: ${image.src}`);
 // A click on a legend hides its series in every panel, a second one shows it again.
 for (const key of document.querySelectorAll('.legend span[data-s]')) {
   if (key.parentElement.querySelectorAll('span[data-s]').length < 2) continue;

@@ -26,13 +26,15 @@ TEST(Decades, AreLog10AndExactEnoughAtPowersOfTen) {
         long double const exact = std::log10(static_cast<long double>(x));
         ASSERT_NEAR(decades(x), double(exact), 4 * 0x1p-52 * std::max(1.0, double(std::abs(exact)))) << x;
     }
-    for (int k = -307; k <= 308; ++k) EXPECT_NEAR(decades(std::stod("1e" + std::to_string(k))), k, 4 * 0x1p-52 * std::max(1, std::abs(k)));
+    for (int k = -307; k <= 308; ++k)
+        EXPECT_NEAR(decades(std::stod("1e" + std::to_string(k))), k, 4 * 0x1p-52 * std::max(1, std::abs(k)));
     EXPECT_EQ(decades(1), 0);
     EXPECT_NEAR(decades(5e-324), -323.306215343115980, 1e-12);
 }
 
 void ticks_are_lawful(Range range, bool logarithmic, int about) {
-    SCOPED_TRACE(testing::Message() << range.low << " ... " << range.high << (logarithmic ? ", logarithmic" : "") << ", about " << about);
+    SCOPED_TRACE(testing::Message() << range.low << " ... " << range.high << (logarithmic ? ", logarithmic" : "")
+                                    << ", about " << about);
     Axis axis(range, logarithmic, 0.03);
     axis.place(0, 1);
     Ticks const ticks = axis.ticks(about);
@@ -54,15 +56,18 @@ void ticks_are_lawful(Range range, bool logarithmic, int about) {
 TEST(Ticks, AscendInsideTheRangeEachWithItsOwnLabel) {
     Seed seed{2};
     for (int i = 0; i < 4000; ++i) {
-        double const size = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 1900) - 950), middle = (seed.uniform() - 0.5) * 40 * size;
+        double const size = std::ldexp(1 + seed.uniform(), int(seed.uniform() * 1900) - 950),
+                     middle = (seed.uniform() - 0.5) * 40 * size;
         int const about = 3 + int(seed.uniform() * 9);
         ticks_are_lawful({middle, middle + size}, false, about);
-        ticks_are_lawful({size, size * std::ldexp(1 + seed.uniform(), int(seed.uniform() * seed.uniform() * 60))}, true, about);
+        ticks_are_lawful({size, size * std::ldexp(1 + seed.uniform(), int(seed.uniform() * seed.uniform() * 60))}, true,
+                         about);
     }
     for (bool const logarithmic : {false, true})
-        for (Range const& range : {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)},
-                                   Range{1e9, 1e9 + 1}, Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101},
-                                   Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
+        for (Range const& range :
+             {Range{}, Range{1, 1}, Range{1e-300, 1e300}, Range{5e-324, 1.7e308}, Range{1, std::nextafter(1.0, 2.0)},
+              Range{1e9, 1e9 + 1}, Range{5e-324, 5e-324}, Range{1e-310, 3e-310}, Range{1, 10}, Range{0.99, 101},
+              Range{2, 7}, Range{3, 4}, Range{1.7e308, 1.79e308}})
             ticks_are_lawful(range, logarithmic, 6);
     for (Range const& range : {Range{0, 0}, Range{-1.7e308, 1.7e308}, Range{-5e-324, 5e-324}, Range{-1, 1e-300}})
         ticks_are_lawful(range, false, 6);
@@ -77,7 +82,8 @@ TEST(Ticks, AreWhatPeopleWouldChoose) {
     EXPECT_THAT(texts({0, 1}, false, 5), testing::ElementsAre("0.0", "0.2", "0.4", "0.6", "0.8", "1.0"));
     EXPECT_THAT(texts({-30, 20}, false, 6), testing::ElementsAre("−30", "−20", "−10", "0", "10", "20"));
     EXPECT_THAT(texts({0, 30000}, false, 3), testing::ElementsAre("0", "10\u2009000", "20\u2009000", "30\u2009000"));
-    EXPECT_THAT(texts({1e-16, 1}, true, 6), testing::ElementsAre("10^−15", "10^−12", "10^−9", "10^−6", "10^−3", "10^0"));
+    EXPECT_THAT(texts({1e-16, 1}, true, 6),
+                testing::ElementsAre("10^−15", "10^−12", "10^−9", "10^−6", "10^−3", "10^0"));
     EXPECT_THAT(texts({1, 1000}, true, 6), testing::ElementsAre("1", "10", "100", "1000"));
     EXPECT_EQ(Axis({0, 4e7}, false, 0).ticks(5).left_out, 7);
     EXPECT_THAT(texts({0, 4e7}, false, 5), testing::ElementsAre("0", "1", "2", "3", "4"));
@@ -119,13 +125,15 @@ TEST(Drawing, ShowsAnyFiniteNumber) {
             auto const draw = [&] {
                 double const u = seed.uniform();
                 if (u < 0.05) return std::array{nan, infinity, -infinity, 0.0}[size_t(seed.uniform() * 4)];
-                return (seed.uniform() < 0.3 ? -1 : 1) * std::ldexp(1 + seed.uniform(), int((seed.uniform() - 0.5) * (i % 3 ? 20 : 2000)));
+                return (seed.uniform() < 0.3 ? -1 : 1) *
+                       std::ldexp(1 + seed.uniform(), int((seed.uniform() - 0.5) * (i % 3 ? 20 : 2000)));
             };
             x.push_back(draw()), y.push_back(draw()), low.push_back(draw()), high.push_back(draw());
         }
         Figure figure = one(x, y, i % 2, i % 4 / 2);
         Panel& panel = figure.panels[0];
-        panel.curves[0].lower = low, panel.curves[0].upper = high, panel.curves[0].bars = i % 5 == 0, panel.curves[0].stems = i % 6 == 0;
+        panel.curves[0].lower = low, panel.curves[0].upper = high, panel.curves[0].bars = i % 5 == 0,
+        panel.curves[0].stems = i % 6 == 0;
         panel.guides.push_back({.name = "guide", .look = {"#555555", true}, .x = x, .y = high});
         panel.events = {{.x = x[3], .text = "held out"}, {.x = x[4], .y = y[4], .text = "broken", .series = "curve"}};
         figure.square = i % 7 == 0;
@@ -161,13 +169,16 @@ TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
     Figure figure = one({1, 2, 3}, {1, 2, 5});
     for (int n = 0; n < 40; ++n) {
         lawful(figure);
-        figure.panels[0].curves.push_back(
-            {.name = "curve " + std::to_string(n), .look = look_of({}, size_t(n)), .x = {1, 3}, .y = {1.0 * n, 1.0 * n}});
+        figure.panels[0].curves.push_back({.name = "curve " + std::to_string(n),
+                                           .look = look_of({}, size_t(n)),
+                                           .x = {1, 3},
+                                           .y = {1.0 * n, 1.0 * n}});
     }
     std::string html = figure_html(figure);
     EXPECT_THAT(html, testing::HasSubstr("class=\"beside\""));
     EXPECT_LT(html.find("<span data-s=\"40\""), html.find("<span data-s=\"7\""));  // curve 39, at the top
-    EXPECT_LT(html.find("<span data-s=\"7\""), html.find("<span data-s=\"0\""));   // curve 6, over the one that ends at 5
+    EXPECT_LT(html.find("<span data-s=\"7\""),
+              html.find("<span data-s=\"0\""));  // curve 6, over the one that ends at 5
     figure.panels.push_back(figure.panels[0]);
     html = figure_html(figure);
     EXPECT_THAT(html, testing::Not(testing::HasSubstr("beside")));
@@ -175,7 +186,8 @@ TEST(Drawing, ALegendOfManyCurvesStandsBesideThePanelInTheOrderOfTheirEnds) {
 }
 TEST(Drawing, HoldsEveryTextHoweverLong) {
     std::string const words = "a rather long sentence that has to be broken into lines, ", endless(300, 'm');
-    for (std::string const& text : {words + words + words + words + words + words, endless, words + endless, std::string("short")}) {
+    for (std::string const& text :
+         {words + words + words + words + words + words, endless, words + endless, std::string("short")}) {
         Figure figure = one({1, 2, 3}, {1e-7, 2, 3e5}, false, true);
         figure.title = figure.x = figure.y = figure.series = text;
         Panel& panel = figure.panels[0];
@@ -240,7 +252,11 @@ TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
     figure.panels[0].guides.push_back({.name = "guide", .look = {"#555555", true}, .x = {1, 2}, .y = {1, 1}});
     std::string const html = figure_html(figure);
     for (char const* name : {"curve", "other", "guide"})
-        EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve") ? 0 : name == std::string("other") ? 1 : 2]->name), name);
+        EXPECT_EQ(std::string(legend_of(figure)[name == std::string("curve")   ? 0
+                                                : name == std::string("other") ? 1
+                                                                               : 2]
+                                  ->name),
+                  name);
     for (char const* number : {"0", "1", "2"}) {
         EXPECT_THAT(html, testing::HasSubstr("<span data-s=\"" + std::string(number) + "\">"));
         EXPECT_THAT(html, testing::HasSubstr("<g class=\"s\" data-s=\"" + std::string(number) + "\">"));
@@ -248,8 +264,10 @@ TEST(Drawing, ASeriesHasOneNumberInLegendAndPanels) {
 }
 
 TEST(Pages, LoadNothing) {
-    std::string const text = page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") + table_html({"a", "<b>"}, {{"1", "&"}}));
-    for (char const* address : {"src=", "@import", "url(", "<link", "fetch("}) EXPECT_EQ(text.find(address), std::string::npos) << address;
+    std::string const text =
+        page("a < b", figure_html(one({1, 2}, {1, 2})) + formula_html("x") + table_html({"a", "<b>"}, {{"1", "&"}}));
+    for (char const* address : {"src=", "@import", "url(", "<link", "fetch("})
+        EXPECT_EQ(text.find(address), std::string::npos) << address;
     EXPECT_THAT(text, testing::HasSubstr("<title>a &lt; b</title>"));
     EXPECT_THAT(text, testing::HasSubstr("<th>&lt;b&gt;</th>"));
 }

@@ -39,8 +39,8 @@ std::vector<Label> labels_of(std::string const& svg, std::vector<Place>& marks, 
     };
     marks.assign(series, {});
     for (size_t i = 0; i < series; ++i) {
-        size_t const group = svg.find("<g class=\"s\" data-s=\"" + std::to_string(i) + '"'), tip = svg.find("\"><title>", group),
-                     path = svg.rfind("\"M", tip);
+        size_t const group = svg.find("<g class=\"s\" data-s=\"" + std::to_string(i) + '"'),
+                     tip = svg.find("\"><title>", group), path = svg.rfind("\"M", tip);
         char* end = nullptr;
         marks[i].x = std::strtod(svg.c_str() + path + 2, &end), marks[i].y = std::strtod(end, nullptr);
     }
@@ -50,8 +50,9 @@ std::vector<Label> labels_of(std::string const& svg, std::vector<Place>& marks, 
         double const x = number(" x=\"", text), y = number(" y=\"", text);
         std::string const name = svg.substr(begin, svg.find('<', begin) - begin);
         bool const bold = svg.substr(text, begin - text).find("font-weight") != svg.npos;
-        out.push_back({size_t(number("data-s=\"", at)),
-                       {x, y + 2.6 - plot::name_height, x + plot::tick_size * text_width(name) * (bold ? 1.1 : 1), y + 2.6}});
+        out.push_back(
+            {size_t(number("data-s=\"", at)),
+             {x, y + 2.6 - plot::name_height, x + plot::tick_size * text_width(name) * (bold ? 1.1 : 1), y + 2.6}});
     }
     return out;
 }
@@ -81,8 +82,9 @@ TEST(Names, StandNearerToTheirOwnMarkThanToAnyOtherAndTouchNothing) {
                     }  // rounded to tenths
                 }
                 for (Label const& other : labels)
-                    EXPECT_TRUE(&other == &label || label.box.right <= other.box.left + 0.2 || other.box.right <= label.box.left + 0.2 ||
-                                label.box.bottom <= other.box.top + 0.2 || other.box.bottom <= label.box.top + 0.2)
+                    EXPECT_TRUE(&other == &label || label.box.right <= other.box.left + 0.2 ||
+                                other.box.right <= label.box.left + 0.2 || label.box.bottom <= other.box.top + 0.2 ||
+                                other.box.bottom <= label.box.top + 0.2)
                         << "over name " << other.series;
             }
             placed += labels.size(), left_out += n - labels.size();
@@ -152,11 +154,14 @@ TEST(Drawing, AStrongCurveIsThickOverTheOthersWhichAreFaint) {
     EXPECT_EQ(equal.find("opacity=\".5\""), equal.npos);
     figure.panels[0].curves[0].strong = true;
     std::string const text = panel_svg(figure, 0, 520, 350);
-    size_t const curve = text.find("<g class=\"s\" data-s=\"0\">"), other = text.find("<g class=\"s\" data-s=\"1\" opacity=\".5\">");
+    size_t const curve = text.find("<g class=\"s\" data-s=\"0\">"),
+                 other = text.find("<g class=\"s\" data-s=\"1\" opacity=\".5\">");
     ASSERT_NE(curve, text.npos);
     ASSERT_NE(other, text.npos);
     EXPECT_LT(other, curve);
-    auto const width = [&](size_t group) { return std::strtod(text.c_str() + text.find("stroke-width=\"", group) + 14, nullptr); };
+    auto const width = [&](size_t group) {
+        return std::strtod(text.c_str() + text.find("stroke-width=\"", group) + 14, nullptr);
+    };
     EXPECT_GE(width(curve), 2 * width(other));
     EXPECT_THAT(figure_html(figure), testing::HasSubstr("<span data-s=\"0\" class=\"strong\">"));
     EXPECT_THAT(figure_html(figure), testing::HasSubstr("<span data-s=\"1\">"));

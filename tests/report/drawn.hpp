@@ -20,12 +20,19 @@ using namespace report;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 
 inline Figure one(std::vector<double> x, std::vector<double> y, bool log_x = false, bool log_y = false) {
-    Figure out{.name = "f", .title = "title", .x = "abscissa", .y = "ordinate", .log_x = log_x, .log_y = log_y, .panels = {{"", {}, {}}}};
+    Figure out{.name = "f",
+               .title = "title",
+               .x = "abscissa",
+               .y = "ordinate",
+               .log_x = log_x,
+               .log_y = log_y,
+               .panels = {{"", {}, {}}}};
     out.panels[0].curves.push_back({.name = "curve", .look = look_of({}, 0), .x = std::move(x), .y = std::move(y)});
     return out;
 }
 
-/// NAME="VALUE" after NAME="VALUE", each with a space before it, and nothing else. (std::regex overflows the stack here.)
+/// NAME="VALUE" after NAME="VALUE", each with a space before it, and nothing else. (std::regex overflows the stack
+/// here.)
 inline bool attributes(std::string_view text) {
     while (!text.empty()) {
         size_t const is = text.find("=\""), end = is == text.npos ? is : text.find('"', is + 2);
@@ -77,7 +84,8 @@ inline void add_places(std::vector<Place>& out, std::string_view path) {
         at = size_t(end - path.data());
     }
 }
-/// The corners of the panel's frame, and every absolute place in the paths of its series (not of their names, which stand beside it).
+/// The corners of the panel's frame, and every absolute place in the paths of its series (not of their names, which
+/// stand beside it).
 inline std::vector<Place> places(std::string const& text, Place& low, Place& high) {
     size_t const frame_end = text.find("Z\" fill=\"none\" stroke=\"#888\""), frame = text.rfind("\"M", frame_end);
     EXPECT_NE(frame_end, text.npos);
@@ -105,7 +113,8 @@ inline void texts_fit(std::string const& svg, double width, double height) {
         std::string const tag = svg.substr(at, close - at);
         std::string text = svg.substr(close + 1, svg.find("</text>", close) - close - 1);
         for (size_t open; (open = text.find('<')) != text.npos;) text.erase(open, text.find('>', open) - open + 1);
-        for (auto const& [entity, plain] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "+"}})
+        for (auto const& [entity, plain] :
+             {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "+"}})
             for (size_t e; (e = text.find(entity)) != text.npos;) text.replace(e, std::strlen(entity), plain);
         auto const number = [&](char const* name, double otherwise) {
             size_t const found = tag.find(name);
@@ -117,7 +126,9 @@ inline void texts_fit(std::string const& svg, double width, double height) {
         char* end = nullptr;
         double const x = place == tag.npos ? number(" x=\"", -1) : std::strtod(tag.c_str() + place + 10, &end);
         double const y = place == tag.npos ? number(" y=\"", -1) : std::strtod(end, nullptr);
-        double const before = tag.find("\"end\"") != tag.npos ? length : tag.find("\"middle\"") != tag.npos ? length / 2 : 0;
+        double const before = tag.find("\"end\"") != tag.npos      ? length
+                              : tag.find("\"middle\"") != tag.npos ? length / 2
+                                                                   : 0;
         EXPECT_GE((upright ? height - y : x) - before, -0.5) << text;
         EXPECT_LE((upright ? height - y : x) - before + length, (upright ? height : width) + 0.5) << text;
         EXPECT_GE(upright ? x : y, 0.6 * size) << text;

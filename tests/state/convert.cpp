@@ -62,10 +62,13 @@ Problem<T> some_problem(double lambda = 0.96875, double variance = 64) {
 
 template <class T>
 constexpr void pairs(auto visit) {
-    for_each(Variants<T>{}, [&]<class From>() { for_each(Variants<T>{}, [&]<class To>() { visit.template operator()<From, To>(); }); });
+    for_each(Variants<T>{}, [&]<class From>() {
+        for_each(Variants<T>{}, [&]<class To>() { visit.template operator()<From, To>(); });
+    });
 }
 
-// --- laws ------------------------------------------------------------------------------------------------------------------
+// --- laws
+// ------------------------------------------------------------------------------------------------------------------
 
 /// d epsilons for each unit of cond(R), which is below 10 here: 40.
 TEST(Conversion, KeepsThetaAndP) {
@@ -74,12 +77,14 @@ TEST(Conversion, KeepsThetaAndP) {
         From const from = fed<From>(records, 0, 50, some_problem<double>());
         Converted<To> const to = convert<To>(from, 0.96875);
         ASSERT_TRUE(to) << From::name << " to " << To::name;
-        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 40 * epsilon<double>())
+            << From::name << " to " << To::name;
         bool const stored = !StartsWithoutPrior<From> && !StartsWithoutPrior<To>;
         if (stored) {
             EXPECT_EQ(Vector<double>(to->theta()), Vector<double>(from.theta())) << From::name << " to " << To::name;
         } else {
-            EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>()) << From::name << " to " << To::name;
+            EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), 40 * epsilon<double>())
+                << From::name << " to " << To::name;
         }
     });
 }
@@ -92,7 +97,8 @@ TEST(Conversion, GoesOnAsTheVariantItIs) {
         Converted<To> to = convert<To>(fed<From>(records, 0, 60, problem), 0.96875);
         ASSERT_TRUE(to);
         for (Index k = 60; k < 120; ++k) EXPECT_EQ(to->update(records.sample(k), records.y[k]).health, Health::sound);
-        EXPECT_GE(exact.theta_digits(exact_theta(*to)), 15.65 - 2.8) << From::name << " to " << To::name;  // 600 epsilons
+        EXPECT_GE(exact.theta_digits(exact_theta(*to)), 15.65 - 2.8)
+            << From::name << " to " << To::name;  // 600 epsilons
     });
 }
 /// There and back to the bits: where both hold the same factor nothing is computed.
@@ -109,7 +115,8 @@ TEST(Conversion, BetweenTheSameFactorsCopies) {
     same.operator()<Gentleman<double>, Gentleman<double>>();
     same.operator()<Symmetric<double>, Conventional<double>>();
     Ud<float> const short_one = fed<Ud<float>>(records, 0, 50, some_problem<float>());
-    EXPECT_EQ(convert<Ud<float>>(*convert<Ud<double>>(short_one))->stored().F, short_one.stored().F) << "a longer word and back";
+    EXPECT_EQ(convert<Ud<float>>(*convert<Ud<double>>(short_one))->stored().F, short_one.stored().F)
+        << "a longer word and back";
 }
 TEST(Conversion, ToAnotherArithmeticRoundsOnce) {
     Records const records = laws::noise_records(4, 50, Seed{94});
@@ -118,8 +125,11 @@ TEST(Conversion, ToAnotherArithmeticRoundsOnce) {
         using T = typename To::scalar;
         Converted<To> const to = convert<To>(from, T(0.96875));
         ASSERT_TRUE(to) << To::name;
-        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)), 16 * std::max(epsilon<T>(), epsilon<double>())) << To::name;
-        EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), std::max(epsilon<T>(), 8 * epsilon<double>())) << To::name;
+        EXPECT_LE(relative(exact_covariance(*to), exact_covariance(from)),
+                  16 * std::max(epsilon<T>(), epsilon<double>()))
+            << To::name;
+        EXPECT_LE(relative(exact_theta(*to), exact_theta(from)), std::max(epsilon<T>(), 8 * epsilon<double>()))
+            << To::name;
     };
     check.operator()<Ud<float>>();
     check.operator()<InverseQr<float>>();
@@ -135,7 +145,8 @@ TEST(Conversion, ToAnotherArithmeticRoundsOnce) {
 TEST(Conversion, SaysWhyThereIsNone) {
     Qr<double> const empty({.size = 3, .prior = std::nullopt});
     EXPECT_EQ(convert<Ud<double>>(empty).health, Health::undetermined);
-    EXPECT_EQ(convert<Gentleman<double>>(Information<double>({.size = 3, .prior = std::nullopt})).health, Health::undetermined);
+    EXPECT_EQ(convert<Gentleman<double>>(Information<double>({.size = 3, .prior = std::nullopt})).health,
+              Health::undetermined);
     Ud<double> spoilt({.size = 2});
     spoilt.update({1, std::numeric_limits<double>::quiet_NaN()}, 1);
     EXPECT_EQ(convert<Qr<double>>(spoilt).health, Health::nonfinite);
@@ -152,7 +163,8 @@ TEST(Conversion, SaysWhyThereIsNone) {
     EXPECT_THROW((void)(convert<Ud<double, 3>>(Ud<double>({.size = 2}))), std::invalid_argument);
 }
 
-// --- what is lost ------------------------------------------------------------------------------------------------------------
+// --- what is lost
+// ------------------------------------------------------------------------------------------------------------
 
 /// A filter whose P is, but for rounding, the inverse of rows with cond(R) about kappa.
 template <class F>
@@ -160,7 +172,8 @@ F graded(double kappa, Seed seed) {
     Problem<Reference> const problem{.size = 4, .prior = Prior<Reference>{.variance = Reference(0x1p60)}};
     return *convert<F>(fed<Qr<Reference>>(nearly_collinear(40, kappa, seed), 0, 40, problem));
 }
-/// "P / its inverse": digits that a conversion of doubles loses, the median of 21 records: log10 of the relative error in epsilons.
+/// "P / its inverse": digits that a conversion of doubles loses, the median of 21 records: log10 of the relative error
+/// in epsilons.
 template <class From, class To>
 std::string lost(double kappa) {
     std::vector<double> of_P, of_inverse;
@@ -168,7 +181,9 @@ std::string lost(double kappa) {
         From const from = graded<From>(kappa, Seed{seed});
         Converted<To> const to = convert<To>(from);
         for (bool const inverse : {false, true}) {
-            double const error = to ? relative(exact_covariance(*to, inverse), exact_covariance(from, inverse)) / epsilon<double>() : 1e99;
+            double const error =
+                to ? relative(exact_covariance(*to, inverse), exact_covariance(from, inverse)) / epsilon<double>()
+                   : 1e99;
             (inverse ? of_inverse : of_P).push_back(std::max(0.0, std::log10(error)));
         }
     }
@@ -177,22 +192,23 @@ std::string lost(double kappa) {
 }
 template <class From, class To>
 std::string row() {
-    return fmt::format("| `{}` to `{}` | {} | {} | {} |\n", From::name, To::name, lost<From, To>(1e2), lost<From, To>(1e4),
-                       lost<From, To>(1e6));
+    return fmt::format("| `{}` to `{}` | {} | {} | {} |\n", From::name, To::name, lost<From, To>(1e2),
+                       lost<From, To>(1e4), lost<From, To>(1e6));
 }
 /// The table of docs/state.md is what is measured here; on a difference the message has the new rows.
 TEST(Conversion, LosesWhatTheTableSays) {
     using D = double;
-    std::string const rows = row<Carlson<D>, Qr<D>>() + row<Qr<D>, Carlson<D>>() + row<Ud<D>, Gentleman<D>>() + row<Gentleman<D>, Ud<D>>() +
-                             row<Ud<D>, Carlson<D>>() + row<Qr<D>, Ud<D>>() + row<Ud<D>, Symmetric<D>>() + row<Qr<D>, Symmetric<D>>() +
-                             row<Symmetric<D>, Ud<D>>() + row<Qr<D>, Information<D>>() + row<Information<D>, Qr<D>>() +
-                             row<Information<D>, Ud<D>>();
+    std::string const rows = row<Carlson<D>, Qr<D>>() + row<Qr<D>, Carlson<D>>() + row<Ud<D>, Gentleman<D>>() +
+                             row<Gentleman<D>, Ud<D>>() + row<Ud<D>, Carlson<D>>() + row<Qr<D>, Ud<D>>() +
+                             row<Ud<D>, Symmetric<D>>() + row<Qr<D>, Symmetric<D>>() + row<Symmetric<D>, Ud<D>>() +
+                             row<Qr<D>, Information<D>>() + row<Information<D>, Qr<D>>() + row<Information<D>, Ud<D>>();
     std::ifstream file(std::string(RLSLAB_SOURCE_DIR) + "/docs/state.md");
     std::string const page{std::istreambuf_iterator<char>(file), {}};
     EXPECT_THAT(page, testing::HasSubstr(rows));
 }
 
-// --- merging -----------------------------------------------------------------------------------------------------------------
+// --- merging
+// -----------------------------------------------------------------------------------------------------------------
 
 template <class F>
 Part<F> part(Records const& records, Index first, Index last, Problem<typename F::scalar> const& problem) {
@@ -229,12 +245,14 @@ TEST(MergingWithPrior, IsExactInRationals) {
 /// A rule that lets the prior count twice.
 template <class F>
 Part<F> prior_twice(Part<F> const& a, Part<F> const& b, Problem<double> problem) {
-    detail::InformationRows<double> sum(a.filter.stored(), a.filter.theta()), added(b.filter.stored(), b.filter.theta());
+    detail::InformationRows<double> sum(a.filter.stored(), a.filter.theta()),
+        added(b.filter.stored(), b.filter.theta());
     double const mu = detail::power(problem.forgetting, b.rows);
     for (Index i = 0; i < problem.size; ++i) sum.D[i] *= mu;
     sum.add(added, 1);
     problem.prior->theta = solved_lower_transposed(sum.L, sum.z);
-    problem.prior->stored = Stored<double>{Stored<double>::Quantity::information, Stored<double>::Form::factor, sum.L.view(), sum.D.view()};
+    problem.prior->stored =
+        Stored<double>{Stored<double>::Quantity::information, Stored<double>::Form::factor, sum.L.view(), sum.D.view()};
     return {F(problem), a.rows + b.rows};
 }
 /// Digits that theta and P lack to the certified solution for all rows, in epsilons: the larger.
@@ -244,8 +262,8 @@ double merging_error(F const& f, CertifiedSolution const& exact) {
     Stored<Reference> const stored = f.stored().template mapped<Reference>([](double x) { return widen(x); });
     return std::max(epsilons(exact.theta_digits(exact_theta(f))), epsilons(exact.covariance_digits(stored)));
 }
-/// The battery's budget of a solution (60, or 300 where c^2 enters squared), once for each part and once for the sum; of the two forms
-/// whose
+/// The battery's budget of a solution (60, or 300 where c^2 enters squared), once for each part and once for the sum;
+/// of the two forms whose
 /// antisymmetric part grows as lambda^-k one triangle is taken, and with it all that the part has done to it.
 template <class F>
 double budget() {
@@ -258,12 +276,16 @@ TEST(MergingWithPrior, EqualsTheFilterFedBothAndIsAssociative) {
         Problem<double> const problem = some_problem<double>(lambda);
         CertifiedSolution const exact = std::move(certified(problem, records, {60}, 40).front());
         for_each(Variants<double>{}, [&]<class F>() {
-            auto const a = part<F>(records, 0, 2, problem), b = part<F>(records, 2, 40, problem), c = part<F>(records, 40, 60, problem);
-            auto const left = merged(*merged(a, b, problem), c, problem), right = merged(a, *merged(b, c, problem), problem);
+            auto const a = part<F>(records, 0, 2, problem), b = part<F>(records, 2, 40, problem),
+                       c = part<F>(records, 40, 60, problem);
+            auto const left = merged(*merged(a, b, problem), c, problem),
+                       right = merged(a, *merged(b, c, problem), problem);
             ASSERT_TRUE(left && right) << F::name;
             EXPECT_LE(merging_error(left->filter, exact), budget<F>()) << F::name << ", lambda = " << lambda;
             EXPECT_LE(merging_error(right->filter, exact), budget<F>()) << F::name << ", lambda = " << lambda;
-            EXPECT_GT(merging_error(prior_twice(a, c, problem).filter, std::move(certified(problem, records, {60}, 40).front())), 1e6);
+            EXPECT_GT(merging_error(prior_twice(a, c, problem).filter,
+                                    std::move(certified(problem, records, {60}, 40).front())),
+                      1e6);
         });
     }
 }

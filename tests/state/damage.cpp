@@ -130,31 +130,40 @@ TEST(State, IsRefusedInOneLine) {
     save(Qr<double>({.size = 3}), path);
     Ud<float> f({.size = 5});
     auto const message = [&] { return folder.without(files::message_of([&] { load(f, path); })); };
-    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of qr in double with 3 parameters");
+    EXPECT_EQ(
+        message(),
+        "x.state: expected a state of ud in float with 5 parameters, found one of qr in double with 3 parameters");
     save(Ud<float>({.size = 1}), path);
-    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found one of ud in float with 1 parameter");
+    EXPECT_EQ(message(),
+              "x.state: expected a state of ud in float with 5 parameters, found one of ud in float with 1 parameter");
     auto const around = [&](auto const& expected) {
         auto filter = expected;
         return folder.without(files::message_of([&] { load(filter, path); }));
     };
     using F = Ud<float>;
-    std::string const same = "x.state: expected a state of ud in float with 3 parameters, found one of ud in float with 3 parameters";
+    std::string const same =
+        "x.state: expected a state of ud in float with 3 parameters, found one of ud in float with 3 parameters";
     save(Guarded<F>({.size = 3}, {.innovation = 4}), path);
     EXPECT_EQ(around(Guarded<F>({.size = 3})), same + ", its guard has innovation 4, expected 6");
-    EXPECT_EQ(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})), same + ", its guard has on_outlier skip, expected report");
-    EXPECT_EQ(around(Forgetting<F, Kulhavy<float>>({.size = 3})), same + ", guard around ud, expected kulhavy around ud");
+    EXPECT_EQ(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})),
+              same + ", its guard has on_outlier skip, expected report");
+    EXPECT_EQ(around(Forgetting<F, Kulhavy<float>>({.size = 3})),
+              same + ", guard around ud, expected kulhavy around ud");
     folder.file("a,b\n1,2\n", "x.state");
-    EXPECT_EQ(message(), "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
+    EXPECT_EQ(message(),
+              "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
     std::filesystem::remove(path);
     EXPECT_EQ(message(), "x.state: cannot read: No such file or directory");
     std::filesystem::create_directory(path);
     EXPECT_EQ(message(), "x.state: cannot read: it is a folder");
     std::filesystem::remove(path);
     EXPECT_THAT(files::message_of([&] { save(f, folder.path / "no" / "folder"); }), testing::HasSubstr("cannot write"));
-    EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })), testing::StartsWith("x.state: cannot read"));
+    EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })),
+                testing::StartsWith("x.state: cannot read"));
 }
 
-// --- kills -----------------------------------------------------------------------------------------------------------------
+// --- kills
+// -----------------------------------------------------------------------------------------------------------------
 
 /// Whether the file is old or new after each of 100 processes was killed that did nothing but save one and the other.
 template <class Save>
@@ -194,7 +203,8 @@ TEST(StateSaboteur, AWriterInPlaceIsCaught) {
         std::ofstream file(path, std::ios::binary);
         file.write(reinterpret_cast<char const*>(bytes.data()), std::streamsize(bytes.size() / 2)).flush();
         if (getpid() != parent) raise(SIGKILL);  // at the worst moment
-        file.write(reinterpret_cast<char const*>(bytes.data() + bytes.size() / 2), std::streamsize(bytes.size() - bytes.size() / 2));
+        file.write(reinterpret_cast<char const*>(bytes.data() + bytes.size() / 2),
+                   std::streamsize(bytes.size() - bytes.size() / 2));
     };
     auto const with_time = [&](auto const& f, auto const& path) { in_place(f, path); };
     bool whole = true;

@@ -1,4 +1,5 @@
-// The laws of merging: processing rows in separate filters and merging these gives what one filter gives. A saboteur forgets the weight.
+// The laws of merging: processing rows in separate filters and merging these gives what one filter gives. A saboteur
+// forgets the weight.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -11,20 +12,22 @@ namespace {
 
 /// Exact in bfloat16, as lambda is.
 Records const& some_rows() {
-    static Records const records =
-        as_stored(laws::noise_records(4, 60, Seed{41}), [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
+    static Records const records = as_stored(laws::noise_records(4, 60, Seed{41}),
+                                             [](double x) { return static_cast<double>(Chopped<bfloat16>(x)); });
     return records;
 }
 template <class T>
 Problem<T> some_problem(double lambda, bool prior) {
-    return {.size = 4, .forgetting = T(lambda), .prior = prior ? std::optional(Prior<T>{.variance = T(16)}) : std::nullopt};
+    return {
+        .size = 4, .forgetting = T(lambda), .prior = prior ? std::optional(Prior<T>{.variance = T(16)}) : std::nullopt};
 }
 template <class F>
 F part(Index first, Index last, double lambda, bool prior = false) {
     using T = typename F::scalar;
     F f(some_problem<T>(lambda, prior));
     if (first < last)
-        f.update_block(some_rows().psi.middleCols(first, last - first).cast<T>(), some_rows().y.segment(first, last - first).cast<T>());
+        f.update_block(some_rows().psi.middleCols(first, last - first).cast<T>(),
+                       some_rows().y.segment(first, last - first).cast<T>());
     return f;
 }
 template <class F>
@@ -37,7 +40,9 @@ template <class T>
 Vector<Reference> widened(Vector<T> const& x) {
     return x.unaryExpr([](T const& v) { return widen(v); });
 }
-double distance(Vector<Reference> const& a, Vector<Reference> const& b) { return laws::norm(Vector<Reference>(a - b)) / laws::norm(b); }
+double distance(Vector<Reference> const& a, Vector<Reference> const& b) {
+    return laws::norm(Vector<Reference>(a - b)) / laws::norm(b);
+}
 
 /// |theta merged - theta of all rows in Reference| / |theta|, in epsilons: parts of 25, 1 and 34 rows.
 template <class F>
@@ -85,7 +90,8 @@ TEST(Merging, InformationAddsUpInReference) {
         Matrix<Reference> const X = older.information(), Y = newer.information();
         Matrix<Reference> const off = both.information() - Matrix<Reference>(weight * X + Y);
         Vector<Reference> const b = X.lazyProduct(older.theta()), c = Y.lazyProduct(newer.theta());
-        Vector<Reference> const off_b = both.information().lazyProduct(both.theta()) - Vector<Reference>(weight * b + c);
+        Vector<Reference> const off_b =
+            both.information().lazyProduct(both.theta()) - Vector<Reference>(weight * b + c);
         for (Index j = 0; j < 4; ++j) {
             EXPECT_LE(abs(off_b[j]), ldexp(Reference(1), -220) * abs(c[j])) << lambda;
             for (Index i = 0; i < 4; ++i) EXPECT_LE(abs(off(i, j)), ldexp(Reference(1), -220) * Y(i, i)) << lambda;
@@ -127,7 +133,9 @@ class Saboteur {
 
 public:
     using scalar = double;
-    explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) { start_information_root(p, L_, z_); }
+    explicit Saboteur(Problem<double> const& p) : lambda_(p.forgetting), z_(p.size), L_(p.size) {
+        start_information_root(p, L_, z_);
+    }
     void update_block(Matrix<double> const& psi, Vector<double> const& y) {
         for (Index k = 0; k < y.size(); ++k) {
             Matrix<double> A(1, psi.rows() + 1);

@@ -18,7 +18,8 @@ using Bytes = std::vector<std::byte>;
 
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 bool same(Step<double> const& a, Step<double> const& b) {
-    return same(a.innovation, b.innovation) && same(a.residual, b.residual) && same(a.gamma, b.gamma) && a.health == b.health;
+    return same(a.innovation, b.innovation) && same(a.residual, b.residual) && same(a.gamma, b.gamma) &&
+           a.health == b.health;
 }
 template <class A>
 bool same_numbers(A const& a, A const& b) {
@@ -31,7 +32,8 @@ bool same_numbers(A const& a, A const& b) {
 }
 bool same_reports(AnyFilter const& a, AnyFilter const& b) {
     Stored<Reference> const p = a.stored(), q = b.stored();
-    return same_numbers(a.theta(), b.theta()) && same_numbers(a.gain(), b.gain()) && same_numbers(p.F, q.F) && same_numbers(p.D, q.D);
+    return same_numbers(a.theta(), b.theta()) && same_numbers(a.gain(), b.gain()) && same_numbers(p.F, q.F) &&
+           same_numbers(p.D, q.D);
 }
 
 /// Rows of noise; a zero row, -0, and if asked for a NaN, an infinity and a number that overflows.
@@ -105,7 +107,8 @@ TEST_P(EveryState, OfEachVersionLoads) {
     for (int version = 1; version <= state_version; ++version) {
         auto const path = file_of(GetParam(), version);
         if (!std::filesystem::exists(path)) {
-            if (version == state_version) GTEST_SKIP() << "--gtest_also_run_disabled_tests --gtest_filter='*WritesItsFile*' writes a file";
+            if (version == state_version)
+                GTEST_SKIP() << "--gtest_also_run_disabled_tests --gtest_filter='*WritesItsFile*' writes a file";
             continue;  // newer than that version
         }
         auto const f = in_the_file(GetParam()), g = GetParam().make(laws::problem(4), Seed{1});
@@ -114,15 +117,18 @@ TEST_P(EveryState, OfEachVersionLoads) {
         if (version == state_version) {
             EXPECT_EQ(g->saved(), bytes);
         }
-        if (GetParam().variant == "qr_sparse") continue;  // whose bits are those of the machine's BLAS: the file's are another's
+        if (GetParam().variant == "qr_sparse")
+            continue;  // whose bits are those of the machine's BLAS: the file's are another's
         EXPECT_TRUE(same_reports(*f, *g));
         EXPECT_EQ(f->saved(), g->saved());
     }
 }
 TEST(State, FilesOfEachVersionAreThere) {
     for (auto const& [version, least] : {std::pair("1", 32), std::pair("2", 25)})
-        EXPECT_GE(std::distance(std::filesystem::directory_iterator(std::string(RLSLAB_SOURCE_DIR "/tests/data/state/") + version), {}),
-                  least);
+        EXPECT_GE(
+            std::distance(
+                std::filesystem::directory_iterator(std::string(RLSLAB_SOURCE_DIR "/tests/data/state/") + version), {}),
+            least);
 }
 /// For a variant or an arithmetic that is new: --gtest_also_run_disabled_tests --gtest_filter='*WritesItsFile*'
 TEST_P(EveryState, DISABLED_WritesItsFile) {
@@ -139,7 +145,8 @@ std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryState, testing::ValuesIn(catalogue()), title);
 
-// --- the format ------------------------------------------------------------------------------------------------------------
+// --- the format
+// ------------------------------------------------------------------------------------------------------------
 
 TEST(State, ItsChecksumIsTheStandardOne) {  // the check value of the CRC catalogues
     constexpr std::array<std::byte, 9> digits = [] {
@@ -155,7 +162,8 @@ TEST(State, IsTheseBytes) {
     Ud<float, 1> const f({.size = 1, .forgetting = 0.5f});
     std::array<std::byte, 160> const bytes = state_of(f);
     std::string text;
-    for (std::byte const b : bytes) text += "0123456789abcdef"[unsigned(b) >> 4], text += "0123456789abcdef"[unsigned(b) & 15];
+    for (std::byte const b : bytes)
+        text += "0123456789abcdef"[unsigned(b) >> 4], text += "0123456789abcdef"[unsigned(b) & 15];
     std::string const name = "7564" + std::string(60, '0'), arithmetic = "666c6f6174" + std::string(38, '0');
     EXPECT_EQ(text.substr(0, 16), "89524c530d0a1a0a");
     EXPECT_EQ(text.substr(16, 40),
@@ -167,7 +175,8 @@ TEST(State, IsTheseBytes) {
               "01000000");
     EXPECT_EQ(text.substr(64, 16), "a000000000000000");
     EXPECT_EQ(text.substr(80, 112), name + arithmetic);
-    EXPECT_EQ(text.substr(192, 72), "01000000" + ("66" + name.substr(0, 46)) + "000000000000f03f");  // a filter, ud, edition 1
+    EXPECT_EQ(text.substr(192, 72),
+              "01000000" + ("66" + name.substr(0, 46)) + "000000000000f03f");  // a filter, ud, edition 1
     EXPECT_EQ(text.substr(264, 48),
               "0000003f"
               "0000803f"
@@ -228,7 +237,8 @@ TEST(State, OfWhatIsComposedAddsALine) {
     EXPECT_EQ(load(other, state_of(f)), StateFault::layout);
 }
 
-// --- saboteurs: a list that forgets a member --------------------------------------------------------------------------------
+// --- saboteurs: a list that forgets a member
+// --------------------------------------------------------------------------------
 
 /// g is f but for its i-th member.
 template <size_t i, class F>
@@ -257,10 +267,12 @@ bool part(F f, F g) {
     if (differ(f, g)) return true;
     Records const records = laws::noise_records(4, 50, Seed{61});
     for (Index k = 0; k < 50; ++k)
-        if (!same(f.update(records.sample(k), records.y[k]), g.update(records.sample(k), records.y[k])) || differ(f, g)) return true;
+        if (!same(f.update(records.sample(k), records.y[k]), g.update(records.sample(k), records.y[k])) || differ(f, g))
+            return true;
     return false;
 }
-/// Whether the law sees that member i is missing, in one of: few rows under a prior, rows without one, a last row without report.
+/// Whether the law sees that member i is missing, in one of: few rows under a prior, rows without one, a last row
+/// without report.
 template <class F, size_t i>
 bool is_missed() {
     for (int rows : {2, 6})
@@ -287,8 +299,8 @@ TEST(StateSaboteur, AListThatForgetsAMemberIsCaught) {
         constexpr size_t members = std::tuple_size_v<decltype(F::state(std::declval<F&>()))>;
         [&]<size_t... i>(std::index_sequence<i...>) {
             auto const check = [](size_t member, bool missed) {
-                // A bound by which health is proven without solving, and the lambda that only it takes: where it proves nothing, they
-                // solve.
+                // A bound by which health is proven without solving, and the lambda that only it takes: where it proves
+                // nothing, they solve.
                 if (F::name == "gentleman" && member == members - 1) return;
                 if (F::name.starts_with("qr") && member == 0) return;
                 EXPECT_TRUE(missed) << F::name << ", member " << member;

@@ -1,4 +1,5 @@
-// Backward errors of theta and P: against the eigenvalue and the trace formula, against changes of the data, and broken on purpose.
+// Backward errors of theta and P: against the eigenvalue and the trace formula, against changes of the data, and broken
+// on purpose.
 #include "studies/engine/backward_errors.hpp"
 
 #include "studies/engine/scenarios.hpp"
@@ -44,7 +45,8 @@ double by_eigenvalues(Rows const& given, Vector<Reference> const& x) {
     Reference const tau = Reference(1) / x.squaredNorm();
     Plain const G = given.A * given.A.transpose() - tau * (r * r.transpose());
     Reference const least = Eigen::SelfAdjointEigenSolver<Plain>(G, Eigen::EigenvaluesOnly).eigenvalues()[0];
-    return static_cast<double>(Reference(sqrt(Reference(tau * r.squaredNorm() + (least < 0 ? least : Reference(0)))) / given.A.norm()));
+    return static_cast<double>(
+        Reference(sqrt(Reference(tau * r.squaredNorm() + (least < 0 ? least : Reference(0)))) / given.A.norm()));
 }
 Numbers noise(Index n, Index d, Seed& seed, double scale) {
     Numbers out(n, d);
@@ -73,12 +75,14 @@ TEST(BackwardErrors, OfThetaEqualTheEigenvalueFormula) {
         for (double const scale : {1e-12, 1e-6, 1e-2, 1.0, 30.0}) {
             Vector<Reference> const theta = exact.theta() + noise(size, 1, errors, scale);
             double const expected = by_eigenvalues(given, theta.cwiseProduct(given.lengths));
-            EXPECT_NEAR(exact.theta_backward_error(theta) / expected, 1, 1e-8) << "seed " << seed << ", scale " << scale;
+            EXPECT_NEAR(exact.theta_backward_error(theta) / expected, 1, 1e-8)
+                << "seed " << seed << ", scale " << scale;
         }
     }
 }
 
-// The least change is no greater than any that has the same answer, and for a change of theta's or P's own kind not far below it.
+// The least change is no greater than any that has the same answer, and for a change of theta's or P's own kind not far
+// below it.
 TEST(BackwardErrors, NoChangeThatExplainsTheAnswerIsSmaller) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         Records const data = data_of(seed);
@@ -91,8 +95,8 @@ TEST(BackwardErrors, NoChangeThatExplainsTheAnswerIsSmaller) {
             changed.A += dA;
             double const change = static_cast<double>(Reference(dA.norm() / given.A.norm()));
             double const of_theta = exact.theta_backward_error(changed.solution().cwiseQuotient(given.lengths));
-            double const of_P =
-                exact.covariance_backward_error(as_covariance(in_units(inverse(changed.A.transpose() * changed.A), given.lengths)));
+            double const of_P = exact.covariance_backward_error(
+                as_covariance(in_units(inverse(changed.A.transpose() * changed.A), given.lengths)));
             EXPECT_LE(of_theta, change * (1 + 1e-12));
             EXPECT_LE(of_P, change * (1 + 1e-12));
             EXPECT_GT(of_P, change / 10) << "seed " << seed << ", scale " << scale;
@@ -131,7 +135,8 @@ TEST(BackwardErrors, OfPAreTheFirstOrderFormula) {
         Numbers const in_basis = eigen.eigenvectors().transpose() * E * eigen.eigenvectors();
         Reference sum = 0;
         for (Index j = 0; j < size; ++j)
-            for (Index i = 0; i < size; ++i) sum += in_basis(i, j) * in_basis(i, j) / (eigen.eigenvalues()[i] + eigen.eigenvalues()[j]) / 2;
+            for (Index i = 0; i < size; ++i)
+                sum += in_basis(i, j) * in_basis(i, j) / (eigen.eigenvalues()[i] + eigen.eigenvalues()[j]) / 2;
         Numbers const P = in_units(inverse(exact.M() + E), Rows(data).lengths);
         double const expected = static_cast<double>(Reference(sqrt(Reference(sum / exact.M().trace()))));
         EXPECT_NEAR(exact.covariance_backward_error(as_covariance(P)) / expected, 1, 1e-12);
@@ -152,7 +157,8 @@ TEST(BackwardErrors, DependOnTheAnswerAlone) {
     Numbers const P = multiplied_out(factors);
     double const expected = exact.covariance_backward_error(factors);
     EXPECT_NEAR(exact.covariance_backward_error(as_covariance(P)) / expected, 1, 1e-14);
-    EXPECT_NEAR(exact.covariance_backward_error({S::Quantity::information, S::Form::plain, inverse(P)}) / expected, 1, 1e-14);
+    EXPECT_NEAR(exact.covariance_backward_error({S::Quantity::information, S::Form::plain, inverse(P)}) / expected, 1,
+                1e-14);
 }
 
 TEST(BackwardErrors, DoNotDependOnTheUnitsOfTheColumns) {
@@ -161,7 +167,8 @@ TEST(BackwardErrors, DoNotDependOnTheUnitsOfTheColumns) {
     GivenProblem const before(no_prior, data);
     Numbers const P = before.covariance() * Reference(1.001);
     Vector<Reference> const theta = before.theta() * Reference(1.001), unit = before.theta();
-    double const of_P = before.covariance_backward_error(as_covariance(P)), of_theta = before.theta_backward_error(theta);
+    double const of_P = before.covariance_backward_error(as_covariance(P)),
+                 of_theta = before.theta_backward_error(theta);
     double const scales[] = {0x1p-500, 1, 0x1p300};
     Numbers scaled_P = P;
     Vector<Reference> scaled_theta = theta;
@@ -193,7 +200,8 @@ TEST(BackwardErrors, AreInfiniteForAnAnswerOfNoProblem) {
     EXPECT_THROW(GivenProblem({.size = size, .prior = std::nullopt}, rank_two), std::invalid_argument);
     // theta = 0 is exact once b is orthogonal to all columns.
     Rows const given(data_of(1));
-    double const expected = static_cast<double>(Reference((given.A.transpose() * given.b).norm() / given.b.norm() / given.A.norm()));
+    double const expected =
+        static_cast<double>(Reference((given.A.transpose() * given.b).norm() / given.b.norm() / given.A.norm()));
     EXPECT_NEAR(exact.theta_backward_error(Vector<Reference>::Zero(size)) / expected, 1, 1e-12);
 }
 
@@ -203,13 +211,16 @@ TEST(BackwardErrors, CanFail) {
     GivenProblem const exact(problem(), data), without_prior({.size = size, .prior = std::nullopt}, data);
     Rows const given(data);
     Vector<Reference> const theta = exact.theta() * Reference(0.25);
-    double const expected = by_eigenvalues(given, theta.cwiseProduct(given.lengths)), right = exact.theta_backward_error(theta);
+    double const expected = by_eigenvalues(given, theta.cwiseProduct(given.lengths)),
+                 right = exact.theta_backward_error(theta);
     EXPECT_NEAR(right / expected, 1, 1e-8);
     EXPECT_GT(std::abs(without_prior.theta_backward_error(theta) / expected - 1), 1e-4);
     EXPECT_GT(std::abs(by_eigenvalues(Rows(data, false), theta.cwiseProduct(given.lengths)) / right - 1), 1e-4);
     {  // one step is the estimate of Karlson and Walden
-        Vector<Reference> const x = theta.cwiseProduct(given.lengths), r = given.b - given.A * x, g = given.A.transpose() * r;
-        Numbers const H = given.A.transpose() * given.A * x.squaredNorm() + Numbers::Identity(size, size) * r.squaredNorm();
+        Vector<Reference> const x = theta.cwiseProduct(given.lengths), r = given.b - given.A * x,
+                                g = given.A.transpose() * r;
+        Numbers const H =
+            given.A.transpose() * given.A * x.squaredNorm() + Numbers::Identity(size, size) * r.squaredNorm();
         double const estimate = static_cast<double>(Reference(sqrt(Reference(g.dot(inverse(H) * g))) / given.A.norm()));
         EXPECT_GT(right / estimate, 1.001);
         EXPECT_LT(right / estimate, std::sqrt(2.0));

@@ -1,5 +1,6 @@
-// How often the intervals of claims miss their number, by simulation: of each statistic on the shapes that interval.hpp admits it for.
-// RLSLAB_DRAWS=100000 in the environment draws as often as was done before the shapes were admitted; by default it is a part of that.
+// How often the intervals of claims miss their number, by simulation: of each statistic on the shapes that interval.hpp
+// admits it for. RLSLAB_DRAWS=100000 in the environment draws as often as was done before the shapes were admitted; by
+// default it is a part of that.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/journal.hpp"
 
@@ -64,10 +65,12 @@ std::vector<Shape> shapes() {
         {"median, errors |Z|", Estimate::middle, median_of_error, [](Seed& s) { return std::abs(normal(s)); }},
         {"median, exponential", Estimate::middle, std::numbers::ln2, &exponential},
         {"median, lognormal", Estimate::middle, 1, [](Seed& s) { return std::exp(normal(s)); }},
-        {"median, 5 % outliers", Estimate::middle, 0, [](Seed& s) { return normal(s) * (s.uniform() < 0.05 ? 10 : 1); }},
+        {"median, 5 % outliers", Estimate::middle, 0,
+         [](Seed& s) { return normal(s) * (s.uniform() < 0.05 ? 10 : 1); }},
         {"median, two points", Estimate::middle, 1, [](Seed& s) { return s.uniform() < 0.52 ? 1.0 : -1.0; }},
         {"mean, normal", Estimate::mean, 0, &normal},
-        {"mean, averages of 100 exponentials", Estimate::mean, 1, [](Seed& s) { return average(s, 100, &exponential); }},
+        {"mean, averages of 100 exponentials", Estimate::mean, 1,
+         [](Seed& s) { return average(s, 100, &exponential); }},
         {"geometric mean, lognormal", Estimate::geometric, 1, [](Seed& s) { return std::exp(normal(s)); }},
         {"root mean square, normal", Estimate::quadratic, 1, &normal},
         {"root mean square, of four", Estimate::quadratic, 1, [](Seed& s) { return std::sqrt(squares(s, 4)); }},
@@ -77,7 +80,8 @@ std::vector<Shape> shapes() {
         {"share, one run a seed, rare", Estimate::share, 0.02, [](Seed& s) { return share(s, 1, 0.02, 1); }},
         {"share, one run a seed", Estimate::share, 0.5, [](Seed& s) { return share(s, 1, 0.5, 1); }},
         {"share, eight runs a seed", Estimate::share, 0.1, [](Seed& s) { return share(s, 8, 0.1, 0); }},
-        {"share, eight runs, half of the seeds alike", Estimate::share, 0.1, [](Seed& s) { return share(s, 8, 0.1, 0.5); }},
+        {"share, eight runs, half of the seeds alike", Estimate::share, 0.1,
+         [](Seed& s) { return share(s, 8, 0.1, 0.5); }},
         {"share, eight runs, most seeds alike", Estimate::share, 0.02, [](Seed& s) { return share(s, 8, 0.02, 0.9); }},
     };
 }
@@ -91,7 +95,8 @@ Interval interval(std::vector<double> x, Estimate estimate) {
         case Estimate::quadratic:
             for (double& v : x) v *= v;
             return square_interval(x, claim_risk);
-        case Estimate::share: return proportion_interval(std::accumulate(x.begin(), x.end(), 0.0), double(x.size()), claim_risk);
+        case Estimate::share:
+            return proportion_interval(std::accumulate(x.begin(), x.end(), 0.0), double(x.size()), claim_risk);
         default: return student_interval(x, claim_risk);
     }
 }
@@ -123,7 +128,8 @@ double allowed() {
 TEST(Coverage, AnIntervalMissesItsNumberAsOftenAsItSays) {
     for (size_t const n : {11, 20, 40, 100})
         for (Shape const& shape : shapes()) {
-            int const of = missed(shape, n, on_its_scale(shape), [&](auto const& x) { return interval(x, shape.estimate); });
+            int const of =
+                missed(shape, n, on_its_scale(shape), [&](auto const& x) { return interval(x, shape.estimate); });
             EXPECT_LE(of, allowed()) << shape.name << ", " << n << " seeds, of " << draws();
             if (draws() >= 100000) std::printf("%-45s %3d seeds: %d of %d\n", shape.name, int(n), of, draws());
         }
@@ -136,10 +142,13 @@ TEST(Coverage, IntervalsThatAreTooShortAreSeen) {
     auto const student = [](auto const& x) { return student_interval(x, claim_risk); };
     auto const by_normal = [](std::vector<double> const& x) {  // 3.29 standard errors, as if the variance were known
         Interval const wide = student_interval(x, claim_risk);
-        double const t = correctly::student_quantile(double(x.size() - 1), 1 - claim_risk / 2), middle = (wide.low + wide.high) / 2;
+        double const t = correctly::student_quantile(double(x.size() - 1), 1 - claim_risk / 2),
+                     middle = (wide.low + wide.high) / 2;
         return Interval{middle - (wide.high - middle) * 3.2905 / t, middle + (wide.high - middle) * 3.2905 / t};
     };
-    auto const range = [](std::vector<double> x) { return Interval{*std::ranges::min_element(x), *std::ranges::max_element(x)}; };
+    auto const range = [](std::vector<double> x) {
+        return Interval{*std::ranges::min_element(x), *std::ranges::max_element(x)};
+    };
     auto const wald = [](std::vector<double> const& x) {
         double const p = std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()),
                      half = 3.2905 * std::sqrt(p * (1 - p) / double(x.size()));
@@ -151,8 +160,9 @@ TEST(Coverage, IntervalsThatAreTooShortAreSeen) {
     EXPECT_GT(missed(rare, 100, rare.truth, wald), allowed());
 }
 
-/// A claim whose number lies a hair outside its band must not hold, one whose number lies a hair inside must not fail. How many verdicts
-/// are wrong, and how many their risks add up to, over one group and five of 20 lognormal x and normal y.
+/// A claim whose number lies a hair outside its band must not hold, one whose number lies a hair inside must not fail.
+/// How many verdicts are wrong, and how many their risks add up to, over one group and five of 20 lognormal x and
+/// normal y.
 std::pair<int, double> wrong_verdicts(std::vector<std::pair<Statistic, double>> const& numbers) {
     Seed seed{17};
     double expected = 0, infinity = std::numeric_limits<double>::infinity();
@@ -174,12 +184,13 @@ std::pair<int, double> wrong_verdicts(std::vector<std::pair<Statistic, double>> 
 Statistic const median_of_x([](Table const& t) { return t.number("x"); });
 
 TEST(Coverage, AsManyVerdictsAreWrongAsTheirRisksAddUpTo) {
-    auto const [wrong, most] =
-        wrong_verdicts({{median_of_x, 1}, {Statistic([](Table const& t) { return t.number("y"); }, Estimate::mean), 0}});
+    auto const [wrong, most] = wrong_verdicts(
+        {{median_of_x, 1}, {Statistic([](Table const& t) { return t.number("y"); }, Estimate::mean), 0}});
     EXPECT_LE(wrong, most);
 }
 TEST(Coverage, MoreAreWrongWhereAMeanIsTakenOfSkewedNumbers) {
-    auto const [wrong, most] = wrong_verdicts({{Statistic([](Table const& t) { return t.number("x"); }, Estimate::mean), std::exp(0.5)}});
+    auto const [wrong, most] =
+        wrong_verdicts({{Statistic([](Table const& t) { return t.number("x"); }, Estimate::mean), std::exp(0.5)}});
     EXPECT_GT(wrong, most);
 }
 

@@ -70,7 +70,8 @@ TEST(StudyEngine, NoByteDependsOnTheNumberOfThreads) {
         if (first.empty()) first = text;
         EXPECT_EQ(text, first) << threads;
     }
-    EXPECT_NE(first.find("# command: rlslab study toy --budget quick --seed 1\nword,n,draw,sum\na,1,0,"), std::string::npos);
+    EXPECT_NE(first.find("# command: rlslab study toy --budget quick --seed 1\nword,n,draw,sum\na,1,0,"),
+              std::string::npos);
 }
 
 TEST(StudyEngine, AnInterruptedRunGoesOnAndEndsWithTheSameBytes) {
@@ -141,7 +142,8 @@ TEST(StudyEngine, AFalseClaimIsCaught) {
         if (entry.variant == "joseph") entry.make = find_entry("symmetric", entry.arithmetic->name)->make;
     Outcome const outcome = run(study, {.out = folder.path / "false", .entries = &entries});
     EXPECT_FALSE(outcome.holds());
-    EXPECT_NE(verdict_lines(outcome, false).find("FAILS      finding       Joseph's forms: slope 2.00"), std::string::npos);
+    EXPECT_NE(verdict_lines(outcome, false).find("FAILS      finding       Joseph's forms: slope 2.00"),
+              std::string::npos);
 }
 
 TEST(Findings, AreNotMadeOfNothing) {

@@ -29,7 +29,8 @@ std::vector<std::string> const variants{"conventional_two_sided",
 int differing(std::string const& variant, std::string const& evaluation, Index size, std::uint64_t seed) {
     Problem<double> const problem{.size = size, .forgetting = 0.98, .prior = Prior<double>{.variance = 100}};
     Records const records = white(size, 100, Seed{seed});
-    auto const a = find_entry(variant)->make(problem, Seed{1}), b = evaluated(variant, evaluation).make(problem, Seed{1});
+    auto const a = find_entry(variant)->make(problem, Seed{1}),
+               b = evaluated(variant, evaluation).make(problem, Seed{1});
     process_rows(*a, records, 0, 100);
     process_rows(*b, records, 0, 100);
     int out = 0;
@@ -43,14 +44,16 @@ int differing(std::string const& variant, std::string const& evaluation, Index s
 TEST(Evaluated, InTheLibrarysOrderItIsTheLibrary) {
     for (std::string const& variant : variants)
         for (Index const size : {1, 3, 11})
-            for (std::uint64_t const seed : {1u, 77u, 20261122u}) EXPECT_EQ(differing(variant, "lanes", size, seed), 0) << variant << size;
+            for (std::uint64_t const seed : {1u, 77u, 20261122u})
+                EXPECT_EQ(differing(variant, "lanes", size, seed), 0) << variant << size;
 }
 TEST(Evaluated, FusedProductsChangeEveryVariant) {
     for (std::string const& variant : variants) EXPECT_GT(differing(variant, "fused", 5, 7), 0) << variant;
 }
 TEST(Evaluated, AnotherOrderOfTheDotChangesWhatHasOne) {
     for (char const* order : {"forward", "backward"})
-        for (char const* variant : {"symmetric", "potter", "carlson", "ud"}) EXPECT_GT(differing(variant, order, 11, 7), 0) << variant;
+        for (char const* variant : {"symmetric", "potter", "carlson", "ud"})
+            EXPECT_GT(differing(variant, order, 11, 7), 0) << variant;
 }
 
 TEST(Evaluated, AProductIsFusedIntoASumAndRoundedElsewhere) {

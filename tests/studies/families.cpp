@@ -34,7 +34,9 @@ std::vector<std::string> misfits(std::vector<Cell> const& family, bool (*holds)(
 }
 
 TEST(Families, StoreWhatTheirNamesSay) {
-    auto const plain_P = [](Stored<double> const& s) { return s.quantity == Quantity::covariance && s.form == Form::plain; };
+    auto const plain_P = [](Stored<double> const& s) {
+        return s.quantity == Quantity::covariance && s.form == Form::plain;
+    };
     auto const factor = [](Stored<double> const& s) { return s.form == Form::factor; };
     auto const triangle = [](Stored<double> const& s) { return s.form == Form::factor && is_triangular(s.F); };
     auto const of_P = [](Stored<double> const& s) { return s.quantity == Quantity::covariance; };
@@ -44,7 +46,8 @@ TEST(Families, StoreWhatTheirNamesSay) {
     EXPECT_THAT(misfits(corrected_forms(), of_P), IsEmpty());
     // The check sees what does not belong.
     EXPECT_THAT(misfits(factor_forms(), triangle), ElementsAre("potter"));
-    EXPECT_THAT(misfits(row_forms(), factor), testing::ElementsAreArray(words(joined(covariance_forms(), {"information"}))));
+    EXPECT_THAT(misfits(row_forms(), factor),
+                testing::ElementsAreArray(words(joined(covariance_forms(), {"information"}))));
 }
 TEST(Families, AreOfEveryArithmeticAndTakeRowsOneByOne) {
     std::set<std::string> seen;
@@ -65,14 +68,16 @@ TEST(Families, NoDenseVariantIsMissing) {
         EXPECT_EQ(std::ranges::count(all, f.variant), f.single_rows && f.variant != "kalman") << f.variant;
     std::set<std::pair<int, int>> looks;
     for (auto const* const entry : one_entry_each())
-        EXPECT_TRUE(looks.insert({entry->family.kind, entry->family.place}).second) << entry->variant << " looks like another";
+        EXPECT_TRUE(looks.insert({entry->family.kind, entry->family.place}).second)
+            << entry->variant << " looks like another";
 }
 TEST(Families, LessSomeIsTheRestInItsOrder) {
     EXPECT_EQ(without({"c", "a", "b"}, {"a", "z"}), (std::vector<Cell>{"c", "b"}));
     EXPECT_EQ(without({}, {"a"}), std::vector<Cell>{});
 }
 TEST(Families, AnEntryIsFoundInAnyList) {
-    for (CatalogueEntry const& entry : catalogue()) EXPECT_EQ(find_entry(entry.variant, entry.arithmetic->name), &entry);
+    for (CatalogueEntry const& entry : catalogue())
+        EXPECT_EQ(find_entry(entry.variant, entry.arithmetic->name), &entry);
     std::vector<CatalogueEntry const*> const each = one_entry_each();
     std::set<std::string_view> variants;
     for (CatalogueEntry const* const entry : each) EXPECT_TRUE(variants.insert(entry->variant).second);

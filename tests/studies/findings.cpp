@@ -1,4 +1,5 @@
-// The functions of claims, checked by hand: each number, both ends of an interval, each group; and the cells that a table accepts.
+// The functions of claims, checked by hand: each number, both ends of an interval, each group; and the cells that a
+// table accepts.
 #include "studies/engine/judgements.hpp"
 #include "studies/engine/scenarios.hpp"
 
@@ -47,7 +48,8 @@ TEST(Numbers, SlopesAreThoseOfTheirScales) {
     EXPECT_NEAR(rate("k", "e")(decay), -0.69314718055994531, 1e-14);
 }
 
-// ---- without seeds: the number is its own interval ---------------------------------------------------------------------------
+// ---- without seeds: the number is its own interval
+// ---------------------------------------------------------------------------
 
 TEST(Findings, HoldAtBothEndsOfTheBandAndNotBeyond) {
     Table const t = column_of({2});
@@ -90,16 +92,19 @@ TEST(Findings, TogetherAreAsGoodAsTheWorst) {
     EXPECT_EQ(labelled("P", good).measured, "P: a");
 }
 
-// ---- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know ----------------------
+// ---- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know
+// ----------------------
 
-/// x is right within 1 %, and noisy by 0.5 %; y = x k^2 over k = 1, 2, 4, 8; z, which falls by e a step, and r, are the same with e^-k.
+/// x is right within 1 %, and noisy by 0.5 %; y = x k^2 over k = 1, 2, 4, 8; z, which falls by e a step, and r, are the
+/// same with e^-k.
 Table seeds(int n, double x, std::string const& replicate = "replicate", double noise = 0.005) {
     Seed seed{7};
     Table out({replicate, "k", "x", "y", "z", "line", "word"});
     for (int i = 0; i < n; ++i) {
         double const own = x * (1 + noise * seed.bell()), tilt = noise * seed.bell();
         for (double const k : {1.0, 2.0, 4.0, 8.0})
-            out.add({double(i), k, own, own * std::pow(k, 2 + tilt), own * std::exp(-k * (1 + tilt)), own * k, "sound"});
+            out.add(
+                {double(i), k, own, own * std::pow(k, 2 + tilt), own * std::exp(-k * (1 + tilt)), own * k, "sound"});
     }
     return out;
 }
@@ -139,13 +144,15 @@ TEST(Saboteurs, TooFewSeedsLeaveItUndecidedWhetherTrueOrFalse) {
     for (int const n : {1, 4, 10})
         for (Predicate const& p : predicates())
             for (double const off : {0.0, 0.1})
-                EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth + off - 0.05, p.truth + off + 0.05).verdict, Verdict::undecided)
+                EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth + off - 0.05, p.truth + off + 0.05).verdict,
+                          Verdict::undecided)
                     << p.name << " " << n << " " << off;
 }
 TEST(Saboteurs, ABandWhoseEndLiesInTheIntervalIsUndecided) {
     for (int const n : {12, 20, 60})
         for (Predicate const& p : predicates())
-            EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth, p.truth + 1).verdict, Verdict::undecided) << p.name << " " << n;
+            EXPECT_EQ(within(seeds(n, 1), {}, p.number, p.truth, p.truth + 1).verdict, Verdict::undecided)
+                << p.name << " " << n;
 }
 /// Of seeds(n, 1), `outside` more whose x is 1.2.
 Table seeds_and(int n, int outside) {
@@ -154,7 +161,9 @@ Table seeds_and(int n, int outside) {
     return out;
 }
 TEST(Saboteurs, AClaimAboutMostRunsIsAboutHalfOfAllSeeds) {
-    auto const verdict = [](int good, int bad) { return within(seeds_and(good, bad), {}, greatest("x"), 0.9, 1.1).verdict; };
+    auto const verdict = [](int good, int bad) {
+        return within(seeds_and(good, bad), {}, greatest("x"), 0.9, 1.1).verdict;
+    };
     EXPECT_EQ(verdict(9, 0), Verdict::undecided) << "2^-9 is more than the risk";
     EXPECT_EQ(verdict(10, 0), Verdict::holds);
     EXPECT_EQ(verdict(10, 1), Verdict::undecided) << "P(Bin(11, 1/2) <= 1) = 12/2048";
@@ -162,7 +171,8 @@ TEST(Saboteurs, AClaimAboutMostRunsIsAboutHalfOfAllSeeds) {
     EXPECT_EQ(verdict(1, 9), Verdict::undecided);
     EXPECT_EQ(verdict(0, 10), Verdict::fails);
     Judgement const found = within(seeds_and(19, 1), {}, greatest("x"), 0.9, 1.1);
-    EXPECT_NE(found.measured.find(", 1 of 20 seeds outside: fewer than 38 % of all"), found.measured.npos) << found.measured;
+    EXPECT_NE(found.measured.find(", 1 of 20 seeds outside: fewer than 38 % of all"), found.measured.npos)
+        << found.measured;
     EXPECT_EQ(found.risk, claim_risk);
     EXPECT_EQ(everywhere(seeds(10, 1), "word", "sound").verdict, Verdict::holds);
     EXPECT_EQ(everywhere(seeds(9, 1), "word", "sound").verdict, Verdict::undecided);
@@ -173,7 +183,8 @@ TEST(Saboteurs, NoNumberOfSeedsShowsAClaimAboutEveryRunAndOneRefutesIt) {
     Statistic const each = greatest("x").as(Estimate::every);
     Judgement const clean = within(seeds(60, 1), {}, each, 0.9, 1.1);
     EXPECT_EQ(clean.verdict, Verdict::undecided);
-    EXPECT_NE(clean.measured.find(", 0 of 60 seeds outside: fewer than 11 % of all"), clean.measured.npos) << clean.measured;
+    EXPECT_NE(clean.measured.find(", 0 of 60 seeds outside: fewer than 11 % of all"), clean.measured.npos)
+        << clean.measured;
     EXPECT_EQ(within(seeds_and(60, 1), {}, each, 0.9, 1.1).verdict, Verdict::fails);
     EXPECT_EQ(everywhere(seeds(60, 1), "word", "sound", Estimate::every).verdict, Verdict::undecided);
     EXPECT_EQ(everywhere(seeds_and(60, 1), "word", "sound", Estimate::every).verdict, Verdict::fails);
@@ -208,14 +219,17 @@ TEST(Saboteurs, ARowThatBrokeDownBoundsTheSlopeAndIsCounted) {
             for (double const x : {1.0, 2.0, 3.0, 4.0}) t.add({double(i), x, i < broken && x == at ? value : x * x});
         return t;
     };
-    auto const verdict = [&](Table const& t, double from, double to) { return within(t, {}, slope("x", "y"), from, to).verdict; };
+    auto const verdict = [&](Table const& t, double from, double to) {
+        return within(t, {}, slope("x", "y"), from, to).verdict;
+    };
     EXPECT_EQ(verdict(of(0, INFINITY, 4), 1.99, 2.01), Verdict::holds);
     EXPECT_EQ(verdict(of(2, INFINITY, 4), 1.99, 2.01), Verdict::holds) << "the third of twenty bounds the median";
     EXPECT_EQ(verdict(of(3, INFINITY, 4), 1.99, 2.01), Verdict::undecided);
     EXPECT_EQ(verdict(of(20, INFINITY, 4), 1.5, INFINITY), Verdict::holds);
     EXPECT_EQ(verdict(of(20, INFINITY, 4), 0, 1.5), Verdict::fails);
     EXPECT_EQ(verdict(of(20, NAN, 4), 1.5, INFINITY), Verdict::holds) << "NaN is worse than any number";
-    EXPECT_EQ(verdict(of(20, INFINITY, 1), -INFINITY, 2), Verdict::holds) << "at the near end it makes the slope smaller";
+    EXPECT_EQ(verdict(of(20, INFINITY, 1), -INFINITY, 2), Verdict::holds)
+        << "at the near end it makes the slope smaller";
     EXPECT_EQ(verdict(of(20, 0, 4), -INFINITY, 2), Verdict::holds) << "y = 0: any below the least";
     std::string const said = within(of(3, INFINITY, 4), {}, slope("x", "y"), 1.99, 2.01).measured;
     EXPECT_NE(said.find("; with rows that broke down up to 3"), said.npos) << said;
@@ -240,7 +254,8 @@ TEST(Saboteurs, AGroupThatIsOutsideMakesTheClaimFail) {
 TEST(Saboteurs, AnotherColumnMayTellTheSeedsApart) {
     EXPECT_TRUE(within(seeds(20, 1, "batch"), {}, mean("x").over("batch"), 0.95, 1.05).holds());
     EXPECT_EQ(within(seeds(3, 1, "batch"), {}, mean("x").over("batch"), 0.95, 1.05).verdict, Verdict::undecided);
-    EXPECT_EQ(within(seeds(3, 1), {}, mean("x").as(Estimate::fixed), 0.95, 1.05).verdict, Verdict::holds) << "no seed matters";
+    EXPECT_EQ(within(seeds(3, 1), {}, mean("x").as(Estimate::fixed), 0.95, 1.05).verdict, Verdict::holds)
+        << "no seed matters";
 }
 
 TEST(Saboteurs, ANumberIsAskedOfOneSeedAtATime) {
@@ -250,8 +265,10 @@ TEST(Saboteurs, ANumberIsAskedOfOneSeedAtATime) {
 }
 TEST(Saboteurs, ASeedWithoutANumberLiesAnywhereAndNoneFails) {
     Table t = seeds(20, 1);
-    Statistic const but_one([](Table const& rows) { return rows.numbers("replicate")[0] == 3 ? nan : mean("x")(rows); });
-    EXPECT_EQ(within(t, {}, but_one, 0.95, 1.05).verdict, Verdict::holds) << "it may lie anywhere, and the median does not mind";
+    Statistic const but_one(
+        [](Table const& rows) { return rows.numbers("replicate")[0] == 3 ? nan : mean("x")(rows); });
+    EXPECT_EQ(within(t, {}, but_one, 0.95, 1.05).verdict, Verdict::holds)
+        << "it may lie anywhere, and the median does not mind";
     EXPECT_EQ(within(t, {}, but_one.as(Estimate::mean), 0.95, 1.05).verdict, Verdict::undecided);
     EXPECT_EQ(within(t, {}, but_one.as(Estimate::every), 0.95, 1.05).verdict, Verdict::fails);
     EXPECT_EQ(within(
@@ -260,7 +277,8 @@ TEST(Saboteurs, ASeedWithoutANumberLiesAnywhereAndNoneFails) {
               Verdict::fails);
 }
 
-// ---- intervals ---------------------------------------------------------------------------------------------------------------
+// ---- intervals
+// ---------------------------------------------------------------------------------------------------------------
 
 TEST(Intervals, AreThoseOfTheBooks) {
     // Mean 3, standard deviation sqrt(2.5), t(4, 0.975) = 2.7764.
@@ -329,7 +347,8 @@ TEST(Scenarios, ADelayLineIsStationaryWithVarianceOne) {
 TEST(Scenarios, GradedRegressorsHaveTheConditionNumberThatWasAskedFor) {
     for (Index const size : {1, 2, 5})
         for (double const kappa : {10.0, 1e6})
-            EXPECT_NEAR(condition(graded(size, 40, kappa, Seed{8}), 1) / (size > 1 ? kappa : 1), 1, 1e-8) << size << " " << kappa;
+            EXPECT_NEAR(condition(graded(size, 40, kappa, Seed{8}), 1) / (size > 1 ? kappa : 1), 1, 1e-8)
+                << size << " " << kappa;
 }
 
 }  // namespace

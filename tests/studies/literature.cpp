@@ -1,4 +1,5 @@
-// Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds, the NIST regressions.
+// Published examples with the numbers of docs/literature.md 3.3 to 3.5: Bierman's two parameters, Dyer & McReynolds,
+// the NIST regressions.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "studies/engine/scenarios.hpp"
 #include "tests/common/laws.hpp"
@@ -19,7 +20,8 @@ namespace {
 
 CatalogueEntry const& entry(std::string_view variant) { return *find_entry(variant); }
 
-// --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2 --------------------------------
+// --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2
+// --------------------------------
 
 template <class T>
 Problem<T> bierman(T eps) {
@@ -63,18 +65,22 @@ TEST(Bierman, JosephAndUdKeepThirtyUnitRoundoffsAndPotterFourEps) {
     for (double eps : {0x1p-30, 1e-9}) {
         EXPECT_LE(bierman_error("ud", eps), 30 * 0x1p-53);
         EXPECT_LE(bierman_error("joseph", eps), 30 * 0x1p-53);
-        // 4 eps is Potter's error where eps is a power of two and half the roundings are exact; elsewhere it is u / eps.
+        // 4 eps is Potter's error where eps is a power of two and half the roundings are exact; elsewhere it is u /
+        // eps.
         EXPECT_LE(bierman_error("potter", eps), eps == 1e-9 ? 0x1p-53 / eps : 4 * eps);
         EXPECT_GT(bierman_error("conventional", eps), 1);
     }
 }
 
-// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep (docs/literature.md 3.4): H = [1 1 1; 1 1 1 + delta], noise delta^2, P0 = I
+// --- Dyer & McReynolds 1969 in Grewal & Andrews' sweep (docs/literature.md 3.4): H = [1 1 1; 1 1 1 + delta], noise
+// delta^2, P0 = I
 //
-// P is scaled by 1/delta^2, so that the noise is 1. The reference is the exact P for the stored 1 + delta and 1/delta^2.
+// P is scaled by 1/delta^2, so that the noise is 1. The reference is the exact P for the stored 1 + delta and
+// 1/delta^2.
 
 double shootout_error(std::string_view variant, double delta) {
-    Records records{.psi = Eigen::MatrixXd{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1 + delta}}, .y = Vector<double>::Zero(2), .names = {}};
+    Records records{
+        .psi = Eigen::MatrixXd{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1 + delta}}, .y = Vector<double>::Zero(2), .names = {}};
     Problem<double> const problem{.size = 3, .prior = Prior<double>{.variance = 1 / (delta * delta)}};
     auto const f = entry(variant).make(problem, Seed{1});
     laws::take_rows(*f, records);
@@ -91,7 +97,8 @@ double shootout_slope(std::string_view variant) {
 }
 
 TEST(DyerMcReynolds, CovarianceFormsLoseTwoDigitsADecadeAndFactorFormsOne) {
-    for (std::string const& variant : words(covariance_forms())) EXPECT_NEAR(shootout_slope(variant), -2.0, 0.2) << variant;
+    for (std::string const& variant : words(covariance_forms()))
+        EXPECT_NEAR(shootout_slope(variant), -2.0, 0.2) << variant;
     for (auto variant : {"potter", "carlson", "ud", "inverse_qr", "extended_qr"})
         EXPECT_NEAR(shootout_slope(variant), -1.0, 0.2) << variant;
 }
@@ -99,13 +106,15 @@ TEST(DyerMcReynolds, CovarianceFormsSaturateAtAFifthAndFactorFormsGoOn) {
     for (auto variant : {"conventional", "symmetric", "joseph_rank_two"})
         EXPECT_NEAR(shootout_error(variant, 3.67e-12), 0.2, 0.06) << variant;
     // The products of Joseph's form do not saturate: with s = lambda + psi'P psi all rounding error, |A P A'| has no
-    // bound by |P|, and the error goes on growing except where s happens to come out large (as at 2^-38, where it is 0.12).
+    // bound by |P|, and the error goes on growing except where s happens to come out large (as at 2^-38, where it is
+    // 0.12).
     EXPECT_NEAR(shootout_error("joseph", 0x1p-38), 0.12, 0.06);
     EXPECT_GT(shootout_error("joseph", 0x1p-36), 1e4);
     for (std::string const& variant : words(factor_forms())) EXPECT_LT(shootout_error(variant, 1e-9), 1e-6) << variant;
 }
 
-// --- NIST StRD linear regression, P0 = 1e20 I, rows in file order ------------------------------------------------------
+// --- NIST StRD linear regression, P0 = 1e20 I, rows in file order
+// ------------------------------------------------------
 
 char const* const sets[] = {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"};
 
@@ -123,7 +132,8 @@ nlohmann::json json_of(std::string const& name) {
 
 TEST(Nist, TheReferenceIsTheExactSolutionOfTheStoredData) {
     auto const published = json_of("solutions.json");
-    // What is stored is not always what was published: digits of agreement that the storage leaves (docs/literature.md 3.5).
+    // What is stored is not always what was published: digits of agreement that the storage leaves (docs/literature.md
+    // 3.5).
     std::map<std::string, double> const cap{{"longley", 14.6}, {"wampler2", 13.0}};
     for (std::string const set : sets) {
         Records const records = nist(set);
@@ -146,7 +156,8 @@ using Row = std::map<std::string, double>;
 Row const batch_householder{{"longley", 12.8}, {"filip", 7.6}, {"wampler3", 9.2}, {"wampler4", 7.7}, {"wampler5", 5.7}};
 
 double worst_digits(std::string_view variant, Records const& records, CertifiedSolution const& exact) {
-    auto const f = entry(variant).make({.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}}, Seed{1});
+    auto const f =
+        entry(variant).make({.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}}, Seed{1});
     if (entry(variant).block == 1) laws::take_rows(*f, records);
     else f->update_block(records, 0, records.rows());
     return exact.theta_digits_worst(f->theta());
@@ -164,9 +175,9 @@ Records shuffled(Records records, Seed& seed) {
     return records;
 }
 
-/// With lambda = 1 the order of the rows changes nothing but the rounding: the digits of one order are one draw, and another
-/// order of evaluation within a row is another. Draws scatter by 0.3 to 1.0 digits (one standard deviation, 400 of them):
-/// where ours in file order is not close to the table's, the table's must lie within what other orders give.
+/// With lambda = 1 the order of the rows changes nothing but the rounding: the digits of one order are one draw, and
+/// another order of evaluation within a row is another. Draws scatter by 0.3 to 1.0 digits (one standard deviation, 400
+/// of them): where ours in file order is not close to the table's, the table's must lie within what other orders give.
 TEST(Nist, DigitsPerVariantAreThoseOfTheTable) {
     for (auto const& [name, row] : json_of("digits.json").get<std::map<std::string, Row>>()) {
         Records const records = nist(name);
@@ -186,8 +197,8 @@ TEST(Nist, DigitsPerVariantAreThoseOfTheTable) {
         }
     }
 }
-/// The table's batch has the prior's rows below the data. qr_block begins with them, as a recursion must, and that is the
-/// better order: small pivots first. Eigen's Householder QR shows the same with the rows in either place.
+/// The table's batch has the prior's rows below the data. qr_block begins with them, as a recursion must, and that is
+/// the better order: small pivots first. Eigen's Householder QR shows the same with the rows in either place.
 TEST(Nist, TheBlockFormBeatsTheTablesBatchByThePlaceOfThePrior) {
     for (auto const& [name, listed] : batch_householder) {
         Records const records = nist(name);
@@ -207,8 +218,8 @@ TEST(Nist, CovarianceFormsKeepNoDigitOfLongleyAndNoMethodMoreThanEightOfFilip) {
     Records const longley = nist("longley");
     for (std::string const& variant : words(covariance_forms()))
         EXPECT_LT(worst_digits(variant, longley, with_large_prior(longley)), 1) << variant;
-    // Against the published decimals storage alone costs all but 7.9 digits (docs/literature.md 3.5). (qr_sparse is left out: its
-    // error happens to point back to the decimals' solution, and 8.5 digits are luck.)
+    // Against the published decimals storage alone costs all but 7.9 digits (docs/literature.md 3.5). (qr_sparse is
+    // left out: its error happens to point back to the decimals' solution, and 8.5 digits are luck.)
     Records const filip = nist("filip");
     auto const published = json_of("solutions.json")["filip"]["theta_decimal"];
     for (auto variant : {"qr", "gentleman", "qr_block", "extended_qr"}) {

@@ -13,7 +13,8 @@ struct Quoted {
 std::vector<Quoted> quoted(std::string const& text) {
     static std::regex const found(R"(\\(?:found|measured|claimed|verdict)\{([a-z_]+)\}\{([0-9]+)\}\{([^}]+)\})");
     std::vector<Quoted> out;
-    for (std::sregex_iterator at(text.begin(), text.end(), found), end; at != end; ++at) out.push_back({(*at)[1], (*at)[2], (*at)[3]});
+    for (std::sregex_iterator at(text.begin(), text.end(), found), end; at != end; ++at)
+        out.push_back({(*at)[1], (*at)[2], (*at)[3]});
     return out;
 }
 /// "" or what is wrong with the quotation.
@@ -38,8 +39,9 @@ TEST(Paper, QuotesClaimsThatExist) {
 }
 
 TEST(Latex, EscapesWhatItWouldRead) {
-    EXPECT_EQ(latex("a_b 5 % & {x} ^2 #1 $ ~ \\"),
-              "a\\_\\allowbreak{}b 5 \\% \\& \\{x\\} \\textasciicircum{}2 \\#1 \\$ \\textasciitilde{} \\textbackslash{}");
+    EXPECT_EQ(
+        latex("a_b 5 % & {x} ^2 #1 $ ~ \\"),
+        "a\\_\\allowbreak{}b 5 \\% \\& \\{x\\} \\textasciicircum{}2 \\#1 \\$ \\textasciitilde{} \\textbackslash{}");
     EXPECT_EQ(latex("λ ≤ 1 ± u²"), "$\\lambda$ $\\le$ 1 $\\pm$ u$^2$");
     EXPECT_EQ(latex(""), "");
 }
@@ -49,13 +51,15 @@ TEST(Latex, KnowsEverySignOfTheClaims) {
         for (Claim const& claim : study->claims)
             for (char const c : latex(claim.text + study->question)) {
                 EXPECT_GE(static_cast<unsigned char>(c), ' ') << study->name << ": " << claim.text;
-                EXPECT_LT(static_cast<unsigned char>(c), 0xc4) << "beyond Latin letters: " << study->name << ": " << claim.text;
+                EXPECT_LT(static_cast<unsigned char>(c), 0xc4)
+                    << "beyond Latin letters: " << study->name << ": " << claim.text;
             }
 }
 
 TEST_F(Program, AStudyLeavesTablesAndNumbersForPapers) {
     ASSERT_EQ(shell("rlslab study gain_identities --out out").code, 0);
-    std::string const table = read(folder / "out" / "tables" / "gain_identities.tex"), numbers = read(folder / "out" / "numbers.tex");
+    std::string const table = read(folder / "out" / "tables" / "gain_identities.tex"),
+                      numbers = read(folder / "out" / "numbers.tex");
     EXPECT_THAT(table, testing::HasSubstr("\\begin{longtable}"));
     EXPECT_THAT(table, testing::HasSubstr("& holds\\\\\n"));
     EXPECT_THAT(numbers, testing::HasSubstr("\\newcommand{\\runbudget}{quick}"));

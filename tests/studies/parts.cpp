@@ -54,7 +54,9 @@ struct Parts : Program {
     std::vector<Study const*> const both{&first, &second};
 
     RunOptions into(std::string const& name) const { return {.out = folder / name}; }
-    std::string tables(std::string const& name) const { return read(folder / name / "first.csv") + read(folder / name / "second.csv"); }
+    std::string tables(std::string const& name) const {
+        return read(folder / name / "first.csv") + read(folder / name / "second.csv");
+    }
 };
 
 TEST_F(Parts, TakeEachTrialOnceAndGiveTheBytesOfOneRun) {
@@ -132,7 +134,8 @@ TEST_F(Parts, AreMergedFromFoldersOfTheirOwn) {
 
 TEST_F(Parts, RefuseWhatDoesNotFit) {
     for (char const* bad : {"0/2", "3/2", "1", "1/", "/2", "a/b", "1/2/3", "1/100001", "-1/2", "1.5/2", ""})
-        refused(std::string("study gain_identities --part \"") + bad + "\"", "--part: expected I/N with 1 <= I <= N <= 100000, found");
+        refused(std::string("study gain_identities --part \"") + bad + "\"",
+                "--part: expected I/N with 1 <= I <= N <= 100000, found");
     refused("study gain_identities --part 1/2 --fresh", "--fresh: does not go with --part");
     refused("study gain_identities --part 1/2 --record r.json", "--record: does not go with --part");
     fs::create_directories(folder / "empty");
@@ -143,19 +146,23 @@ TEST_F(Parts, RefuseWhatDoesNotFit) {
     ASSERT_EQ(shell("rlslab study gain_identities --part 2/2 --seed 2 --out b").code, 0);
     refused("merge a b --out c", "b: expected parts of the same run as a: the same studies, budget and seed");
     std::string const run = read(folder / "a" / ".trials" / "run.json");
-    for (std::string const bad :
-         {R"({})", R"([1])", R"({"studies": [1], "budget": "quick", "seed": 1})", R"({"studies": [], "budget": "quick", "seed": 1})",
-          R"({"studies": ["../../x"], "budget": "quick", "seed": 1})", R"({"studies": ["bierman"], "budget": "x", "seed": 1})",
-          R"({"studies": ["bierman"], "budget": "quick", "seed": -1})", R"({"studies": ["bierman"], "budget": "quick", "seed": 1.5})"}) {
+    for (std::string const bad : {R"({})", R"([1])", R"({"studies": [1], "budget": "quick", "seed": 1})",
+                                  R"({"studies": [], "budget": "quick", "seed": 1})",
+                                  R"({"studies": ["../../x"], "budget": "quick", "seed": 1})",
+                                  R"({"studies": ["bierman"], "budget": "x", "seed": 1})",
+                                  R"({"studies": ["bierman"], "budget": "quick", "seed": -1})",
+                                  R"({"studies": ["bierman"], "budget": "quick", "seed": 1.5})"}) {
         write("a/.trials/run.json", bad);
-        refused("merge a --out c", "a/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them");
+        refused("merge a --out c",
+                "a/.trials/run.json: expected studies, budget and seed as rlslab study --part writes them");
     }
     fs::remove(folder / "a" / ".trials" / "run.json");
     fs::create_directory(folder / "a" / ".trials" / "run.json");
     refused("merge a --out c", "a/.trials/run.json: expected the file that rlslab study --part writes");
     fs::remove(folder / "a" / ".trials" / "run.json");
     write("a/.trials/run.json", run);
-    refused("study gain_identities --part 2/2 --seed 3 --out a", "a: holds parts of other studies, another budget or seed");
+    refused("study gain_identities --part 2/2 --seed 3 --out a",
+            "a: holds parts of other studies, another budget or seed");
     refused("merge a --out \"\"", "--out: expected a folder");
     EXPECT_FALSE(fs::exists(folder / "c"));
 }
@@ -170,9 +177,11 @@ TEST_F(Parts, AreNotMergedIntoAFolderThatAnotherRunIsWriting) {
     EXPECT_NO_THROW(merge_parts(both, into("free"), {folder / "a"}));
 }
 
-/// Trials of another program look like those of another seed: what no run of this program can use is refused, and stays.
+/// Trials of another program look like those of another seed: what no run of this program can use is refused, and
+/// stays.
 TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
-    for (std::string const part : {"1", "2"}) ASSERT_EQ(shell("rlslab study gain_identities --part " + part + "/2 --out p" + part).code, 0);
+    for (std::string const part : {"1", "2"})
+        ASSERT_EQ(shell("rlslab study gain_identities --part " + part + "/2 --out p" + part).code, 0);
     auto const with_seed_2 = [&](std::string const& file) {
         std::string text = read(folder / file);
         text.replace(text.find("\"seed\": 1"), 9, "\"seed\": 2");
@@ -184,13 +193,16 @@ TEST_F(Parts, NothingIsLostWhereTheTrialsAreOfAnotherRun) {
     refused("merge p1 p2 --out p1", "p1/.trials/gain_identities.1-of-2: expected trials of this program");
     EXPECT_EQ(read(folder / "p1" / ".trials" / "gain_identities.1-of-2"), before);
     ASSERT_EQ(shell("rlslab study gain_identities --seed 2 --out p2").code, 0);
-    EXPECT_TRUE(fs::exists(folder / "p2" / ".trials" / "gain_identities.2-of-2")) << "a part of another run is not removed";
+    EXPECT_TRUE(fs::exists(folder / "p2" / ".trials" / "gain_identities.2-of-2"))
+        << "a part of another run is not removed";
 }
 
 #ifdef RLSLAB_MPI
 /// Ranks that share the folder, started again with another number of them after one was killed.
 TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
-    auto const ranks = [&](int number, std::string const& words) { return shell(on_ranks(number, RLSLAB_MPI " " + words)); };
+    auto const ranks = [&](int number, std::string const& words) {
+        return shell(on_ranks(number, RLSLAB_MPI " " + words));
+    };
     ASSERT_EQ(shell("rlslab study gain_identities --out whole").code, 0);
     std::string const whole = read(folder / "whole" / "gain_identities.csv");
     for (int const number : {1, 2, 3, 4}) {
@@ -208,7 +220,8 @@ TEST_F(Parts, RanksOfAnMpiJobGiveTheBytesOfOneRun) {
     EXPECT_EQ(read(folder / "killed" / "gain_error.csv"), read(folder / "other" / "gain_error.csv"));
     for (std::string const option : {"--part 1/2", "--fresh"}) {
         ::Outcome const refused = ranks(2, "study gain_identities " + option);
-        EXPECT_EQ(refused.err.find("does not go with ranks"), refused.err.rfind("does not go with ranks")) << refused.err;
+        EXPECT_EQ(refused.err.find("does not go with ranks"), refused.err.rfind("does not go with ranks"))
+            << refused.err;
         EXPECT_NE(refused.code, 0);
     }
     std::string const help = ranks(2, "study --help").out;

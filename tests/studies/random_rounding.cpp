@@ -1,4 +1,5 @@
-// Rounding with few random bits: its probabilities, counted over all draws, and what it has in common with the other roundings.
+// Rounding with few random bits: its probabilities, counted over all draws, and what it has in common with the other
+// roundings.
 #include "studies/definiteness/random_rounding.hpp"
 
 #include <rlslab/variants/symmetric.hpp>
@@ -40,15 +41,22 @@ TEST(RandomRounding, TheOuterNeighbourIsTakenAsOftenAsTheRuleSays) {
         for (Surplus const surplus : {Surplus::truncate, Surplus::half}) {
             RandomRounding const rule{2 + int(seed.next() % 23), 1 + int(seed.next() % 8), surplus};
             double const x = std::ldexp(seed.bell(), int(seed.next() % 600) - 300);
-            auto const round = [&](double v, std::uint64_t draw) { return std::abs(round_at_random(v, 0, rule, [=] { return draw; })); };
-            EXPECT_EQ(ups(x, rule.random_bits, round), of_all(x, rule)) << x << ' ' << rule.digits << ' ' << rule.random_bits;
+            auto const round = [&](double v, std::uint64_t draw) {
+                return std::abs(round_at_random(v, 0, rule, [=] { return draw; }));
+            };
+            EXPECT_EQ(ups(x, rule.random_bits, round), of_all(x, rule))
+                << x << ' ' << rule.digits << ' ' << rule.random_bits;
         }
 }
 TEST(RandomRounding, ASaboteurIsSeen) {  // surplus bits that are rounded up
     RandomRounding const rule{8, 3, Surplus::truncate};
     double const x = 1 + 0x1p-10 + 0x1p-14;
-    EXPECT_EQ(ups(x, 3, [&](double v, std::uint64_t draw) { return round_at_random(v, 0, rule, [=] { return draw; }); }), 1);
-    EXPECT_NE(ups(x, 3, [&](double v, std::uint64_t draw) { return round_at_random(v + 0x1p-10, 0, rule, [=] { return draw; }); }), 1);
+    EXPECT_EQ(
+        ups(x, 3, [&](double v, std::uint64_t draw) { return round_at_random(v, 0, rule, [=] { return draw; }); }), 1);
+    EXPECT_NE(
+        ups(x, 3,
+            [&](double v, std::uint64_t draw) { return round_at_random(v + 0x1p-10, 0, rule, [=] { return draw; }); }),
+        1);
 }
 TEST(RandomRounding, WithAllBitsItIsStochasticRounding) {
     Seed seed{7};
@@ -67,12 +75,14 @@ TEST(RandomRounding, ANumberOfTheFormatStaysAndDrawsNothing) {
         EXPECT_EQ(detail::bits_of(round_at_random(x, 0, rule, no_draw)), detail::bits_of(x)) << x;
     EXPECT_TRUE(std::isnan(round_at_random(std::nan(""), 0, rule, no_draw)));
     // A tail towards zero: just below 1, of which the fraction is nearly one.
-    EXPECT_EQ(round_at_random(1, -0x1p-60, {5, 4, Surplus::truncate}, [] { return std::uint64_t{15} << 60; }), 1 - 0x1p-5);
+    EXPECT_EQ(round_at_random(1, -0x1p-60, {5, 4, Surplus::truncate}, [] { return std::uint64_t{15} << 60; }),
+              1 - 0x1p-5);
     EXPECT_EQ(round_at_random(1, -0x1p-60, {5, 4, Surplus::truncate}, [] { return std::uint64_t{14} << 60; }), 1);
     EXPECT_EQ(round_at_random(1, -0x1p-60, rule, [] { return ~std::uint64_t{0}; }), 1);
 }
 TEST(RandomRounding, RulesOutOfRangeAreRefused) {
-    for (RandomRounding const& rule : {RandomRounding{1, 4}, RandomRounding{54, 0}, RandomRounding{8, 46}, RandomRounding{8, -1}})
+    for (RandomRounding const& rule :
+         {RandomRounding{1, 4}, RandomRounding{54, 0}, RandomRounding{8, 46}, RandomRounding{8, -1}})
         EXPECT_THROW(RandomRoundingScope{rule}, std::invalid_argument);
     EXPECT_EQ(RandomRoundingScope::rule().digits, 53);
 }
@@ -95,7 +105,8 @@ TEST(RandomRounding, WithoutRandomBitsAFilterIsThatOfTheSameLength) {
         RandomRoundingScope const rule({.digits = p});
         auto const nearest = run<Symmetric<RandomlyRounded>>(200, Seed{5});
         auto const reference = run<Symmetric<VariablePrecision>>(200, Seed{5});
-        for (Index i = 0; i < 9; ++i) EXPECT_EQ(double(nearest.stored().F.reshaped()[i]), double(reference.stored().F.reshaped()[i]));
+        for (Index i = 0; i < 9; ++i)
+            EXPECT_EQ(double(nearest.stored().F.reshaped()[i]), double(reference.stored().F.reshaped()[i]));
     }
 }
 TEST(RandomRounding, AFilterIsReplayedByItsSeed) {

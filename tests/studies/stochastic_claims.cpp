@@ -24,9 +24,10 @@ Table empty() {
     columns.insert(columns.end(), stochastic_definiteness.measures.begin(), stochastic_definiteness.measures.end());
     return Table(columns);
 }
-/// Twenty runs of `steps` steps with `lost` losses each, one more in every other run, where the law expects `predicted` a step.
-void add_runs(Table& t, std::string const& variant, std::string const& rounding, double digits, double lost, double predicted,
-              double steps = 1000) {
+/// Twenty runs of `steps` steps with `lost` losses each, one more in every other run, where the law expects `predicted`
+/// a step.
+void add_runs(Table& t, std::string const& variant, std::string const& rounding, double digits, double lost,
+              double predicted, double steps = 1000) {
     for (double n = 1; n <= 20; ++n) {
         double const own = lost + (lost > 0 && std::fmod(n, 2) == 0);
         t.add({variant, 0.9, 0.97, digits, rounding, n, steps, own, 0.0, own / steps, predicted, 1.0});
@@ -42,8 +43,10 @@ TEST(HazardClaims, TheLawHoldsFailsOrIsUndecided) {
     EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 20, 0.02)), Verdict::holds);
     EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 20, 0.002)), Verdict::fails) << "ten times the law";
     EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 20, 0.2)), Verdict::fails) << "a tenth of it";
-    EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 1, 0.0007)), Verdict::undecided) << "thirty losses at 2.1 times the law";
-    EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 0, 0.0001)), Verdict::fails) << "two expected: nothing was measured";
+    EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 1, 0.0007)), Verdict::undecided)
+        << "thirty losses at 2.1 times the law";
+    EXPECT_EQ(verdict("S4: to nearest", symmetric("nearest", 0, 0.0001)), Verdict::fails)
+        << "two expected: nothing was measured";
     EXPECT_EQ(verdict("S4: stochastic", symmetric("stochastic", 20, 0.02)), Verdict::holds);
     EXPECT_EQ(verdict("S4: stochastic", symmetric("nearest", 20, 0.02)), Verdict::fails) << "no stochastic runs";
 }
@@ -51,7 +54,8 @@ TEST(HazardClaims, LossesInBurstsCountLess) {
     Table t = empty();  // as many losses, all of them in two of the runs
     for (double n = 1; n <= 20; ++n) {
         double const own = n <= 2 ? 200 : 0;
-        t.add({std::string("symmetric"), 0.9, 0.97, 7.0, std::string("nearest"), n, 1000.0, own, 0.0, own / 1000, 0.02, 1.0});
+        t.add({std::string("symmetric"), 0.9, 0.97, 7.0, std::string("nearest"), n, 1000.0, own, 0.0, own / 1000, 0.02,
+               1.0});
     }
     EXPECT_EQ(verdict("S4: to nearest", t), Verdict::undecided);
 }

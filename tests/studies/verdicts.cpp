@@ -1,4 +1,5 @@
-// Claims and their record: every claim says what it is; a verdict that changes is seen, and so is a verification that fails.
+// Claims and their record: every claim says what it is; a verdict that changes is seen, and so is a verification that
+// fails.
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
@@ -36,7 +37,8 @@ TEST(Claims, EachSaysWhatItIsWhereItsBandIsFromAndOnWhichData) {
 TEST(Claims, EachIsInTheRecordOfTheQuickBudget) {
     std::vector<Outcome> all;
     for (Study const* study : studies::studies()) all.push_back({study, {}, {}, {}, 0, 0});
-    EXPECT_THAT(unrecorded(all, recorded(Budget::quick)), IsEmpty()) << "rlslab study NAME --record studies/verdicts.json";
+    EXPECT_THAT(unrecorded(all, recorded(Budget::quick)), IsEmpty())
+        << "rlslab study NAME --record studies/verdicts.json";
 }
 
 Study of_three(char const* name = "three") {
@@ -93,13 +95,17 @@ TEST(Verdicts, FailuresAreListedFirst) {
     EXPECT_LT(page.find("a number"), page.find("ours"));
     EXPECT_LT(page.find("ours"), page.find("a &lt;law&gt;"));
     EXPECT_THAT(page, HasSubstr("expected to be wrong"));
-    EXPECT_THAT(page, HasSubstr("Of the findings 1 say that the band was set before the run, 0 that a result had been seen by then"));
+    EXPECT_THAT(
+        page,
+        HasSubstr("Of the findings 1 say that the band was set before the run, 0 that a result had been seen by then"));
 }
 TEST(Verdicts, AChangeIsSeenAndAFindingThatFailsAsRecordedIsNone) {
     Study const study = of_three();
     EXPECT_THAT(changes({outcome(study, yes, no, unknown)}, record), IsEmpty());
-    EXPECT_THAT(changes({outcome(study, yes, yes, unknown)}, record), ElementsAre("three: a number: holds, fails in the record"));
-    EXPECT_THAT(changes({outcome(study, yes, no, no)}, record), ElementsAre("three: ours: fails, undecided in the record"));
+    EXPECT_THAT(changes({outcome(study, yes, yes, unknown)}, record),
+                ElementsAre("three: a number: holds, fails in the record"));
+    EXPECT_THAT(changes({outcome(study, yes, no, no)}, record),
+                ElementsAre("three: ours: fails, undecided in the record"));
     EXPECT_THAT(failed_verifications({outcome(study, yes, no, no)}), IsEmpty());
     EXPECT_THAT(failed_verifications({outcome(study, no, yes, yes)}), ElementsAre("three: a <law>: 1"));
 }
@@ -108,13 +114,15 @@ TEST(Verdicts, WhatIsNotRecordedIsNoChangeAndIsSaid) {
     EXPECT_THAT(changes({outcome(other, no, no, no)}, record), IsEmpty());
     EXPECT_EQ(unrecorded({outcome(other, no, no, no)}, record).size(), 3u);
     Record const longer{{"three", {{"a <law>", yes}, {"a number", no}, {"ours", unknown}, {"an old one", yes}}}};
-    EXPECT_THAT(unrecorded({outcome(study, yes, yes, yes)}, longer), ElementsAre("three: an old one: in the record, no longer claimed"));
+    EXPECT_THAT(unrecorded({outcome(study, yes, yes, yes)}, longer),
+                ElementsAre("three: an old one: in the record, no longer claimed"));
 }
 std::string page(char const* name) {
     std::ifstream file(RLSLAB_SOURCE_DIR + std::string(name));
     return {std::istreambuf_iterator<char>(file), {}};
 }
-/// "| finding | 120 | 80 | 10 | 30 |" for each kind, and "34 studies with 219 claims", as they are recorded for the quick budget.
+/// "| finding | 120 | 80 | 10 | 30 |" for each kind, and "34 studies with 219 claims", as they are recorded for the
+/// quick budget.
 TEST(Verdicts, AreThoseThatTheQuestionsCount) {
     std::array<Count, 3> counts;
     size_t claims = 0;
@@ -123,7 +131,8 @@ TEST(Verdicts, AreThoseThatTheQuestionsCount) {
             auto const& verdicts = recorded(Budget::quick);
             auto const of_study = verdicts.find(study->name);
             if (of_study == verdicts.end() || !of_study->second.contains(claim.text)) {
-                ADD_FAILURE() << study->name << ": not recorded; rlslab study " << study->name << " --record studies/verdicts.json";
+                ADD_FAILURE() << study->name << ": not recorded; rlslab study " << study->name
+                              << " --record studies/verdicts.json";
                 return;
             }
             Verdict const verdict = of_study->second.at(claim.text);
@@ -131,16 +140,18 @@ TEST(Verdicts, AreThoseThatTheQuestionsCount) {
             ++(verdict == yes ? c.holds : verdict == no ? c.fails : c.undecided), ++claims;
         }
     std::string const text = page("/docs/questions.md");
-    EXPECT_THAT(text,
-                HasSubstr("runs " + std::to_string(studies::studies().size()) + " studies with " + std::to_string(claims) + " claims"));
+    EXPECT_THAT(text, HasSubstr("runs " + std::to_string(studies::studies().size()) + " studies with " +
+                                std::to_string(claims) + " claims"));
     for (Kind const kind : {Kind::verification, Kind::reproduction, Kind::own_result}) {
         Count const& c = counts[size_t(kind)];
         std::ostringstream row;
-        row << "| " << name_of(kind) << " | " << c.claims() << " | " << c.holds << " | " << c.fails << " | " << c.undecided << " |";
+        row << "| " << name_of(kind) << " | " << c.claims() << " | " << c.holds << " | " << c.fails << " | "
+            << c.undecided << " |";
         EXPECT_THAT(text, HasSubstr(row.str()));
     }
 }
-/// The record of the full budget is older than some claims' words, so that it has no kinds: the table's columns add up to it.
+/// The record of the full budget is older than some claims' words, so that it has no kinds: the table's columns add up
+/// to it.
 TEST(Verdicts, OfTheFullBudgetAddUpToTheRecord) {
     std::string const text = page("/README.md");
     std::istringstream rows(text.substr(text.find("| kind, full budget |")));

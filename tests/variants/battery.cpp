@@ -1,4 +1,5 @@
-// The battery: every law of tests/common/laws.hpp over every variant in every arithmetic, and each law failing on a saboteur.
+// The battery: every law of tests/common/laws.hpp over every variant in every arithmetic, and each law failing on a
+// saboteur.
 #include <rlslab/catalogue/catalogue.hpp>
 #include <rlslab/catalogue/erase.hpp>
 #include "tests/common/laws.hpp"
@@ -12,7 +13,9 @@ namespace rlslab {
 
 /// For GoogleTest's messages.
 void PrintTo(CatalogueEntry const& entry, std::ostream* out);
-void PrintTo(CatalogueEntry const& entry, std::ostream* out) { *out << entry.variant << " in " << entry.arithmetic->name; }
+void PrintTo(CatalogueEntry const& entry, std::ostream* out) {
+    *out << entry.variant << " in " << entry.arithmetic->name;
+}
 
 namespace {
 
@@ -21,7 +24,9 @@ using namespace laws;
 class Battery : public testing::TestWithParam<CatalogueEntry> {};
 
 TEST_P(Battery, AZeroRegressorTeachesNothing) { EXPECT_TRUE(a_zero_regressor_teaches_nothing(GetParam())); }
-TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) { EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam())); }
+TEST_P(Battery, ScalingTheOutputByTwoScalesThetaExactly) {
+    EXPECT_TRUE(scaling_the_output_by_two_scales_theta_exactly(GetParam()));
+}
 TEST_P(Battery, RowsWithoutReportLeaveTheSameBits) { EXPECT_TRUE(rows_without_report_leave_the_same_bits(GetParam())); }
 TEST_P(Battery, ACloneContinuesBitForBit) { EXPECT_TRUE(a_clone_continues_bit_for_bit(GetParam())); }
 TEST_P(Battery, SameSeedSameBitsWhoeverLooks) { EXPECT_TRUE(same_seed_same_bits_whoever_looks(GetParam())); }
@@ -36,15 +41,17 @@ double residual_budget(CatalogueEntry const& entry) {
 TEST_P(Battery, ResidualIsGammaTimesInnovation) { EXPECT_LE(residual_error(GetParam()), residual_budget(GetParam())); }
 
 double gain_budget(CatalogueEntry const& entry) {
-    if (entry.variant == "conventional" || entry.variant == "kalman") return 400;  // the antisymmetric part of P grows as lambda^-k
-    if (entry.variant == "extended_qr") return 100;                                // K comes from the rotations, P from W: they drift apart
+    if (entry.variant == "conventional" || entry.variant == "kalman")
+        return 400;                                  // the antisymmetric part of P grows as lambda^-k
+    if (entry.variant == "extended_qr") return 100;  // K comes from the rotations, P from W: they drift apart
     return 60;
 }
 TEST_P(Battery, TheGainIsPTimesPsi) { EXPECT_LE(gain_error(GetParam()), gain_budget(GetParam())); }
 
 double solution_budget(CatalogueEntry const& entry) {
-    if (entry.variant == "conventional" || entry.variant == "kalman") return 600;              // as above
-    if (entry.variant.starts_with("joseph") || entry.variant.starts_with("conv")) return 300;  // c^2 = 256 enters squared
+    if (entry.variant == "conventional" || entry.variant == "kalman") return 600;  // as above
+    if (entry.variant.starts_with("joseph") || entry.variant.starts_with("conv"))
+        return 300;  // c^2 = 256 enters squared
     if (entry.variant == "information" || entry.variant == "symmetric") return 300;
     return 60;
 }
@@ -74,7 +81,8 @@ TEST_P(Battery, StartsFromNothingWhereItSaysSo) {
     }
     Records const records = as_stored(noise_records(3, 30, Seed{33}), *entry.arithmetic);
     auto const f = entry.make(p, Seed{1});
-    for (Index k = 0; k < 3; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "undetermined") << k;
+    for (Index k = 0; k < 3; ++k)
+        EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "undetermined") << k;
     for (Index k = 3; k < 30; ++k) EXPECT_EQ(name_of(f->update(records.sample(k), records.y[k]).health), "sound") << k;
     Errors const e = errors(entry, p, noise_records(3, 30, Seed{33}));
     EXPECT_LE(e.theta, 2 * solution_budget(entry));
@@ -100,7 +108,8 @@ std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()), title);
 
-// --- saboteurs --------------------------------------------------------------------------------------------------------
+// --- saboteurs
+// --------------------------------------------------------------------------------------------------------
 
 /// What can go wrong in a filter, one thing at a time; otherwise it is the scalar-sized textbook form on P = p I.
 enum class Fault {
@@ -130,8 +139,8 @@ public:
     static constexpr std::string_view name = "saboteur";
     static constexpr Family family{};
     explicit Saboteur(Problem<double> const& p)
-        : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size), K_(p.size),
-          P_(start_covariance<double, Dynamic>(p)) {}
+        : lambda_(checked(p).forgetting), by_lambda_(lambda_), theta_(start_theta<double, Dynamic>(p)), f_(p.size),
+          K_(p.size), P_(start_covariance<double, Dynamic>(p)) {}
     Step<double> update(Regressor<double> psi, double y) {
         double e = innovation(y, psi, theta_);
         multiply(P_, psi.data(), f_);

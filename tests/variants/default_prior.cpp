@@ -63,7 +63,8 @@ double component_bias(Records const& r, Vector<double> const& s, double c, doubl
     for (Index i = 0; i < 2; ++i) {
         Rational const change = with[i] - without[i];
         out = std::max(out, std::abs(static_cast<double>(change)) /
-                                std::max(std::abs(static_cast<double>(without[i])), std::ldexp(whole, without[i] == 0 ? -20 : -40) / s[i]));
+                                std::max(std::abs(static_cast<double>(without[i])),
+                                         std::ldexp(whole, without[i] == 0 ? -20 : -40) / s[i]));
     }
     return out;
 }
@@ -100,7 +101,8 @@ TEST(DefaultPrior, HasTheLeastCThatMovesThetaByAThousandth) {
     EXPECT_EQ(default_prior(nearly_dependent(0), 1).c, 32);
 }
 
-/// What the ill-determined direction of theta is worth cancels over the record, but not once its beginning is forgotten.
+/// What the ill-determined direction of theta is worth cancels over the record, but not once its beginning is
+/// forgotten.
 TEST(DefaultPrior, HoldsForTheForgettingFactorToo) {
     Records r{.psi = Eigen::MatrixXd(2, 64), .y = Vector<double>(64), .names = {}};
     for (Index k = 0; k < 64; ++k) {
@@ -186,7 +188,8 @@ TEST(DefaultPrior, StopsBeforeP0LeavesTheRange) {
     EXPECT_EQ(p.c / p.s.minCoeff(), std::ldexp(1.0, 500));
 }
 
-/// P0 and its root are powers of two, so every arithmetic that reaches them has them, and every variant starts from them.
+/// P0 and its root are powers of two, so every arithmetic that reaches them has them, and every variant starts from
+/// them.
 TEST(DefaultPrior, IsExactInEveryArithmeticAndTakenByEveryVariant) {
     Records r = nearly_dependent(3);
     r.psi.row(1) *= 5;

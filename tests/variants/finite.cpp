@@ -21,8 +21,8 @@ StateVector<T> column(Vector<T> const& x) {
     return out;
 }
 
-/// Triangles, right-hand sides and psi = R'w, |w| < 1, of any scale: how many are proven to be solved in range, and how many of these are
-/// not.
+/// Triangles, right-hand sides and psi = R'w, |w| < 1, of any scale: how many are proven to be solved in range, and how
+/// many of these are not.
 template <class T>
 std::pair<int, int> proven_and_wrong(int cases, int lowest, int highest) {
     Seed seed{4};
@@ -92,7 +92,8 @@ TEST(Finite, OrdinaryDataAreProven) {
             Matrix<T> const P_inverse = f.information();
             Stored<T> const R = f.stored();
             out += !solved_in_range<T>(
-                d, [&](Index j) { return double(P_inverse(j, j)); }, [&](Index j) { return double(R.F(j, j)) * double(R.F(j, j)); }, right);
+                d, [&](Index j) { return double(P_inverse(j, j)); },
+                [&](Index j) { return double(R.F(j, j)) * double(R.F(j, j)); }, right);
         }
         return out;
     };
@@ -106,7 +107,8 @@ TEST(Finite, OrdinaryDataAreProven) {
 
 /// A square that overflows once was a step of gamma 0, theta 0, sound; the next had theta NaN, and was sound.
 TEST(Finite, AnOverflowIsReportedAtOnce) {
-    for (auto const& [arithmetic, large] : {std::pair{"double", 1e200}, std::pair{"binary16", 1024.0}, std::pair{"float", 1e30}})
+    for (auto const& [arithmetic, large] :
+         {std::pair{"double", 1e200}, std::pair{"binary16", 1024.0}, std::pair{"float", 1e30}})
         for (CatalogueEntry const& entry : catalogue()) {
             if (entry.arithmetic->name != arithmetic) continue;
             auto const f = entry.make(laws::problem(2), Seed{1});
@@ -117,7 +119,8 @@ TEST(Finite, AnOverflowIsReportedAtOnce) {
                 for (Reference const& x : f->gain()) finite = finite && isfinite(x);
                 EXPECT_TRUE(finite || health != Health::sound) << entry.variant << ' ' << arithmetic << ' ' << k;
                 // Roots of the sums are within the range where the sums are not.
-                bool const squares = entry.variant == "gentleman" || entry.variant == "cholesky_sparse" || entry.variant == "conventional";
+                bool const squares = entry.variant == "gentleman" || entry.variant == "cholesky_sparse" ||
+                                     entry.variant == "conventional";
                 if (squares && k == 0) {
                     EXPECT_EQ(name_of(health), "nonfinite") << entry.variant << ' ' << arithmetic;
                 }

@@ -1,5 +1,5 @@
-// Errors elsewhere than in the gain (docs/theory.md 31, 35): of s in Potter's form, of a rotation's angle. First order: the slope
-// of P at no error, from two errors of 1e-30 in 77 digits.
+// Errors elsewhere than in the gain (docs/theory.md 31, 35): of s in Potter's form, of a rotation's angle. First order:
+// the slope of P at no error, from two errors of 1e-30 in 77 digits.
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/linalg/start.hpp>
 
@@ -105,7 +105,8 @@ TEST(AngleLaws, OfInverseQr) {
             M const law = -b[size_t(j)] * symmetric_product(c.K, S.col(j));
             EXPECT_LE(largest<T>(slope - law), tolerance) << n << " " << j;
             EXPECT_LE(absolute(T(b[size_t(j)] - square_root(T(c.s_after[size_t(j) + 1] / c.lambda)))), T("1e-60"));
-            EXPECT_GT(largest<T>(slope - law / b[size_t(j)]) + (b[size_t(j)] == T(1)), tolerance) << "without b_j " << n << " " << j;
+            EXPECT_GT(largest<T>(slope - law / b[size_t(j)]) + (b[size_t(j)] == T(1)), tolerance)
+                << "without b_j " << n << " " << j;
         }
     }
 }

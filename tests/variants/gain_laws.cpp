@@ -1,5 +1,5 @@
-// The laws of an error in what plays the gain (docs/theory.md 16, 17, 29 to 34, 36): exactly in rationals where the form has no
-// root, to 1e-60 in Reference where it has.
+// The laws of an error in what plays the gain (docs/theory.md 16, 17, 29 to 34, 36): exactly in rationals where the
+// form has no root, to 1e-60 in Reference where it has.
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/type_list.hpp>
@@ -51,14 +51,17 @@ TEST(GainLaws, WhereKPsiPIsSubtractedDeltaPIsMinusDeltaKTimesTheRow) {
 TEST(GainLaws, InJosephsFormsDeltaPIsTheSquare) {
     for_each(Josephs{}, []<class F>() { EXPECT_EQ(worst<F>(second_order<Rational>), 0) << F::name; });
 }
-TEST(GainLaws, InPottersFormDeltaPLiesBetweenThem) { EXPECT_LE(worst<Potter<Reference>>(potter<Reference>), tolerance); }
+TEST(GainLaws, InPottersFormDeltaPLiesBetweenThem) {
+    EXPECT_LE(worst<Potter<Reference>>(potter<Reference>), tolerance);
+}
 
 TEST(GainLaws, EachIsViolatedByTheOthersForms) {
     for_each(Subtracting{}, []<class F>() { EXPECT_GT(worst<F>(second_order<Rational>), 0) << F::name; });
     for_each(Josephs{}, []<class F>() { EXPECT_GT(worst<F>(first_order<Rational>), 0) << F::name; });
     EXPECT_GT(worst<Symmetric<Rational>>(first_order<Rational>), 0);
     EXPECT_GT(worst<Conventional<Rational>>(mirrored<Rational>), 0);
-    EXPECT_GT(worst<Potter<Reference>>(nothing<Reference>), Reference(1e-3));  // "a factor is propagated, so nothing arrives"
+    EXPECT_GT(worst<Potter<Reference>>(nothing<Reference>),
+              Reference(1e-3));  // "a factor is propagated, so nothing arrives"
     EXPECT_GT(worst<Potter<Reference>>(symmetrised<Reference>), Reference(1e-3));
     EXPECT_GT(worst<Potter<Reference>>(second_order<Reference>), Reference(1e-3));
 }
@@ -111,7 +114,9 @@ TEST(GainLaws, AnErrorAfterTheLastColumnReachesThetaAlone) {
 TEST(GainLaws, ARelativeErrorOfTheRunningGain) {
     for (int n = 0; n < cases; ++n) {
         Case<Rational> const c(Seed{std::uint64_t(n)});
-        auto const P = [&](Rational const& eps) { return after<Ud<Rational>>(c, ScaleWhereverUsed<Rational>{eps * c.delta, {}}); };
+        auto const P = [&](Rational const& eps) {
+            return after<Ud<Rational>>(c, ScaleWhereverUsed<Rational>{eps * c.delta, {}});
+        };
         Matrix<Rational> const odd = (P(Rational(1) / 8) - P(Rational(-1) / 8)) * Rational(4);  // over 2 eps
         EXPECT_EQ(largest<Rational>(odd - relative_in_sweep(c)), 0) << n;
         EXPECT_NE(largest<Rational>(odd + relative_in_sweep(c)), 0) << n;
@@ -121,16 +126,20 @@ TEST(GainLaws, ARelativeErrorOfTheRunningGain) {
 TEST(GainLaws, OneStepsSizeIsATrace) {
     for (int n = 0; n < cases; ++n) {
         Case<Rational> const c(Seed{std::uint64_t(n)});
-        EXPECT_EQ(c.s * inner<Rational>(c.K, c.K) / c.lambda, trace<Rational>(c.P) / c.lambda - trace<Rational>(c.P_next)) << n;
+        EXPECT_EQ(c.s * inner<Rational>(c.K, c.K) / c.lambda,
+                  trace<Rational>(c.P) / c.lambda - trace<Rational>(c.P_next))
+            << n;
     }
 }
 
-// --- definiteness -------------------------------------------------------------------------------------------------------
+// --- definiteness
+// -------------------------------------------------------------------------------------------------------
 
 /// (s/lambda) [psi'delta + sqrt(delta'P+^-1 delta (s - lambda)/s)] < 2, without the root.
 bool keeps_definite(Case<Rational> const& c, Vector<Rational> const& delta) {
     Rational const room = 2 * c.lambda / c.s - inner<Rational>(c.psi, delta);
-    Rational const square = inner<Rational>(delta, rationals::inverse(c.P_next).lazyProduct(delta)) * (c.s - c.lambda) / c.s;
+    Rational const square =
+        inner<Rational>(delta, rationals::inverse(c.P_next).lazyProduct(delta)) * (c.s - c.lambda) / c.s;
     return room > 0 && square < room * room;
 }
 template <class F>
@@ -149,10 +158,12 @@ TEST(GainLaws, WhereKPsiPIsSubtractedDefinitenessHasAThresholdInEveryDirection) 
             Rational const middle = (below + above) / 2;
             (keeps_definite(c, middle * c.delta) ? below : above) = middle;
         }
-        for (Rational const& times : {Rational(below * 999 / 1000), below, above, Rational(above * 1001 / 1000), Rational(1)}) {
+        for (Rational const& times :
+             {Rational(below * 999 / 1000), below, above, Rational(above * 1001 / 1000), Rational(1)}) {
             Vector<Rational> const delta = times * c.delta;
-            for_each(Subtracting{},
-                     [&]<class F>() { EXPECT_EQ(definite_after<F>(c, delta), keeps_definite(c, delta)) << F::name << " " << n; });
+            for_each(Subtracting{}, [&]<class F>() {
+                EXPECT_EQ(definite_after<F>(c, delta), keeps_definite(c, delta)) << F::name << " " << n;
+            });
             for_each(Josephs{}, [&]<class F>() { EXPECT_TRUE(definite_after<F>(c, delta)) << F::name << " " << n; });
             (keeps_definite(c, delta) ? definite : indefinite) += 1;
             bool const without_the_root = inner<Rational>(c.psi, delta) < 2 * c.lambda / c.s;  // a saboteur of the law
@@ -164,12 +175,14 @@ TEST(GainLaws, WhereKPsiPIsSubtractedDefinitenessHasAThresholdInEveryDirection) 
     EXPECT_GE(by_the_half, cases);
 }
 
-/// det S+ = lambda^(-d/2) det S (rho - psi'delta_v / (s + sqrt(lambda s))): along v singular at eps = rho/(1 - rho) and not beyond.
+/// det S+ = lambda^(-d/2) det S (rho - psi'delta_v / (s + sqrt(lambda s))): along v singular at eps = rho/(1 - rho) and
+/// not beyond.
 TEST(GainLaws, PottersRootIsSingularOnOneHyperplaneOnly) {
     for (int n = 0; n < cases; ++n) {
         Case<Reference> const c(Seed{std::uint64_t(n)}, 1);
         Reference const rho = square_root<Reference>(c.lambda / c.s), critical = rho / (1 - rho);
-        Reference const whole = determinant<Reference>(after<Potter<Reference>>(c, AddToGain<Reference>{c.f * Reference(0)}));
+        Reference const whole =
+            determinant<Reference>(after<Potter<Reference>>(c, AddToGain<Reference>{c.f * Reference(0)}));
         for (double const times : {-3.0, 0.5, 1.0, 1.5, 10.0}) {
             Reference const eps = times * critical,
                             P = determinant<Reference>(after<Potter<Reference>>(c, AddToGain<Reference>{eps * c.f}));
@@ -184,7 +197,8 @@ TEST(GainLaws, PottersRootIsSingularOnOneHyperplaneOnly) {
     }
 }
 
-/// The diagonals of the sweeps contain no v: the same bits with and without an error, in every arithmetic, however large.
+/// The diagonals of the sweeps contain no v: the same bits with and without an error, in every arithmetic, however
+/// large.
 template <class F>
 void expect_the_same_diagonal(Index d) {
     using T = typename F::scalar;
@@ -208,7 +222,8 @@ void expect_the_same_diagonal(Index d) {
 TEST(GainLaws, NoErrorReachesADiagonalOfTheSweeps) {
     auto const in = []<class T>() {
         for (Index const d : {1, 2, 5, 11})
-            for_each(TypeList<Carlson<T>, Ud<T>, InverseQr<T>, ExtendedQr<T>>{}, [d]<class F>() { expect_the_same_diagonal<F>(d); });
+            for_each(TypeList<Carlson<T>, Ud<T>, InverseQr<T>, ExtendedQr<T>>{},
+                     [d]<class F>() { expect_the_same_diagonal<F>(d); });
     };
     in.template operator()<float>();
     in.template operator()<double>();
@@ -230,13 +245,15 @@ void expect_the_same_bits(Index d) {
         a.update(psi, T(1));
         b.update(psi, T(1), inert);
     }
-    EXPECT_TRUE(a.theta() == b.theta() && a.stored().F == b.stored().F && a.stored().D == b.stored().D) << F::name << " " << d;
+    EXPECT_TRUE(a.theta() == b.theta() && a.stored().F == b.stored().F && a.stored().D == b.stored().D)
+        << F::name << " " << d;
     EXPECT_GE(calls, 40) << F::name;
 }
 TEST(GainLaws, AnInertPerturbationLeavesTheKernelsBits) {
     auto const in = []<class T>() {
         for (Index const d : {1, 3, 4, 8, 19})
-            for_each(TypeList<Conventional<T>, Kalman<T>, Joseph<T>, Potter<T>, Carlson<T>, Ud<T>, InverseQr<T>, ExtendedQr<T>>{},
+            for_each(TypeList<Conventional<T>, Kalman<T>, Joseph<T>, Potter<T>, Carlson<T>, Ud<T>, InverseQr<T>,
+                              ExtendedQr<T>>{},
                      [d]<class F>() { expect_the_same_bits<F>(d); });
     };
     in.template operator()<float>();
@@ -244,7 +261,8 @@ TEST(GainLaws, AnInertPerturbationLeavesTheKernelsBits) {
     in.template operator()<BFloat16>();
 }
 
-// --- errors of f and s: the formulas of the pages, because the pages offer K alone ---------------------------------------
+// --- errors of f and s: the formulas of the pages, because the pages offer K alone
+// ---------------------------------------
 
 /// (4) and (5) of joseph_rank_two with any f and s, and K made from them.
 Matrix<Rational> rank_two(Case<Rational> const& c, Vector<Rational> const& f, Rational const& s) {
@@ -255,12 +273,17 @@ Matrix<Rational> rank_two(Case<Rational> const& c, Vector<Rational> const& f, Ra
 TEST(GainLaws, JosephRankTwoIsFirstOrderInErrorsOfFAndS) {
     for (int n = 0; n < cases; ++n) {
         Case<Rational> const c(Seed{std::uint64_t(n)});
-        EXPECT_EQ(largest<Rational>(rank_two(c, c.f, c.s) - after<JosephRankTwo<Rational>>(c, NoPerturbation{})), 0);  // the same formula
+        EXPECT_EQ(largest<Rational>(rank_two(c, c.f, c.s) - after<JosephRankTwo<Rational>>(c, NoPerturbation{})),
+                  0);  // the same formula
         Rational const eta = Rational(int(n % 7) - 3) / 8;
         Matrix<Rational> const KK = outer<Rational>(c.K, c.K);
-        EXPECT_EQ(largest<Rational>(rank_two(c, c.f, c.s * (1 + eta)) - c.P_next - c.s / c.lambda * eta / (1 + eta) * KK), 0) << n;
-        EXPECT_EQ(rationals::is_positive_definite(rank_two(c, c.f, c.s * (1 + eta))), c.s * (1 + eta) > c.s - c.lambda) << n;
-        Case<Rational> const joseph = c.with_error(Vector<Rational>(-eta / (1 + eta) * c.K));  // which uses s in K alone
+        EXPECT_EQ(
+            largest<Rational>(rank_two(c, c.f, c.s * (1 + eta)) - c.P_next - c.s / c.lambda * eta / (1 + eta) * KK), 0)
+            << n;
+        EXPECT_EQ(rationals::is_positive_definite(rank_two(c, c.f, c.s * (1 + eta))), c.s * (1 + eta) > c.s - c.lambda)
+            << n;
+        Case<Rational> const joseph =
+            c.with_error(Vector<Rational>(-eta / (1 + eta) * c.K));  // which uses s in K alone
         EXPECT_EQ(largest<Rational>(after<Joseph<Rational>>(c, AddToGain<Rational>{joseph.delta}) - c.P_next -
                                     c.s / c.lambda * eta * eta / ((1 + eta) * (1 + eta)) * KK),
                   0)
@@ -276,7 +299,9 @@ TEST(GainLaws, JosephRankTwoIsFirstOrderInErrorsOfFAndS) {
             Matrix<Rational> const law = -(outer<Rational>(df, c.K) + outer<Rational>(c.K, df) - ds * KK) / c.lambda;
             return Rational(largest<Rational>(rank_two(c, c.f + df, c.s + ds) - c.P_next - law) / t);
         };
-        EXPECT_LT(from_first_order(Rational(1) / (1 << 30)) * (1 << 28), from_first_order(Rational(1) / (1 << 20)) * (1 << 19)) << n;
+        EXPECT_LT(from_first_order(Rational(1) / (1 << 30)) * (1 << 28),
+                  from_first_order(Rational(1) / (1 << 20)) * (1 << 19))
+            << n;
     }
 }
 

@@ -1,4 +1,5 @@
-// One step of recursive least squares with an error in what plays the gain: random cases, the errors, and what the laws say.
+// One step of recursive least squares with an error in what plays the gain: random cases, the errors, and what the laws
+// say.
 #pragma once
 
 #include <rlslab/core/random.hpp>
@@ -74,7 +75,8 @@ struct Case {
         K = f / s;
         P_next = (P - outer(f, f) / s) / lambda;
         delta = Vector<T>(size);
-        for (Index i = 0; i < size; ++i) delta[i] = along_K != 0 ? T(along_K) * K[i] : K[i] * fraction() / T(5) + fraction() / T(50);
+        for (Index i = 0; i < size; ++i)
+            delta[i] = along_K != 0 ? T(along_K) * K[i] : K[i] * fraction() / T(5) + fraction() / T(50);
         // P = U D U' from the last column on, and the sweep's partial gains.
         Matrix<T> A = P, U = Matrix<T>::Identity(size, size);
         Vector<T> D(size), v = Vector<T>::Zero(size);
@@ -99,10 +101,13 @@ struct Case {
         out.delta = std::move(error);
         return out;
     }
-    Problem<T> problem() const { return {.size = size, .forgetting = lambda, .prior = Prior<T>{.variance = T(1), .covariance = P}}; }
+    Problem<T> problem() const {
+        return {.size = size, .forgetting = lambda, .prior = Prior<T>{.variance = T(1), .covariance = P}};
+    }
 };
 
-// --- perturbations --------------------------------------------------------------------------------------------------------
+// --- perturbations
+// --------------------------------------------------------------------------------------------------------
 
 template <class T>
 struct AddToGain {
@@ -159,7 +164,8 @@ auto running_scale(Case<typename F::scalar> const& c, Index j) {
     else return T(1);
 }
 
-// --- what the laws say of delta P -----------------------------------------------------------------------------------------
+// --- what the laws say of delta P
+// -----------------------------------------------------------------------------------------
 
 template <class T>
 Matrix<T> nothing(Case<T> const& c) {
@@ -188,7 +194,8 @@ template <class T>
 Matrix<T> potter(Case<T> const& c) {
     T const rho = square_root(T(c.lambda / c.s));
     return c.s / c.lambda *
-           (-rho / (1 + rho) * (outer(c.delta, c.K) + outer(c.K, c.delta)) + (1 - rho) / (1 + rho) * outer(c.delta, c.delta));
+           (-rho / (1 + rho) * (outer(c.delta, c.K) + outer(c.K, c.delta)) +
+            (1 - rho) / (1 + rho) * outer(c.delta, c.delta));
 }
 template <class T>
 Matrix<T> sweep_to_first_order(Case<T> const& c, Vector<T> const& delta_v, Index j) {
@@ -197,7 +204,8 @@ Matrix<T> sweep_to_first_order(Case<T> const& c, Vector<T> const& delta_v, Index
 }
 template <class T>
 Matrix<T> sweep(Case<T> const& c, Vector<T> const& delta_v, Index j) {
-    return sweep_to_first_order(c, delta_v, j) + (T(1) / c.s_after[size_t(j)] - T(1) / c.s) / c.lambda * outer(delta_v, delta_v);
+    return sweep_to_first_order(c, delta_v, j) +
+           (T(1) / c.s_after[size_t(j)] - T(1) / c.s) / c.lambda * outer(delta_v, delta_v);
 }
 /// The derivative by eps of P where the running gain is v_i (1 + eps r_i) in every column, r = delta.
 template <class T>

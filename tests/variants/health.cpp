@@ -1,5 +1,5 @@
-// Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that overflow; steps whose
-// health is known by hand.
+// Where health is easily misjudged: underflow, zeros at a start without prior, weights that vanish, products that
+// overflow; steps whose health is known by hand.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "compare/compare.hpp"
 #include "tests/common/laws.hpp"
@@ -18,7 +18,9 @@ namespace {
 
 using Row = Vector<double>;
 
-CatalogueEntry const& entry_of(std::string_view variant, std::string_view arithmetic) { return *find_entry(variant, arithmetic); }
+CatalogueEntry const& entry_of(std::string_view variant, std::string_view arithmetic) {
+    return *find_entry(variant, arithmetic);
+}
 
 /// Rows whose s leaves double's range while its root does not: gamma underflows, and nothing is wrong with the factors.
 TEST(Health, AnUnderflowOfGammaIsSound) {
@@ -46,7 +48,8 @@ TEST(Health, AFormWhoseStoredFactorsAreDefiniteIsNotCalledBroken) {
         bool const factor = r.entry->make(laws::problem(2), Seed{1})->stored().form == Stored<Reference>::Form::factor;
         factors += factor;
         if (factor && r.breakdown) {
-            auto const f = r.entry->make({.size = 2, .prior = Prior<double>{.variance = r.entry->arithmetic->round(60000)}}, Seed{1});
+            auto const f = r.entry->make(
+                {.size = 2, .prior = Prior<double>{.variance = r.entry->arithmetic->round(60000)}}, Seed{1});
             Records const rounded = as_stored(records, *r.entry->arithmetic);
             bool definite = true;
             for (Index k = 0; k < r.breakdown->step; ++k) {
@@ -71,8 +74,10 @@ TEST(Health, DependentAndZeroFirstRowsAreUndetermined) {
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{0.0, 0.0}}, 1.0).health), "undetermined") << entry.variant << ": a zero row";
         for (int k = 1; k <= 3; ++k)
-            EXPECT_EQ(name_of(f->update(Row{{2.0 * k, 0.0}}, 1.0).health), "undetermined") << entry.variant << ": " << k;
-        EXPECT_EQ(name_of(f->update(Row{{1.0, 1.0}}, 1.0).health), "undetermined") << entry.variant << ": the determining row";
+            EXPECT_EQ(name_of(f->update(Row{{2.0 * k, 0.0}}, 1.0).health), "undetermined")
+                << entry.variant << ": " << k;
+        EXPECT_EQ(name_of(f->update(Row{{1.0, 1.0}}, 1.0).health), "undetermined")
+            << entry.variant << ": the determining row";
         EXPECT_EQ(name_of(f->update(Row{{1.0, -1.0}}, 2.0).health), "sound") << entry.variant;
     }
 }
@@ -85,10 +90,12 @@ TEST(Health, ANanIsNotALackOfRows) {
         if (!entry.starts_without_prior || entry.arithmetic->name != "double") continue;
         auto const f = entry.make(p, Seed{1});
         EXPECT_EQ(name_of(f->update(Row{{std::nan(""), 1.0}}, 1.0).health), "nonfinite") << entry.variant;
-        for (int k = 1; k <= 3; ++k) EXPECT_EQ(name_of(f->update(Row{{1.0, double(k)}}, 1.0).health), "nonfinite") << entry.variant << k;
+        for (int k = 1; k <= 3; ++k)
+            EXPECT_EQ(name_of(f->update(Row{{1.0, double(k)}}, 1.0).health), "nonfinite") << entry.variant << k;
     }
     Information<float> broken({.size = 2});
-    for (int k = 0; k < 4; ++k) EXPECT_NE(name_of(broken.update(Vector<float>{{1e4f, 1e4f + float(k)}}, 1.0f).health), "undetermined") << k;
+    for (int k = 0; k < 4; ++k)
+        EXPECT_NE(name_of(broken.update(Vector<float>{{1e4f, 1e4f + float(k)}}, 1.0f).health), "undetermined") << k;
 }
 
 /// A prior so large that the row's weight vanishes behind the first column: theta is defined all along.
@@ -172,7 +179,8 @@ TEST(Health, APriorThatDecidesThetaIsNotRecommendedFor) {
     EXPECT_EQ(compare::compare(records, options).prior_bias, 0);
 }
 
-// --- one variant at a time, also for numbers that it stores separately ------------------------------------------------------
+// --- one variant at a time, also for numbers that it stores separately
+// ------------------------------------------------------
 
 /// e, s and gamma are ordinary numbers: K = P psi / s = 9.9, and K e alone overflows.
 TEST(HealthByHand, OfUdAThetaThatOverflowsIsNotSound) {
@@ -183,7 +191,8 @@ TEST(HealthByHand, OfUdAThetaThatOverflowsIsNotSound) {
     EXPECT_EQ(name_of(step.health), "nonfinite");
 }
 
-/// X falls to zero by forgetting and comes back with the next row: that row's innovation was against no theta, and it is no start.
+/// X falls to zero by forgetting and comes back with the next row: that row's innovation was against no theta, and it
+/// is no start.
 TEST(HealthByHand, OfInformationTheRowAfterABreakdownIsStillBroken) {
     Information<double> f({.size = 1, .forgetting = 0x1p-600, .prior = Prior<double>{.variance = 1}});
     EXPECT_EQ(name_of(f.update(Row{{0.0}}, 1.0).health), "sound");
@@ -217,7 +226,8 @@ TEST(HealthByHand, OfExtendedQrAnInfinitePivotIsNotSound) {
     EXPECT_EQ(name_of(step.health), "nonfinite");
 }
 
-/// A column that is a unit vector but for 2^-30: r away from its sign loses nothing, r towards it all of the reflection.
+/// A column that is a unit vector but for 2^-30: r away from its sign loses nothing, r towards it all of the
+/// reflection.
 TEST(OrderRecursiveQr, ReflectsAwayFromTheSign) {
     for (double const sign : {1.0, -1.0}) {
         Row const x{{sign, 0x1p-30, -0x1p-30, 0x1p-29}}, z{{0.5, 1, -2, 3}};

@@ -1,5 +1,6 @@
 // Random hostile cases: any shape, any scale, infinities and NaN, for every variant in every arithmetic.
-// No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next step.
+// No step is sound with a theta or a gain that is not finite, and what overflowed in the store is reported by the next
+// step.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "tests/common/laws.hpp"
 
@@ -23,17 +24,19 @@ struct Case {
     Seed seed;
     CatalogueEntry const& entry;
     Index size;
-    bool clamped;  // to the exponents of the arithmetic, half of the cases: short formats are then hit inside of their range
+    bool clamped;  // to the exponents of the arithmetic, half of the cases: short formats are then hit inside of their
+                   // range
 
     explicit Case(Seed from)
-        : seed(from), entry(catalogue()[seed.next() % catalogue().size()]), size(Index(1 + seed.next() % (seed.next() % 8 == 0 ? 33 : 8))),
-          clamped(seed.next() % 2 == 0) {}
+        : seed(from), entry(catalogue()[seed.next() % catalogue().size()]),
+          size(Index(1 + seed.next() % (seed.next() % 8 == 0 ? 33 : 8))), clamped(seed.next() % 2 == 0) {}
 
     bool one_in(std::uint64_t n) { return seed.next() % n == 0; }
     /// 2^-1000 ... 2^1000, more often near 1 and at the ends of the arithmetic's range than anywhere.
     double scale() {
         Arithmetic const& a = *entry.arithmetic;
-        int const lowest = std::max(-1000, clamped ? a.min_exp - a.digits : -1000), highest = std::min(1000, clamped ? a.max_exp : 1000);
+        int const lowest = std::max(-1000, clamped ? a.min_exp - a.digits : -1000),
+                  highest = std::min(1000, clamped ? a.max_exp : 1000);
         switch (seed.next() % 6) {
             case 0: return std::ldexp(1.0, lowest + int(seed.next() % 8));
             case 1: return std::ldexp(1.0, highest - int(seed.next() % 8));
@@ -45,7 +48,8 @@ struct Case {
     double number() {
         switch (seed.next() % 60) {
             case 0: return std::numeric_limits<double>::quiet_NaN();
-            case 1: return one_in(2) ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity();
+            case 1:
+                return one_in(2) ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity();
             case 2:
             case 3: return 0;
             case 4: return 1;
@@ -114,8 +118,8 @@ std::string run(Seed seed) {
     CatalogueEntry const& entry = c.entry;
     std::ostringstream told;
     told.precision(17);
-    told << "HOSTILE_SEED=0x" << std::hex << seed.state << std::dec << ": " << entry.variant << " in " << entry.arithmetic->name << ", "
-         << c.size;
+    told << "HOSTILE_SEED=0x" << std::hex << seed.state << std::dec << ": " << entry.variant << " in "
+         << entry.arithmetic->name << ", " << c.size;
     std::unique_ptr<AnyFilter> f;
     try {
         Problem<double> const p = c.problem();
@@ -136,7 +140,8 @@ std::string run(Seed seed) {
     int const steps = int(1 + c.seed.next() % 24);
     for (int k = 0; k < steps; ++k) {
         // Rows at the end of their storage, at any address a number may have, at any distance from one another.
-        Index const before = Index(c.seed.next() % 4), rows = entry.block > 1 || c.one_in(6) ? Index(1 + c.seed.next() % 5) : 1;
+        Index const before = Index(c.seed.next() % 4),
+                    rows = entry.block > 1 || c.one_in(6) ? Index(1 + c.seed.next() % 5) : 1;
         Records records{.psi = Eigen::MatrixXd(c.size, rows), .y = Vector<double>(rows), .names = {}};
         for (Index n = 0; n < rows; ++n) {
             bool const zero = c.one_in(16), again = !last.empty() && c.one_in(8);
@@ -158,7 +163,8 @@ std::string run(Seed seed) {
             Regressor<double> const psi(at.data() + before, c.size);
             if (entry.gain_perturbable && c.one_in(8)) {
                 Index const errors = c.one_in(2) ? c.size : 1;
-                Matrix<double> const relative = Matrix<double>::NullaryExpr(c.size, errors, [&c] { return c.number() * c.scale(); });
+                Matrix<double> const relative =
+                    Matrix<double>::NullaryExpr(c.size, errors, [&c] { return c.number() * c.scale(); });
                 told << "\n  gain changed by" << text(Vector<double>(relative.reshaped()));
                 health = f->update(psi, records.y[0], relative).health;
             } else {
@@ -167,7 +173,8 @@ std::string run(Seed seed) {
         }
         told << "\n  " << name_of(health) << (in_block ? " (block)" : "") << ":";
         for (Index n = 0; n < rows; ++n) told << " [" << text(records.psi.col(n)) << "; " << records.y[n] << " ]";
-        if (std::string const broken = breach(*f, health, was_finite || in_block); !broken.empty()) return told.str() + "\n  " + broken;
+        if (std::string const broken = breach(*f, health, was_finite || in_block); !broken.empty())
+            return told.str() + "\n  " + broken;
         was_finite = finite(f->stored(), entry.variant);
         if (c.one_in(10)) f = f->clone();
     }
@@ -201,12 +208,14 @@ void strides_make_no_difference(Seed seed) {
     using T = typename F::scalar;
     auto const up_to = [&seed](Index n) { return Index(1 + Index(seed.next() % std::uint64_t(n))); };
     for (int n = 0; n < 200; ++n) {
-        Index const d = up_to(9), rows = up_to(150), inner = up_to(3), outer = d * inner + up_to(5) - 1, of_y = up_to(4);
+        Index const d = up_to(9), rows = up_to(150), inner = up_to(3), outer = d * inner + up_to(5) - 1,
+                    of_y = up_to(4);
         std::vector<double> psi(size_t(rows * outer)), y(size_t(rows * of_y));
         for (double& x : psi) x = seed.bell();
         for (double& x : y) x = seed.bell();
         Eigen::Map<Eigen::MatrixXd const, 0, Stride> const strided(psi.data(), d, rows, Stride(outer, inner));
-        Eigen::Map<Vector<double> const, 0, Eigen::InnerStride<>> const outputs(y.data(), rows, Eigen::InnerStride<>(of_y));
+        Eigen::Map<Vector<double> const, 0, Eigen::InnerStride<>> const outputs(y.data(), rows,
+                                                                                Eigen::InnerStride<>(of_y));
         Problem<T> const problem{.size = d, .forgetting = T(0.96875)};
         F as_given(problem), copied(problem), backwards(problem), turned(problem);
         process(as_given, strided, outputs);

@@ -1,4 +1,5 @@
-// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23), exactly in rationals, to 2^-220 in Reference.
+// The identities of recursive least squares (docs/theory.md 12, 14, 15, 18, 21 to 23), exactly in rationals, to 2^-220
+// in Reference.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/variants/variants.hpp>
@@ -118,7 +119,8 @@ std::array<T, count> violations(T lambda) {
         note(energy, V_now - (lambda * V + v * v - gamma * e * e));
         Matrix<T> const A = I - K.lazyProduct(psi.transpose());
         note(trace, A(0, 0) + A(1, 1) + A(2, 2) - (T(d - 1) + gamma));
-        note(determinant, A(0, 0) * (A(1, 1) * A(2, 2) - A(1, 2) * A(2, 1)) - A(0, 1) * (A(1, 0) * A(2, 2) - A(1, 2) * A(2, 0)) +
+        note(determinant, A(0, 0) * (A(1, 1) * A(2, 2) - A(1, 2) * A(2, 1)) -
+                              A(0, 1) * (A(1, 0) * A(2, 2) - A(1, 2) * A(2, 0)) +
                               A(0, 2) * (A(1, 0) * A(2, 1) - A(1, 1) * A(2, 0)) - gamma);
         note(transition, largest(A - lambda * P_now.lazyProduct(inverse(P))));
         note(gain_is_P_psi, largest(K - P_now.lazyProduct(psi)));
@@ -141,7 +143,8 @@ TEST(Identities, HoldInReferenceForEveryVariant) {
     for_each(Variants<Reference>{}, [&]<class F>() {
         for (Reference const& lambda : {Reference(1), Reference(9) / 10}) {
             auto const worst = violations<F>(lambda);
-            for (int i = 0; i < count; ++i) EXPECT_LE(worst[size_t(i)], tolerance) << F::name << ": " << title[size_t(i)];
+            for (int i = 0; i < count; ++i)
+                EXPECT_LE(worst[size_t(i)], tolerance) << F::name << ": " << title[size_t(i)];
         }
     });
 }

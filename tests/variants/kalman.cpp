@@ -1,4 +1,5 @@
-// The Kalman view: where its filter is recursive least squares, to the bit or exactly, and where a walk makes the difference.
+// The Kalman view: where its filter is recursive least squares, to the bit or exactly, and where a walk makes the
+// difference.
 #include "tests/common/laws.hpp"
 
 #include <rlslab/variants/conventional.hpp>
@@ -15,7 +16,8 @@ TEST(Kalman, WithoutWalkOrForgettingItIsTheConventionalFormBitForBit) {
         Kalman<double> kalman(laws::problem(d));
         Conventional<double> conventional(laws::problem(d));
         for (Index k = 0; k < records.rows(); ++k) {
-            Step<double> const a = kalman.update(records.sample(k), records.y[k]), b = conventional.update(records.sample(k), records.y[k]);
+            Step<double> const a = kalman.update(records.sample(k), records.y[k]),
+                               b = conventional.update(records.sample(k), records.y[k]);
             EXPECT_EQ(a.innovation, b.innovation);
             EXPECT_EQ(a.gamma, b.gamma);
         }
@@ -32,7 +34,8 @@ Vector<Rational> rational(Seed& seed, Index n) {
 }
 
 TEST(Kalman, ForgettingInflatesTheCovarianceExactly) {
-    Problem<Rational> const problem{.size = 3, .forgetting = Rational(9, 10), .prior = Prior<Rational>{.variance = Rational(5)}};
+    Problem<Rational> const problem{
+        .size = 3, .forgetting = Rational(9, 10), .prior = Prior<Rational>{.variance = Rational(5)}};
     Kalman<Rational> kalman(problem);
     Conventional<Rational> conventional(problem);
     Seed seed{2};
@@ -47,14 +50,16 @@ TEST(Kalman, ForgettingInflatesTheCovarianceExactly) {
     EXPECT_TRUE(Vector<Rational>(kalman.theta()) == Vector<Rational>(conventional.theta()));
 }
 
-/// P- = P / lambda + Q, a walk on top of forgetting: the inverses of 2 x 2 matrices by Cramer's rule, P^-1 = P-^-1 + psi psi'.
+/// P- = P / lambda + Q, a walk on top of forgetting: the inverses of 2 x 2 matrices by Cramer's rule, P^-1 = P-^-1 +
+/// psi psi'.
 TEST(Kalman, AWalkIsAddedToWhatForgettingLeavesExactly) {
     Rational const lambda(9, 10);
     Matrix<Rational> const Q{{Rational(1, 4), Rational(1, 8)}, {Rational(1, 8), Rational(1, 2)}};
     Kalman<Rational> filter({.size = 2, .forgetting = lambda, .prior = Prior<Rational>{.variance = Rational(5)}}, Q);
     auto const inverse = [](Matrix<Rational> const& A) {
         Rational const det = A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0);
-        return Matrix<Rational>{{Rational(A(1, 1) / det), Rational(-A(0, 1) / det)}, {Rational(-A(1, 0) / det), Rational(A(0, 0) / det)}};
+        return Matrix<Rational>{{Rational(A(1, 1) / det), Rational(-A(0, 1) / det)},
+                                {Rational(-A(1, 0) / det), Rational(A(0, 0) / det)}};
     };
     Matrix<Rational> P{{Rational(5), Rational(0)}, {Rational(0), Rational(5)}};
     Seed seed{4};
@@ -72,7 +77,8 @@ TEST(Kalman, AWalkIsAddedToWhatForgettingLeavesExactly) {
     }
 }
 
-/// The scalar walk with psi = 1: P settles at the root of P^2 + Q P - Q = 0 (Riccati), and theta follows a step in 1/K rows.
+/// The scalar walk with psi = 1: P settles at the root of P^2 + Q P - Q = 0 (Riccati), and theta follows a step in 1/K
+/// rows.
 TEST(Kalman, AWalkSettlesWhereTheRiccatiEquationSays) {
     double const Q = 0.01;
     Kalman<double, 1> filter({.size = 1}, Matrix<double>{{Q}});

@@ -70,8 +70,9 @@ TEST(GainError, OfAnotherShapeIsRefused) {
         if (entry.arithmetic->name != "double" || !entry.gain_perturbable) continue;
         auto const f = entry.make(laws::problem(3), Seed{1});
         for (auto const& [rows, columns] : {std::pair<Index, Index>{2, 1}, {4, 1}, {3, 2}, {3, 0}, {0, 0}, {1, 3}})
-            EXPECT_THROW(f->update(std::vector<double>{1.0, 2.0, 3.0}, 1.0, Matrix<double>(Matrix<double>::Zero(rows, columns))),
-                         std::invalid_argument)
+            EXPECT_THROW(
+                f->update(std::vector<double>{1.0, 2.0, 3.0}, 1.0, Matrix<double>(Matrix<double>::Zero(rows, columns))),
+                std::invalid_argument)
                 << entry.variant << " " << rows << " x " << columns;
     }
 }

@@ -1,4 +1,5 @@
-// The types that an update accepts as a regressor. It must not accept numbers that do not lie one after another in memory.
+// The types that an update accepts as a regressor. It must not accept numbers that do not lie one after another in
+// memory.
 #include <rlslab/catalogue/catalogue.hpp>
 #include "tests/common/laws.hpp"
 
@@ -28,23 +29,29 @@ concept TakenInFloat = requires(Ud<float>& f, X const& x) { f.update(x, 1.0f); }
 
 static_assert(Taken<VectorXd> && Taken<Eigen::Vector2d> && Taken<Eigen::RowVectorXd> && Taken<Eigen::ArrayXd>);
 static_assert(Taken<Map<VectorXd const>> && Taken<Ref<VectorXd>> && Taken<Ref<VectorXd const>>);
-static_assert(Taken<MatrixXd::ColXpr> && Taken<MatrixXd::ConstColXpr> && Taken<RowMajor::RowXpr> && Taken<VectorXd::SegmentReturnType>);
+static_assert(Taken<MatrixXd::ColXpr> && Taken<MatrixXd::ConstColXpr> && Taken<RowMajor::RowXpr> &&
+              Taken<VectorXd::SegmentReturnType>);
 static_assert(Taken<Eigen::Transpose<VectorXd>>);
-static_assert(Taken<std::vector<double>> && Taken<std::array<double, 2>> && Taken<std::span<double>> && Taken<std::span<double const, 2>>);
+static_assert(Taken<std::vector<double>> && Taken<std::array<double, 2>> && Taken<std::span<double>> &&
+              Taken<std::span<double const, 2>>);
 static_assert(Taken<double[2]>);
 
 // A row of a matrix by columns learned wrong numbers and called every step sound.
-static_assert(!Taken<MatrixXd::RowXpr> && !Taken<MatrixXd::ConstRowXpr> && !Taken<Eigen::Matrix2d::RowXpr> && !Taken<RowMajor::ColXpr>);
+static_assert(!Taken<MatrixXd::RowXpr> && !Taken<MatrixXd::ConstRowXpr> && !Taken<Eigen::Matrix2d::RowXpr> &&
+              !Taken<RowMajor::ColXpr>);
 static_assert(!Taken<EveryOther> && !Taken<AnyStride> && !Taken<Eigen::Reverse<VectorXd, Eigen::Vertical>>);
 static_assert(!Taken<Eigen::Diagonal<MatrixXd>> && !Taken<Ref<VectorXd, 0, Eigen::InnerStride<>>>);
 // Nor expressions, which have no numbers yet, nor whole matrices, nor numbers of another arithmetic.
 static_assert(!Taken<decltype(2 * std::declval<VectorXd const&>())> && !Taken<MatrixXd> && !Taken<Map<MatrixXd const>>);
-static_assert(!Taken<Eigen::VectorXf> && !Taken<std::vector<float>> && !Taken<std::vector<int>> && !Taken<Eigen::VectorXi>);
+static_assert(!Taken<Eigen::VectorXf> && !Taken<std::vector<float>> && !Taken<std::vector<int>> &&
+              !Taken<Eigen::VectorXi>);
 static_assert(TakenInFloat<std::vector<float>> && !TakenInFloat<std::vector<double>> && !TakenInFloat<VectorXd>);
 
 // A pointer and a size; a zero is no pointer, and a pointer to other numbers none of ours.
-static_assert(std::constructible_from<Regressor<double>, double*, int> && std::constructible_from<Regressor<double>, double const*, Index>);
-static_assert(!std::constructible_from<Regressor<double>, int, int> && !std::constructible_from<Regressor<double>, std::nullptr_t, int>);
+static_assert(std::constructible_from<Regressor<double>, double*, int> &&
+              std::constructible_from<Regressor<double>, double const*, Index>);
+static_assert(!std::constructible_from<Regressor<double>, int, int> &&
+              !std::constructible_from<Regressor<double>, std::nullptr_t, int>);
 static_assert(!std::constructible_from<Regressor<double>, float const*, int>);
 
 /// y = 3 x1 + 2 x2 without noise, from the rows of X as `row` hands them on.
@@ -59,7 +66,8 @@ TEST(Regressor, EveryFormOfARowLearnsTheSameNumbers) {
     Seed seed{3};
     MatrixXd const X = MatrixXd::NullaryExpr(20, 2, [&seed] { return seed.bell(); });
     RowMajor const by_rows = X;
-    VectorXd const theta = learned(X, [&](auto& f, Index k, double y) { f.update(Eigen::Vector2d(X(k, 0), X(k, 1)), y); });
+    VectorXd const theta =
+        learned(X, [&](auto& f, Index k, double y) { f.update(Eigen::Vector2d(X(k, 0), X(k, 1)), y); });
     EXPECT_NEAR(theta[0], 3, 1e-7);
     EXPECT_NEAR(theta[1], 2, 1e-7);
     EXPECT_EQ(learned(X, [&](auto& f, Index k, double y) { f.update(X.row(k).eval(), y); }), theta);
@@ -88,7 +96,8 @@ TEST(Regressor, AnotherSizeIsRefusedBeforeItIsRead) {
             std::vector<double> const psi(size_t(size), 1.0);
             EXPECT_THROW(f->update(psi, 1), std::invalid_argument) << entry.variant << ' ' << size;
         }
-        EXPECT_TRUE(laws::identical(f->theta(), untouched->theta())) << entry.variant << ": the refused row left something";
+        EXPECT_TRUE(laws::identical(f->theta(), untouched->theta()))
+            << entry.variant << ": the refused row left something";
     }
 }
 

@@ -1,5 +1,5 @@
-// The board, where there is none: start-up of a Cortex-M and a terminal by way of the debugger (semihosting), for Arm's MPS2
-// boards as QEMU has them. A real board has its vendor's start-up code instead, and a serial port for a terminal.
+// The board, where there is none: start-up of a Cortex-M and a terminal by way of the debugger (semihosting), for Arm's
+// MPS2 boards as QEMU has them. A real board has its vendor's start-up code instead, and a serial port for a terminal.
 #include <board.hpp>
 
 #include <cstdint>
@@ -58,7 +58,9 @@ struct Vectors {
 extern "C" {
 extern Vectors const vectors;
 [[gnu::section(".vectors"), gnu::used]] constinit Vectors const vectors = {
-    &stack_top, {start, fault, fault, fault, fault, fault, nullptr, nullptr, nullptr, nullptr, fault, fault, nullptr, fault, count_round}};
+    &stack_top,
+    {start, fault, fault, fault, fault, fault, nullptr, nullptr, nullptr, nullptr, fault, fault, nullptr, fault,
+     count_round}};
 }
 
 void print(char const* text) { debugger(0x04, text); }  // SYS_WRITE0
@@ -82,8 +84,8 @@ int __aeabi_atexit(void*, void (*)(void*), void*) { return 0; }
     print("abort\n");
     stop(98);
 }
-/// A Problem can hold a P0 of any size, which would be freed: where there is no heap it holds none. There is no malloc here, so
-/// that a program that asks for memory does not link.
+/// A Problem can hold a P0 of any size, which would be freed: where there is no heap it holds none. There is no malloc
+/// here, so that a program that asks for memory does not link.
 void free(void* nothing) {
     if (nothing) abort();
 }

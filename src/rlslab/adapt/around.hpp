@@ -5,8 +5,8 @@
 
 namespace rlslab::detail {
 
-/// The base of the types around a filter F: F itself, and F's answers where the type has none of its own. shows_form: others may discount,
-/// inflate and reset F through the type.
+/// The base of the types around a filter F: F itself, and F's answers where the type has none of its own. shows_form:
+/// others may discount, inflate and reset F through the type.
 template <class F, bool shows_form = false>
 class AroundFilter {
 protected:

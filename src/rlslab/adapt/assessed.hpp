@@ -47,21 +47,24 @@ auto const& guard_of(F const& f) {
 }
 }  // namespace detail
 
-/// F, and what its numbers are worth. With sigma^2 the noise's variance, n the rows in memory (in the window; else taken so far):
+/// F, and what its numbers are worth. With sigma^2 the noise's variance, n the rows in memory (in the window; else
+/// taken so far):
 ///
-///   (1) r = (1 + lambda^n) / (1 + lambda): cov theta = sigma^2 r P for stationary rows, to first order in d (1 - lambda); at most
-///       sigma^2 P for any rows
-///   (2) E gamma e^2 = sigma^2 (gamma + r lambda (1 - gamma)), r of before the row: s2 is the mean of gamma e^2 over that, of all rows at
-///       first, then over `noise_memory` rows. Rows of gamma <= 0.001 tell of theta, not of the noise, and do not enter
+///   (1) r = (1 + lambda^n) / (1 + lambda): cov theta = sigma^2 r P for stationary rows, to first order in d (1 -
+///       lambda); at most sigma^2 P for any rows
+///   (2) E gamma e^2 = sigma^2 (gamma + r lambda (1 - gamma)), r of before the row: s2 is the mean of gamma e^2 over
+///       that, of all rows at first, then over `noise_memory` rows. Rows of gamma <= 0.001 tell of theta, not of the
+///       noise, and do not enter
 ///   (3) theta_j +- q sqrt(s2 r P_jj)        (4) psi'theta +- q sqrt(s2 (1 + r psi'P psi)), an interval of the next y
 ///
 /// q           the quantile: 1.96 for 95 % where s2 is known well, else Student's with degrees() degrees of freedom
-/// F           a variant, or what is around one. Where a rule forgets, r = 1: intervals up to sqrt(2) too wide, not too narrow. Rows that
-///             a guard sets aside do not enter s2; where it starts anew n = 0. A row by which it holds P down counts as knowledge, as the
-///             prior does
-/// Assumes a fixed theta and noise white and independent of psi. Until s2 has rows, deviations are NaN. Cost O(1) a row; (3) that of
-/// variance(F, j), (4) that of variance_along. Allocates as F does.
-/// Throws std::invalid_argument for a noise memory below 1, a psi of another size, or j outside 0 ... d-1. Source: docs/theory.md 61.
+/// F           a variant, or what is around one. Where a rule forgets, r = 1: intervals up to sqrt(2) too wide, not too
+///             narrow. Rows that a guard sets aside do not enter s2; where it starts anew n = 0. A row by which it
+///             holds P down counts as knowledge, as the prior does
+/// Assumes a fixed theta and noise white and independent of psi. Until s2 has rows, deviations are NaN. Cost O(1) a
+/// row; (3) that of variance(F, j), (4) that of variance_along. Allocates as F does.
+/// Throws std::invalid_argument for a noise memory below 1, a psi of another size, or j outside 0 ... d-1. Source:
+/// docs/theory.md 61.
 template <OverOrderedField F>
     requires Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
              requires(F& f, Regressor<typename F::scalar> psi) { variance(f, Index(0)), variance_along(f, psi); }
@@ -76,7 +79,8 @@ class Assessed : public detail::AroundFilter<F> {
 public:
     static constexpr bool departs = true;  ///< nothing goes around it but weights
 
-    explicit Assessed(Problem<T> const& problem, AssessedOptions const& options = {}) : Assessed(F(problem), problem.forgetting, options) {}
+    explicit Assessed(Problem<T> const& problem, AssessedOptions const& options = {})
+        : Assessed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own. `forgetting` is the problem's.
     Assessed(F const& filter, T const& forgetting, AssessedOptions const& options = {})
         : detail::AroundFilter<F>(filter), scratch_(filter.theta().size()), options_(options), lambda_(forgetting) {
@@ -88,8 +92,8 @@ public:
         T const r = share();
         Step<T> const step = filter_.update(psi, y);
         T const square = step.innovation * step.residual, expected = step.gamma + r * lambda_ * (T(1) - step.gamma);
-        if (step.health == Health::sound && !detail::guard_of(filter_).set_aside() && T(0) <= square && is_finite(square) &&
-            T(0.001) < step.gamma) {
+        if (step.health == Health::sound && !detail::guard_of(filter_).set_aside() && T(0) <= square &&
+            is_finite(square) && T(0.001) < step.gamma) {
             if (learnt_ < options_.noise_memory) ++learnt_;
             s2_ += (square / expected - s2_) / T(double(learnt_));  // (2)
         }
@@ -103,11 +107,13 @@ public:
         return step;
     }
     static constexpr std::string_view layer = "assessed";
-    static std::array<StateOption, 1> options(auto const& f) { return {{{"noise_memory", double(f.options_.noise_memory)}}}; }
+    static std::array<StateOption, 1> options(auto const& f) {
+        return {{{"noise_memory", double(f.options_.noise_memory)}}};
+    }
     static auto state(auto& f) { return std::tie(f.filter_, f.lambda_, f.power_, f.s2_, f.learnt_, f.in_power_); }
 
-    T noise_variance() const { return s2_; }                                                             ///< s2; 0 before the first row
-    Index degrees() const { return learnt_; }                                                            ///< of freedom of s2, about
+    T noise_variance() const { return s2_; }   ///< s2; 0 before the first row
+    Index degrees() const { return learnt_; }  ///< of freedom of s2, about
     T share() const { return detail::has_a_rule(filter_) ? T(1) : (T(1) + power_) / (T(1) + lambda_); }  ///< r, (1)
 
     /// (3)

@@ -5,8 +5,8 @@
 
 namespace rlslab {
 
-/// A count from 0 to `most`. `most` is the reader's own and not written; what is beyond it is not read, so that no file makes a program
-/// reach outside its memory.
+/// A count from 0 to `most`. `most` is the reader's own and not written; what is beyond it is not read, so that no file
+/// makes a program reach outside its memory.
 struct BoundedCount {
     std::ptrdiff_t n = 0, most = 0;
 };

@@ -14,15 +14,15 @@ namespace rlslab {
 ///
 ///   psi_k = (u_k, u_{k-1}, ..., u_{k-N+1}),    samples before the first being 0.
 ///
-/// Each sample is written twice, N places apart, into a ring of 2 N. The last N then lie one after another, and a step costs two
-/// stores, where a shift register moves N numbers.
+/// Each sample is written twice, N places apart, into a ring of 2 N. The last N then lie one after another, and a step
+/// costs two stores, where a shift register moves N numbers.
 ///
 ///   (1) at = (at - 1) mod N        (2) ring[at] = ring[at + N] = u        (3) psi = ring[at ... at + N - 1]
 ///
 /// u       stored as it is, also where it is not finite; N samples later it has left
 /// N       d, fixed: no heap; or Dynamic: DelayLine<T>(d) allocates when it is made and never again
-/// psi()   points into the line: good until the next push, and while the line is where it is. Copying copies the samples.
-/// A line of Dynamic size that was moved from has size 0, and push leaves it so.
+/// psi()   points into the line: good until the next push, and while the line is where it is. Copying copies the
+/// samples. A line of Dynamic size that was moved from has size 0, and push leaves it so.
 /// Throws std::invalid_argument where the size is below 1, or not N. Storage 2 N.
 /// Source: folklore (a mirrored ring buffer).
 template <Scalar T, int N = Dynamic>

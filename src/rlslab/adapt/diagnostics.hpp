@@ -5,10 +5,12 @@
 
 namespace rlslab {
 
-// --- P_jj -------------------------------------------------------------------------------------------------------------------
+// --- P_jj
+// -------------------------------------------------------------------------------------------------------------------
 
-/// P_jj, without multiplying P out: the variance of theta_j in units of the noise's. One number where P is stored; d multiplications from a
-/// factor of P; d^2/6 on average from a factor of P^-1, which uses the form's workspace. Not finite, or <= 0, tells of breakdown.
+/// P_jj, without multiplying P out: the variance of theta_j in units of the noise's. One number where P is stored; d
+/// multiplications from a factor of P; d^2/6 on average from a factor of P^-1, which uses the form's workspace. Not
+/// finite, or <= 0, tells of breakdown.
 template <class T, int N>
 T variance(PlainCovariance<T, N> f, Index j) {
     return f.P(j, j);
@@ -100,10 +102,11 @@ typename F::scalar trace(F& f) {
     return sum;
 }
 
-// --- psi'P psi --------------------------------------------------------------------------------------------------------------
+// --- psi'P psi
+// --------------------------------------------------------------------------------------------------------------
 
-/// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most d^2 multiplications;
-/// uses the form's workspace.
+/// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most
+/// d^2 multiplications; uses the form's workspace.
 template <class T, int N>
 T variance_along(PlainCovariance<T, N> f, Regressor<T> psi) {
     keep_regressor(psi, f.f);
@@ -146,7 +149,8 @@ typename F::scalar variance_along(F& f, Regressor<typename F::scalar> psi) {
     return variance_along(f.form(), psi);
 }
 
-// --- psi'P^-1 psi -----------------------------------------------------------------------------------------------------------
+// --- psi'P^-1 psi
+// -----------------------------------------------------------------------------------------------------------
 
 /// psi'P^-1 psi, from a factor of P or of P^-1, or from P^-1. At most d^2 multiplications; uses the form's workspace.
 template <class T, int N>
@@ -185,14 +189,16 @@ T information_along(NormalEquations<T, N> f, Regressor<T> psi) {
 }
 
 template <class F>
-concept ReportsInformationAlong = NamesItsForm<F> && requires(F f, Regressor<typename F::scalar> psi) { information_along(f.form(), psi); };
+concept ReportsInformationAlong =
+    NamesItsForm<F> && requires(F f, Regressor<typename F::scalar> psi) { information_along(f.form(), psi); };
 
 template <ReportsInformationAlong F>
 typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
     return information_along(f.form(), psi);
 }
 
-// --- asymmetry --------------------------------------------------------------------------------------------------------------
+// --- asymmetry
+// --------------------------------------------------------------------------------------------------------------
 
 /// max_i |P_ij - P_ji| / max_i |P_ij| of a P in full storage: one row and one column, d subtractions. NaN where P is.
 template <class T, int N>

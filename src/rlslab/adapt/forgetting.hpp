@@ -24,17 +24,18 @@ struct RuleMemory {
 /// A rule is an aggregate of options with
 ///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
-/// and for states a `name` (or `layer`) and its `numbers()` (RuleNumber), without which two rules look alike there. Those that the program
-/// knows by name are listed in rules.hpp.
+/// and for states a `name` (or `layer`) and its `numbers()` (RuleNumber), without which two rules look alike there.
+/// Those that the program knows by name are listed in rules.hpp.
 /// F follows its problem: from a row that a guard skips, a rule would forget all the same.
 template <class Rule, class F>
-concept ForgettingRule = OverOrderedField<F> && std::copyable<Rule> &&
-                         !requires { F::departs; } &&  // a guard goes around the rule: Guarded<Forgetting<F, Rule>>
-                         requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
-                                  RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
-                             rule.start(problem, memory);
-                             { rule.update(f, memory, psi, typename F::scalar(0)) } -> std::same_as<Step<typename F::scalar>>;
-                         };
+concept ForgettingRule =
+    OverOrderedField<F> && std::copyable<Rule> &&
+    !requires { F::departs; } &&  // a guard goes around the rule: Guarded<Forgetting<F, Rule>>
+    requires(Rule const rule, F& f, Problem<typename F::scalar> problem,
+             RuleMemory<typename F::scalar, detail::size_of<F>>& memory, Regressor<typename F::scalar> psi) {
+        rule.start(problem, memory);
+        { rule.update(f, memory, psi, typename F::scalar(0)) } -> std::same_as<Step<typename F::scalar>>;
+    };
 
 namespace detail {
 template <class Rule>
@@ -45,9 +46,10 @@ constexpr std::string_view rule_name() {
 }
 }  // namespace detail
 
-/// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as without a rule; most
-/// rules want it to be 1, which is the default. Allocates where F does, and not in updates; where F solves for theta or K on request,
-/// a rule that asks for them does allocate at dynamic size. gain() is of the last row that F took, which may be one of the rule's.
+/// A filter whose forgetting follows a rule. Problem::forgetting is what the filter itself applies at every row, as
+/// without a rule; most rules want it to be 1, which is the default. Allocates where F does, and not in updates; where
+/// F solves for theta or K on request, a rule that asks for them does allocate at dynamic size. gain() is of the last
+/// row that F took, which may be one of the rule's.
 template <OverOrderedField F, ForgettingRule<F> Rule>
 class Forgetting : public detail::AroundFilter<F, true> {
     using T = typename F::scalar;
@@ -61,8 +63,9 @@ public:
     explicit Forgetting(Problem<T> const& problem, Rule const& rule = {}) : Forgetting(F(problem), problem, rule) {}
     /// Around a filter that was made of this problem, with options of its own.
     Forgetting(F const& filter, Problem<T> const& problem, Rule const& rule = {})
-        : detail::AroundFilter<F, true>(filter), rule_(rule), memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
-                                                                      .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
+        : detail::AroundFilter<F, true>(filter), rule_(rule),
+          memory_{.lambda = checked(problem, int(filter.theta().size())).forgetting,
+                  .a = StateVector<T, detail::size_of<F>>(filter.theta().size())} {
         rule_.start(problem, memory_);
     }
 
@@ -76,7 +79,9 @@ public:
     static auto options(auto const& f) {
         std::array<StateOption, std::tuple_size_v<decltype(detail::numbers_of<Rule>())> + 1> out;
         [[maybe_unused]] std::size_t i = 0;
-        detail::for_each_number<Rule>([&](auto const& n) { out[i++] = {n.member, static_cast<double>(f.rule_.*n.at)}; });
+        detail::for_each_number<Rule>([&](auto const& n) {
+            out[i++] = {n.member, static_cast<double>(f.rule_.*n.at)};
+        });
         out.back() = {"rows", double(f.memory_.rows.n), true};
         return out;
     }
@@ -84,7 +89,8 @@ public:
     Rule const& rule() const { return rule_; }
 };
 
-// --- rules --------------------------------------------------------------------------------------------------------------------
+// --- rules
+// --------------------------------------------------------------------------------------------------------------------
 
 /// The filter's own constant forgetting: the same bits as without a rule.
 template <Field T>
@@ -101,9 +107,10 @@ struct ConstantForgetting {
 ///   (3) least <= lambda                                (4) lambda = 1 where tr P / lambda > largest_trace
 ///   (5) P = P / lambda
 ///
-/// (2) is exact: where J = Sigma0 before the row, it is after (5); Fortescue, Kershenbaum & Ydstie's 1 - gamma e^2 / Sigma0 is its first
-/// order. A silent input with noise in y winds P up at 1/N0 a row: hence (4), d^2/2 multiplications a row, only if a bound is given.
-/// Sources: Fortescue, Kershenbaum & Ydstie 1981; Cordero & Mayne 1981 (cited, not read); (2) derived (docs/theory.md 57).
+/// (2) is exact: where J = Sigma0 before the row, it is after (5); Fortescue, Kershenbaum & Ydstie's 1 - gamma e^2 /
+/// Sigma0 is its first order. A silent input with noise in y winds P up at 1/N0 a row: hence (4), d^2/2 multiplications
+/// a row, only if a bound is given. Sources: Fortescue, Kershenbaum & Ydstie 1981; Cordero & Mayne 1981 (cited, not
+/// read); (2) derived (docs/theory.md 57).
 template <Field T>
 struct Fortescue {
     T noise_variance = T(1);  ///< sigma^2 > 0
@@ -112,15 +119,17 @@ struct Fortescue {
     T largest_trace = T(0);   ///< of P; 0: none
     static constexpr std::string_view name = "fortescue", type = "Fortescue";
     static constexpr std::string_view what =
-        "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below LEAST; "
+        "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below "
+        "LEAST; "
         "VARIANCE is the noise's, of the residuals where it is not given";
     static constexpr auto numbers() {
-        return std::tuple{
-            RuleNumber{
-                "noise_variance", &Fortescue::noise_variance, "VARIANCE", {.positive = true, .otherwise = RuleDefault::noise_variance}},
-            RuleNumber{"memory", &Fortescue::memory, "MEMORY", {.least = 1}},
-            RuleNumber{"least", &Fortescue::least, "LEAST", {.most = 1, .positive = true}},
-            RuleNumber{"largest_trace", &Fortescue::largest_trace}};
+        return std::tuple{RuleNumber{"noise_variance",
+                                     &Fortescue::noise_variance,
+                                     "VARIANCE",
+                                     {.positive = true, .otherwise = RuleDefault::noise_variance}},
+                          RuleNumber{"memory", &Fortescue::memory, "MEMORY", {.least = 1}},
+                          RuleNumber{"least", &Fortescue::least, "LEAST", {.most = 1, .positive = true}},
+                          RuleNumber{"largest_trace", &Fortescue::largest_trace}};
     }
 
     template <int N>
@@ -144,21 +153,26 @@ struct Fortescue {
     }
 };
 
-/// Directional forgetting: after a row, the information along it is multiplied by phi, and along no other direction (psi'u = 0) changed:
+/// Directional forgetting: after a row, the information along it is multiplied by phi, and along no other direction
+/// (psi'u = 0) changed:
 ///
-///   (1) one row: K = P psi, xi = psi'P psi, of the new P       (2) P += (1 - phi) / (phi xi) K K', where |psi|^2 >= least_excitation
+///   (1) one row: K = P psi, xi = psi'P psi, of the new P
+///   (2) P += (1 - phi) / (phi xi) K K', where |psi|^2 >= least_excitation
 ///
-/// P along a direction that no row excites stays as it is. Rows of noise alone wind P up: least_excitation is what to regard as noise.
-/// Sources: Kulhavý & Kárný 1984, Kulhavý 1987 (cited, not read); the form that forgets after the row: Bobál et al. 2005 (listing read).
+/// P along a direction that no row excites stays as it is. Rows of noise alone wind P up: least_excitation is what to
+/// regard as noise. Sources: Kulhavý & Kárný 1984, Kulhavý 1987 (cited, not read); the form that forgets after the row:
+/// Bobál et al. 2005 (listing read).
 template <Field T>
 struct Kulhavy {
     T forgetting = T(0.98);     ///< phi, in (0, 1]
     T least_excitation = T(0);  ///< of psi'psi, >= 0
     static constexpr std::string_view name = "kulhavy", type = "Kulhavy";
-    static constexpr std::string_view what = "forgets along the gain alone, after the row; rows of |psi|^2 < EXCITATION forget nothing";
+    static constexpr std::string_view what =
+        "forgets along the gain alone, after the row; rows of |psi|^2 < EXCITATION forget nothing";
     static constexpr auto numbers() {
-        return std::tuple{RuleNumber{"forgetting", &Kulhavy::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
-                          RuleNumber{"least_excitation", &Kulhavy::least_excitation, "EXCITATION"}};
+        return std::tuple{
+            RuleNumber{"forgetting", &Kulhavy::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
+            RuleNumber{"least_excitation", &Kulhavy::least_excitation, "EXCITATION"}};
     }
 
     template <int N>
@@ -193,8 +207,10 @@ struct CaoSchwartz {
     static constexpr std::string_view what =
         "forgets along the regressor alone, before the row; rows of |psi|^2 < EXCITATION forget nothing";
     static constexpr auto numbers() {
-        return std::tuple{RuleNumber{"forgetting", &CaoSchwartz::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
-                          RuleNumber{"least_excitation", &CaoSchwartz::least_excitation, "EXCITATION"}};
+        return std::tuple{
+            RuleNumber{
+                "forgetting", &CaoSchwartz::forgetting, "LAMBDA", {.most = 1, .positive = true, .inverted = true}},
+            RuleNumber{"least_excitation", &CaoSchwartz::least_excitation, "EXCITATION"}};
     }
 
     template <int N>
@@ -216,18 +232,21 @@ struct CaoSchwartz {
 
 /// A ridge that forgetting does not wear down, one coordinate a row:
 ///
-///   (1) the filter's row, with lambda    (2) j = k mod d    (3) the row sqrt(r) e_j, r = ridge (1 - lambda^d), without discount
+///   (1) the filter's row, with lambda    (2) j = k mod d
+///   (3) the row sqrt(r) e_j, r = ridge (1 - lambda^d), without discount
 ///
-/// whose output is sqrt(r) theta_j as it is (`toward_zero` false: theta_j does not move, bit for bit where theta is stored), or 0. Then
-/// P^-1 >= ridge lambda^(d-1) I and tr P <= d lambda^(1-d) / ridge whatever the regressors, if P0 <= I / ridge; from a larger P0 these
-/// are approached as lambda^k. Without a prior, (3) waits until the rows determine theta. Cost of (3): one row.
-/// Sources: Gay 1996 (abstract read); derived (docs/theory.md 58). Toward zero, theta is biased as by that ridge / (d (1 - lambda)).
+/// whose output is sqrt(r) theta_j as it is (`toward_zero` false: theta_j does not move, bit for bit where theta is
+/// stored), or 0. Then P^-1 >= ridge lambda^(d-1) I and tr P <= d lambda^(1-d) / ridge whatever the regressors, if P0
+/// <= I / ridge; from a larger P0 these are approached as lambda^k. Without a prior, (3) waits until the rows determine
+/// theta. Cost of (3): one row. Sources: Gay 1996 (abstract read); derived (docs/theory.md 58). Toward zero, theta is
+/// biased as by that ridge / (d (1 - lambda)).
 template <Real T>
 struct RotatingRidge {
     T ridge = T(0.001);  ///< rho > 0, in units of P^-1
     bool toward_zero = false;
     static constexpr std::string_view name = "ridge", type = "RotatingRidge";
-    static constexpr std::string_view what = "information that a lambda below 1 does not wear down: P^-1 >= about RIDGE I";
+    static constexpr std::string_view what =
+        "information that a lambda below 1 does not wear down: P^-1 >= about RIDGE I";
     static constexpr bool below_one = true;
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"ridge", &RotatingRidge::ridge, "RIDGE", {.positive = true}},
@@ -261,11 +280,14 @@ struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows
     T variance = T(16384);  ///< k > 0
     static constexpr std::string_view name = "reset", type = "CovarianceReset";
-    static constexpr std::string_view what = "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given";
+    static constexpr std::string_view what =
+        "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given";
     static constexpr auto numbers() {
-        return std::tuple{
-            RuleNumber{"period", &CovarianceReset::period, "PERIOD", {.least = 1, .most = 1e7}},
-            RuleNumber{"variance", &CovarianceReset::variance, "VARIANCE", {.positive = true, .otherwise = RuleDefault::prior_variance}}};
+        return std::tuple{RuleNumber{"period", &CovarianceReset::period, "PERIOD", {.least = 1, .most = 1e7}},
+                          RuleNumber{"variance",
+                                     &CovarianceReset::variance,
+                                     "VARIANCE",
+                                     {.positive = true, .otherwise = RuleDefault::prior_variance}}};
     }
 
     template <int N>
@@ -284,15 +306,16 @@ struct CovarianceReset {
     }
 };
 
-/// A random walk of theta, Q = q I, one coordinate a row: before row k, P += d q e_j e_j', j = k mod d. The mean rate is Q's; what was
-/// added is never more than (d - 1) q off in any coordinate. d^2 multiplications besides the row; a full Q takes d^3/3 in a factored form.
-/// Source: derived (docs/theory.md 56); Kalman 1960 for Q.
+/// A random walk of theta, Q = q I, one coordinate a row: before row k, P += d q e_j e_j', j = k mod d. The mean rate
+/// is Q's; what was added is never more than (d - 1) q off in any coordinate. d^2 multiplications besides the row; a
+/// full Q takes d^3/3 in a factored form. Source: derived (docs/theory.md 56); Kalman 1960 for Q.
 template <Field T>
 struct RandomWalk {
     T variance = T(0);  ///< q >= 0, a row, in units of the noise's
     static constexpr std::string_view name = "random_walk", type = "RandomWalk";
     static constexpr std::string_view what =
-        "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns (kalman: all of Q)";
+        "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns "
+        "(kalman: all of Q)";
     static constexpr std::string_view layer = "walk";  ///< in saved states
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"variance", &RandomWalk::variance, "VARIANCE", {.otherwise = RuleDefault::none}}};

@@ -1,4 +1,5 @@
-// A filter that is watched while it runs: data that would spoil it are kept out, trouble is told of, and met as configured.
+// A filter that is watched while it runs: data that would spoil it are kept out, trouble is told of, and met as
+// configured.
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
@@ -13,12 +14,13 @@ namespace rlslab {
 
 /// What a guard needs of a filter: P_jj, a restart, and a row that holds P down.
 template <class F>
-concept Guardable = RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
-                    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
-                        variance(f, Index(0));
-                        restart(f, x, a, x);
-                        cap_row(f, a, x, x);
-                    };
+concept Guardable =
+    RecursiveLeastSquares<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
+    requires(F& f, typename F::scalar x, Regressor<typename F::scalar> a) {
+        variance(f, Index(0));
+        restart(f, x, a, x);
+        cap_row(f, a, x, x);
+    };
 /// hand_over(): goes on in a sounder variant; false where what was held is lost, or where it has gone on there before.
 template <class F>
 concept HandsOver = requires(F& f) {
@@ -29,12 +31,13 @@ concept HandsOver = requires(F& f) {
 enum class GuardSignal : unsigned char { none, unusable, breakdown, change, outlier, windup };
 
 struct GuardCounts {
-    Index rows = 0;        ///< offered
-    Index unusable = 0;    ///< not finite, or out of range: skipped
-    Index outliers = 0;    ///< failed the innovation test
-    Index changes = 0;     ///< 5 outliers among 6 rows
-    Index windups = 0;     ///< P_jj > largest_variance
-    Index breakdowns = 0;  ///< a step that is indefinite, not finite, or again undetermined; P_jj <= 0 or not finite; asymmetry
+    Index rows = 0;      ///< offered
+    Index unusable = 0;  ///< not finite, or out of range: skipped
+    Index outliers = 0;  ///< failed the innovation test
+    Index changes = 0;   ///< 5 outliers among 6 rows
+    Index windups = 0;   ///< P_jj > largest_variance
+    Index breakdowns =
+        0;  ///< a step that is indefinite, not finite, or again undetermined; P_jj <= 0 or not finite; asymmetry
 
     static auto state(auto& c) { return std::tie(c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns); }
 };
@@ -49,21 +52,24 @@ struct GuardOptions {
     Index rebuild_rows = 0;        ///< kept for rebuilding; 0: 10 d
 };
 
-/// F, with every row looked at before and after it in O(d), one coordinate j = k mod d of P at each (d^2/6 more where F holds a factor of
-/// P^-1, and d^2/2 to solve for theta where F keeps none):
+/// F, with every row looked at before and after it in O(d), one coordinate j = k mod d of P at each (d^2/6 more where F
+/// holds a factor of P^-1, and d^2/2 to solve for theta where F keeps none):
 ///
 ///   (1) |psi|^2, y^2 <= 2^(e/2), e the arithmetic's largest exponent, else unusable: no bit of F changes
-///   (2) e = y - psi'theta, an outlier where e^2 lambda / (lambda + |psi|^2 t) > c^2 s2, t the sum of the P_jj as last seen, so that
-///       |psi|^2 t >= psi'P psi; 5 outliers among 6 rows are a change. What rounding makes of e is allowed for besides
-///   (3) the row; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20 numbers gamma e^2 on, over 0.455.
-///       Until then, and again after a reset, (2) is not made
+///   (2) e = y - psi'theta, an outlier where e^2 lambda / (lambda + |psi|^2 t) > c^2 s2, t the sum of the P_jj as last
+///       seen, so that |psi|^2 t >= psi'P psi; 5 outliers among 6 rows are a change. What rounding makes of e is
+///       allowed for besides
+///   (3) the row; s2 = s2 + (min(gamma e^2, 9 s2) / 0.995 - s2) / memory, from the median of 10 d + 20 numbers gamma
+///       e^2 on, over 0.455. Until then, and again after a reset, (2) is not made
 ///   (4) p = P_jj: breakdown where p <= 0 or is not finite, windup where p > largest_variance; capped by the row
-///       sqrt(r) e_j, r = 1/largest_variance - 1/p, of output sqrt(r) theta_j. Between two visits P_jj grows by lambda^-d at most
+///       sqrt(r) e_j, r = 1/largest_variance - 1/p, of output sqrt(r) theta_j. Between two visits P_jj grows by
+///       lambda^-d at most
 ///
-/// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made (where F's theta()
-/// makes none); memory: 13 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E min(x^2, 9) and 0.455 the median of x^2,
-/// x normal.
-/// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in squares.
+/// No row is changed, and a run without a signal leaves F's own bits. No exception, no allocation after it is made
+/// (where F's theta() makes none); memory: 13 d + 20 numbers, and the kept rows where the policy rebuilds. 0.995 = E
+/// min(x^2, 9) and 0.455 the median of x^2, x normal.
+/// Thresholds of (2): docs/theory.md 61. (3): the form of Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read), in
+/// squares.
 template <Guardable F, GuardPolicy policy = resetting>
     requires(policy.valid() && (!policy.hands_over() || HandsOver<F>))
 class Guarded : public detail::AroundFilter<F, true> {
@@ -74,8 +80,9 @@ class Guarded : public detail::AroundFilter<F, true> {
     StateVector<T, detail::size_of<F>> psi_, variances_, theta_;  // theta as last seen finite
     GuardCounts counts_;
     GuardSignal signal_ = GuardSignal::none;
-    T t_ = T(0), theta_size_ = T(0), s2_ = T(0);                                                      // t, |theta|^2, s2
-    StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20> squares_;  // from which s2 is learnt
+    T t_ = T(0), theta_size_ = T(0), s2_ = T(0);  // t, |theta|^2, s2
+    StateVector<T, detail::size_of<F> == Dynamic ? Dynamic : 10 * detail::size_of<F> + 20>
+        squares_;  // from which s2 is learnt
     RowRing<T> ring_;
     BoundedCount learnt_, coordinate_;  // rows that s2 was learnt from; j
     BoundedCount history_{0, 63};       // outliers among the last rows, a bit each, the newest lowest
@@ -84,16 +91,21 @@ class Guarded : public detail::AroundFilter<F, true> {
 public:
     static constexpr bool departs = true;  ///< from the problem's J
 
-    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {}) : Guarded(F(problem), problem, options) {}
+    explicit Guarded(Problem<T> const& problem, GuardOptions<T> const& options = {})
+        : Guarded(F(problem), problem, options) {}
     /// Around a filter that was made of this problem, with options of its own, and has taken no row.
     Guarded(F const& filter, Problem<T> const& problem, GuardOptions<T> const& options = {})
-        : detail::AroundFilter<F, true>(filter), options_(options), lambda_(checked(problem, int(filter.theta().size())).forgetting),
-          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(filter_.theta().size()), variances_(psi_.size()),
-          theta_(psi_.size()), squares_(10 * psi_.size() + 20),
-          ring_(psi_.size(), policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
+        : detail::AroundFilter<F, true>(filter), options_(options),
+          lambda_(checked(problem, int(filter.theta().size())).forgetting),
+          limit_(std::ldexp(1.0, std::min(ArithmeticTraits<T>::max_exp / 2, 1000))), psi_(filter_.theta().size()),
+          variances_(psi_.size()), theta_(psi_.size()), squares_(10 * psi_.size() + 20),
+          ring_(psi_.size(),
+                policy.rebuilds() ? (options.rebuild_rows > 0 ? options.rebuild_rows : 10 * psi_.size()) : 0),
           learnt_{0, squares_.size()}, coordinate_{0, psi_.size() - 1} {
-        expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise, "options >= 0");
-        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rebuild_rows >= 0, "options that make sense");
+        expects(T(0) <= options.largest_variance && T(0) <= options.innovation && T(0) <= options.least_noise,
+                "options >= 0");
+        expects(T(0) < options.asymmetry && options.noise_memory >= 1 && options.rebuild_rows >= 0,
+                "options that make sense");
         for (Index j = 0; problem.prior && j < psi_.size(); ++j) start_ = std::max(start_, variance(filter_, j));
         if (!(T(0) < start_) || !is_finite(start_)) start_ = T(16384);
         if (options_.largest_variance == T(0)) options_.largest_variance = T(16) * start_;
@@ -140,8 +152,9 @@ public:
                  {"rows", double(g.counts_.rows), true}}};
     }
     static auto state(auto& g) {
-        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_, g.options_.largest_variance, g.t_,
-                        g.theta_size_, g.s2_, g.squares_, g.learnt_, g.coordinate_, g.history_, g.determined_);
+        return std::tie(g.filter_, g.variances_, g.theta_, g.ring_, g.counts_, g.lambda_, g.start_,
+                        g.options_.largest_variance, g.t_, g.theta_size_, g.s2_, g.squares_, g.learnt_, g.coordinate_,
+                        g.history_, g.determined_);
     }
 
     /// Of the filter inside.
@@ -167,7 +180,8 @@ private:
     bool is_outlier(T const& y, T const& e, T const& size) {
         T const least = options_.least_noise * options_.least_noise, s2 = s2_ < least ? least : s2_;
         T const rounding = T(8 * epsilon<T>()), made = rounding * rounding * (y * y + size * theta_size_);
-        T const left = e * e * lambda_, right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * t_) + made);
+        T const left = e * e * lambda_,
+                right = options_.innovation * options_.innovation * (s2 * (lambda_ + size * t_) + made);
         bool const out = !(left <= right);  // an overflow on the left, too
         history_.n = (history_.n << 1 | Index(out)) & 63;
         if (out) {

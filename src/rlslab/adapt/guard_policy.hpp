@@ -7,14 +7,17 @@ namespace rlslab {
 
 /// What a guard can do about a signal.
 ///   report    count it, and nothing else
-///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change resets
+///   skip      the row does not reach the filter, nor does its time pass; after a change for ever, unless a change
+///             resets
 ///   cap       a proximal row on one coordinate: P_jj = largest_variance, theta as it is
 ///   reset     P = v I, v the largest variance at the start, and theta as it was last seen finite
 ///   rebuild   reset, then the kept rows anew
-///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors, else as `reset`
+///   hand_over go on in the sounder variant that the filter has with it (hand_over.hpp), from P where it still factors,
+///   else as `reset`
 enum class Action : unsigned char { report, skip, cap, reset, rebuild, hand_over };
 
-/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped whatever the policy.
+/// The action on each signal. Data that are not finite, or whose squares the arithmetic cannot hold, are skipped
+/// whatever the policy.
 struct GuardPolicy {
     Action outlier = Action::report;    ///< report or skip
     Action change = Action::report;     ///< report, reset
@@ -27,8 +30,10 @@ struct GuardPolicy {
     constexpr bool rebuilds() const { return breakdown == Action::rebuild; }
     constexpr bool hands_over() const { return breakdown == Action::hand_over; }
     constexpr bool valid() const {
-        return (outlier == Action::report || outlier == Action::skip) && (change == Action::report || change == Action::reset) &&
-               (windup == Action::report || windup == Action::cap) && breakdown != Action::skip && breakdown != Action::cap;
+        return (outlier == Action::report || outlier == Action::skip) &&
+               (change == Action::report || change == Action::reset) &&
+               (windup == Action::report || windup == Action::cap) && breakdown != Action::skip &&
+               breakdown != Action::cap;
     }
 };
 inline constexpr GuardPolicy reporting{};
@@ -44,9 +49,11 @@ struct NamedPolicy {
 /// A new policy is its constant above and a line here; the program goes through the list.
 inline constexpr NamedPolicy guard_policies[] = {
     {"report", "reporting", "only counts what it sees besides", reporting},
-    {"reset", "resetting", "also skips outliers, restarts at a change, caps windup and resets at a breakdown", resetting},
+    {"reset", "resetting", "also skips outliers, restarts at a change, caps windup and resets at a breakdown",
+     resetting},
     {"rebuild", "rebuilding", "does so but takes the last rows anew at a breakdown", rebuilding},
-    {"hand_over", "handing_over", "does so but goes on in ud of the next longer arithmetic at a breakdown", handing_over},
+    {"hand_over", "handing_over", "does so but goes on in ud of the next longer arithmetic at a breakdown",
+     handing_over},
 };
 /// Null for another name.
 constexpr NamedPolicy const* find_policy(std::string_view name) {

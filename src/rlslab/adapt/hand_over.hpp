@@ -8,12 +8,14 @@
 
 namespace rlslab {
 
-// --- how near to singular ---------------------------------------------------------------------------------------------------
+// --- how near to singular
+// ---------------------------------------------------------------------------------------------------
 
-/// The least of D_j / X_jj over the pivots D_j of what the form stores, X = P or P^-1: the share of a number on the diagonal that the
-/// coordinates before it (ud and the roots of P: after it) do not explain. In (0, 1]; 0 or NaN where X does not factor. With C, X scaled to
-/// a unit diagonal, it is at least C's least eigenvalue, and that is at least the product of all shares over 2.72 (docs/theory.md 62). The
-/// parameters' units do not matter. L and D are workspace. d^3/6 multiplications where P is stored plainly, else d^2.
+/// The least of D_j / X_jj over the pivots D_j of what the form stores, X = P or P^-1: the share of a number on the
+/// diagonal that the coordinates before it (ud and the roots of P: after it) do not explain. In (0, 1]; 0 or NaN where
+/// X does not factor. With C, X scaled to a unit diagonal, it is at least C's least eigenvalue, and that is at least
+/// the product of all shares over 2.72 (docs/theory.md 62). The parameters' units do not matter. L and D are workspace.
+/// d^3/6 multiplications where P is stored plainly, else d^2.
 template <class T, int N>
 T least_share(PlainCovariance<T, N> f, StateMatrix<T, N>& L, StateVector<T, N>& D) {
     if (!factor_ldl(f.P, L, D)) return T(0);
@@ -75,11 +77,13 @@ T least_share(UnitInformation<T, N> f, StateMatrix<T, N>&, StateVector<T, N>&) {
 }
 
 template <class F>
-concept ReportsLeastShare = ReportsVariances<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
-                            requires(F f, StateMatrix<typename F::scalar, detail::size_of<F>> L,
-                                     StateVector<typename F::scalar, detail::size_of<F>> D) { least_share(f.form(), L, D); };
+concept ReportsLeastShare =
+    ReportsVariances<F> && Real<typename F::scalar> && std::same_as<Truth<typename F::scalar>, bool> &&
+    requires(F f, StateMatrix<typename F::scalar, detail::size_of<F>> L,
+             StateVector<typename F::scalar, detail::size_of<F>> D) { least_share(f.form(), L, D); };
 
-// --- the relay -------------------------------------------------------------------------------------------------------------
+// --- the relay
+// -------------------------------------------------------------------------------------------------------------
 
 /// When a relay hands over.
 struct RelayOptions {
@@ -87,18 +91,22 @@ struct RelayOptions {
     Index every = 0;  ///< rows from one look to the next; 0: 10 d
 };
 
-/// F until its P comes near to where F's rounding makes it worthless; from there on Sounder, which may be of a longer arithmetic:
+/// F until its P comes near to where F's rounding makes it worthless; from there on Sounder, which may be of a longer
+/// arithmetic:
 ///
 ///   (1) share = least_share, every so many rows; u the roundoff of F's arithmetic
 ///   (2) share <= 2^bits d u where F stores P or P^-1, share <= (2^bits d u)^2 where it stores a factor: hand over
-///   (3) so does a step that is indefinite, and hand_over(), which a guard calls (GuardPolicy::breakdown = Action::hand_over)
-///   (4) convert<Sounder>(F); where P no longer factors: P = v I, v the largest variance at the start, and theta where it is finite
+///   (3) so does a step that is indefinite, and hand_over(), which a guard calls (GuardPolicy::breakdown =
+///     Action::hand_over)
+///   (4) convert<Sounder>(F); where P no longer factors: P = v I, v the largest variance at the start, and theta where
+///     it is finite
 ///
-/// Before (2) holds it has F's bits. There is no way back. theta, gain and the step's numbers are rounded to F's arithmetic, psi and y are
-/// exact in Sounder's where that is the longer one. Both filters are held: memory F and Sounder, and d^2 numbers. A look costs d^3/6
-/// multiplications at most: d^2/60 a row. Handing over allocates and takes d^3 operations, once; nothing else does (F and Sounder
-/// allowing). For filters that follow their problem: not around a guard, a rule or a window; a guard goes around it.
-/// Throws std::invalid_argument on misuse, as F does. Source: derived (docs/theory.md 62).
+/// Before (2) holds it has F's bits. There is no way back. theta, gain and the step's numbers are rounded to F's
+/// arithmetic, psi and y are exact in Sounder's where that is the longer one. Both filters are held: memory F and
+/// Sounder, and d^2 numbers. A look costs d^3/6 multiplications at most: d^2/60 a row. Handing over allocates and takes
+/// d^3 operations, once; nothing else does (F and Sounder allowing). For filters that follow their problem: not around
+/// a guard, a rule or a window; a guard goes around it. Throws std::invalid_argument on misuse, as F does. Source:
+/// derived (docs/theory.md 62).
 template <ReportsLeastShare F, Downdates Sounder>
     requires(Downdates<F> && ReportsVariances<Sounder> && std::same_as<Truth<typename Sounder::scalar>, bool> &&
              detail::size_of<F> == detail::size_of<Sounder>)
@@ -122,9 +130,10 @@ public:
     static constexpr bool departs = true;  ///< a removal would have to know who took the row
 
     explicit Relay(Problem<T> const& problem, RelayOptions const& options = {})
-        : first_(problem), second_(problem.template mapped<U>(&number_as<U, T>)), lambda_(problem.forgetting), options_(options),
-          psi_(first_.theta().size()), L_(psi_.size()), D_(psi_.size()) {
-        expects(options.bits >= 0 && options.bits < 60 && options.every >= 0, "bits from 0 to 59, a look every >= 0 rows");
+        : first_(problem), second_(problem.template mapped<U>(&number_as<U, T>)), lambda_(problem.forgetting),
+          options_(options), psi_(first_.theta().size()), L_(psi_.size()), D_(psi_.size()) {
+        expects(options.bits >= 0 && options.bits < 60 && options.every >= 0,
+                "bits from 0 to 59, a look every >= 0 rows");
         if (options_.every == 0) options_.every = 10 * psi_.size();
         double const part = std::ldexp(double(psi_.size()), options.bits) * epsilon<T>() / 2;
         least_ = T(detail::stores_the_square<decltype(first_.form())> ? part : part * part);  // (2)
@@ -135,15 +144,20 @@ public:
         Step<T> const step = first_.update(psi, y);
         bool const look = ++since_ >= options_.every;
         if (look) since_ = 0;
-        if (step.health == Health::indefinite || (look && step.health == Health::sound && !(least_ < share()))) hand_over();
+        if (step.health == Health::indefinite || (look && step.health == Health::sound && !(least_ < share())))
+            hand_over();
         return step;
     }
     Vector<T, N> theta() const { return handed_ ? narrowed(second_.theta()) : Vector<T, N>(first_.theta()); }
     Vector<T, N> gain() const { return handed_ ? narrowed(second_.gain()) : Vector<T, N>(first_.gain()); }
-    Stored<T> stored() const { return handed_ ? second_.stored().template mapped<T>(&number_as<T, U>) : first_.stored(); }
+    Stored<T> stored() const {
+        return handed_ ? second_.stored().template mapped<T>(&number_as<T, U>) : first_.stored();
+    }
     static constexpr std::string_view layer = "relay";
     static std::array<StateOption, 3> options(auto const& r) {
-        return {{{"bits", double(r.options_.bits)}, {"every", double(r.options_.every)}, {"handed_over", double(r.handed_), true}}};
+        return {{{"bits", double(r.options_.bits)},
+                 {"every", double(r.options_.every)},
+                 {"handed_over", double(r.handed_), true}}};
     }
     static auto state(auto& r) { return std::tie(r.first_, r.second_, r.lambda_, r.handed_, r.since_); }
 
@@ -168,7 +182,9 @@ public:
     }
 
     /// What a guard asks for.
-    friend T variance(Relay& r, Index j) { return r.handed_ ? number_as<T>(variance(r.second_, j)) : variance(r.first_, j); }
+    friend T variance(Relay& r, Index j) {
+        return r.handed_ ? number_as<T>(variance(r.second_, j)) : variance(r.first_, j);
+    }
     friend T variance_along(Relay& r, Regressor<T> psi) {
         return r.handed_ ? number_as<T>(variance_along(r.second_, r.widened(psi))) : variance_along(r.first_, psi);
     }
@@ -202,7 +218,9 @@ private:
     static Step<T> narrowed(Step<U> const& step) {
         return {number_as<T>(step.innovation), number_as<T>(step.residual), number_as<T>(step.gamma), step.health};
     }
-    Step<T> second_step(Regressor<T> psi, T const& y) { return narrowed(second_.update(widened(psi), number_as<U>(y))); }
+    Step<T> second_step(Regressor<T> psi, T const& y) {
+        return narrowed(second_.update(widened(psi), number_as<U>(y)));
+    }
 };
 
 }  // namespace rlslab

@@ -12,24 +12,27 @@ namespace rlslab {
 
 /// What a row is worth in which an output is missing: NaN, or infinite.
 ///   drops_the_row   for all outputs: time passes, P -> P / lambda, no theta changes. P is then right for every output
-///   stands          for the others nothing changes, bit for bit; the theta of the one that is missing stands, and its P is too small
+///   stands          for the others nothing changes, bit for bit; the theta of the one that is missing stands, and its
+///                   P is too small
 enum class MissingOutput : unsigned char { drops_the_row, stands };
 
 /// m outputs y_j = psi'theta_j + noise of one psi, each noise white with a variance of its own:
 ///
 ///   (1) e_j = y_j - psi'theta_j        (2) F's row: P, and K = P psi        (3) theta_j += K e_j,  residual gamma e_j
 ///
-/// F holds the first theta and is fed y_1; the others need d multiplications for (1) and d for (3) each, in place of a filter. Each theta_j
-/// and each step is that of an F of its own, bit for bit: for the forms that propagate P or a factor of it and store theta. The
-/// information forms solve for theta, with a right-hand side an output: they do not compile here.
+/// F holds the first theta and is fed y_1; the others need d multiplications for (1) and d for (3) each, in place of a
+/// filter. Each theta_j and each step is that of an F of its own, bit for bit: for the forms that propagate P or a
+/// factor of it and store theta. The information forms solve for theta, with a right-hand side an output: they do not
+/// compile here.
 ///
-/// Starts all from the problem's theta0. psi may be the gain's own numbers; a psi that is not finite spoils all outputs, as it spoils F.
-/// Rows whose variance differs: sqrt(w) psi and sqrt(w) y, one w a row. Correlated noise changes nothing in theta: y = psi'Theta with one
-/// psi for all. M outputs fixed: no heap where F has none; Dynamic: allocates where it is made. Throws std::invalid_argument unless there
-/// is an output, and for a psi or y of another size.
-/// A step's health is the worse of its own numbers' and F's. Source: folklore; docs/theory.md 64.
+/// Starts all from the problem's theta0. psi may be the gain's own numbers; a psi that is not finite spoils all
+/// outputs, as it spoils F. Rows whose variance differs: sqrt(w) psi and sqrt(w) y, one w a row. Correlated noise
+/// changes nothing in theta: y = psi'Theta with one psi for all. M outputs fixed: no heap where F has none; Dynamic:
+/// allocates where it is made. Throws std::invalid_argument unless there is an output, and for a psi or y of another
+/// size. A step's health is the worse of its own numbers' and F's. Source: folklore; docs/theory.md 64.
 template <TimeUpdates F, int M = Dynamic>
-    requires(ReportsCovariance<F> && std::same_as<Truth<typename F::scalar>, bool> && !requires { F::departs; } && (M == Dynamic || M >= 1))
+    requires(ReportsCovariance<F> && std::same_as<Truth<typename F::scalar>, bool> && !requires { F::departs; } &&
+             (M == Dynamic || M >= 1))
 class MultiOutput : public detail::AroundFilter<F> {
     using T = typename F::scalar;
     using detail::AroundFilter<F>::filter_;
@@ -44,7 +47,10 @@ class MultiOutput : public detail::AroundFilter<F> {
     template <class X>
     static Row<X> row_of(Index outputs, X const& x) {
         if constexpr (M == Dynamic) return Row<X>(size_t(outputs), x);
-        else return [&x]<size_t... j>(std::index_sequence<j...>) { return Row<X>{((void)j, x)...}; }(std::make_index_sequence<size_t(M)>{});
+        else
+            return [&x]<size_t... j>(std::index_sequence<j...>) {
+                return Row<X>{((void)j, x)...};
+            }(std::make_index_sequence<size_t(M)>{});
     }
     static Index checked(Index outputs) {
         expects(outputs >= 1 && (M == Dynamic || outputs == M), "as many outputs as the type has, at least one");
@@ -55,7 +61,8 @@ class MultiOutput : public detail::AroundFilter<F> {
 public:
     explicit MultiOutput(Problem<T> const& problem, Index outputs = M == Dynamic ? 1 : M,
                          MissingOutput missing = MissingOutput::drops_the_row)
-        : detail::AroundFilter<F>(F(problem)), theta_(row_of(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
+        : detail::AroundFilter<F>(F(problem)),
+          theta_(row_of(checked(outputs), StateVector<T, N>(filter_.theta().size()))),
           steps_(row_of(outputs, Step<T>{T(0), T(0), T(1)})), psi_(filter_.theta().size()), missing_(missing) {
         for (auto& theta : theta_)
             for (Index i = 0; i < psi_.size(); ++i) theta[i] = filter_.theta()[i];
@@ -63,14 +70,16 @@ public:
 
     Index outputs() const { return Index(theta_.size()); }
 
-    /// One row: m outputs. The steps are good until the next row. An output that is missing has no innovation and no residual.
+    /// One row: m outputs. The steps are good until the next row. An output that is missing has no innovation and no
+    /// residual.
     std::span<Step<T> const> update(Regressor<T> given, Regressor<T> y) {
         expects(outputs() >= 1 && y.size() == outputs(), "as many outputs as there are thetas, at least one");
         keep_regressor(given, psi_);
         bool const whole = y_is_whole(y), used = whole || missing_ == MissingOutput::stands;
         if (!used)
             for (Index i = 0; i < psi_.size(); ++i) psi_[i] = T(0);
-        for (Index j = 1; j < outputs(); ++j) steps_[size_t(j)].innovation = innovation(y[j], psi(), theta_[size_t(j)]);  // (1)
+        for (Index j = 1; j < outputs(); ++j)
+            steps_[size_t(j)].innovation = innovation(y[j], psi(), theta_[size_t(j)]);  // (1)
         // A first output that is missing is as predicted: e_1 = 0.
         T const first = !used ? T(0) : is_finite(y[0]) ? y[0] : predicted();
         Step<T> const step = filter_.update(psi(), first);  // (2)

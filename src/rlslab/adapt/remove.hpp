@@ -6,11 +6,12 @@
 namespace rlslab {
 
 /// What the removal of a row did.
-///   remaining   alpha^2 = 1 - w psi'P psi, of the P before, w the row's weight: the share of the information along psi that other rows
-///               gave. At most 1; <= 0 or NaN: there would be none left, the removal was refused, and no bit of the state has changed
-///   noise       the error that the removal itself made, relative to the X after it, in units of u / alpha^2: 1 in a factored form and
-///               in the normal equations; where P is stored, whose psi'P psi has an error of its own, the larger of 1 / alpha^2 and
-///               w sum psi_i^2 P_ii, since that error may have made alpha^2 large
+///   remaining   alpha^2 = 1 - w psi'P psi, of the P before, w the row's weight: the share of the information along psi
+///               that other rows gave. At most 1; <= 0 or NaN: there would be none left, the removal was refused, and
+///               no bit of the state has changed
+///   noise       the error that the removal itself made, relative to the X after it, in units of u / alpha^2: 1 in a
+///               factored form and in the normal equations; where P is stored, whose psi'P psi has an error of its own,
+///               the larger of 1 / alpha^2 and w sum psi_i^2 P_ii, since that error may have made alpha^2 large
 template <Field T>
 struct Removal {
     T remaining, noise;
@@ -19,12 +20,12 @@ struct Removal {
 
 // With alpha^2 = 1 - w psi'P psi and e = y - psi'theta, Remove(psi, y, w) takes back a row of weight w:
 //   P += (w / alpha^2) v v', v = P psi       theta -= (w / alpha^2) v e       X -= w psi psi'       (docs/theory.md 59)
-// That is an update without forgetting by a row whose noise has the variance -1/w: s = -1/w + psi'P psi = -alpha^2 / w. The triangular
-// forms sweep as in an update; all their s_j are negative, so that every D_j stays positive.
+// That is an update without forgetting by a row whose noise has the variance -1/w: s = -1/w + psi'P psi = -alpha^2 / w.
+// The triangular forms sweep as in an update; all their s_j are negative, so that every D_j stays positive.
 
 namespace detail {
-/// What remains, from s = -1/w + psi'P psi, the last of the running sums of a triangular form. `along` computes psi'P psi anew: where 1/w
-/// overflows, a row may be too light to be seen. That is no removal, and alpha^2 is 1.
+/// What remains, from s = -1/w + psi'P psi, the last of the running sums of a triangular form. `along` computes psi'P
+/// psi anew: where 1/w overflows, a row may be too light to be seen. That is no removal, and alpha^2 is 1.
 template <class T>
 struct Remainder {
     T remaining;
@@ -40,15 +41,17 @@ struct Remainder {
 };
 }  // namespace detail
 
-/// Takes back a row of weight w > 0 that the filter holds: w = lambda^n for a row n steps old. The gain is not touched. Refused where
-/// nothing would remain (see Removal). Cost 1.5 d^2 to 3 d^2 multiplications; the normal equations solve anew, d^3/6.
+/// Takes back a row of weight w > 0 that the filter holds: w = lambda^n for a row n steps old. The gain is not touched.
+/// Refused where nothing would remain (see Removal). Cost 1.5 d^2 to 3 d^2 multiplications; the normal equations solve
+/// anew, d^3/6.
 template <class T, int N>
 Removal<T> remove(PlainCovariance<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     T const e = innovation(y, psi, f.theta);
     multiply(f.P, psi.data(), f.f);
     T const remaining = T(1) - w * dot(psi, f.f), by = w / remaining;
     if (!(T(0) < remaining) || !is_finite(by)) return {T(0), T(1)};
-    T summed = T(0);  // u times this is the rms error of psi'P psi, whose terms are at most |psi_i psi_j| sqrt(P_ii P_jj)
+    T summed =
+        T(0);  // u times this is the rms error of psi'P psi, whose terms are at most |psi_i psi_j| sqrt(P_ii P_jj)
     for (Index i = 0; i < psi.size(); ++i) summed += psi[i] * psi[i] * f.P(i, i);
     T const seen = T(1) / remaining, hidden = w * summed;
     add_scaled(f.theta, T(-(by * e)), f.f);
@@ -100,9 +103,9 @@ Removal<T> remove(RootCovariance<T, N, false> f, Regressor<T> psi, T const& y, T
     subtract_rank_one(f.S, f.g, f.f, DivisorNearOne<T>(T(1)));
     return {remaining, T(1)};
 }
-/// R'q = sqrt(w) psi, alpha^2 = 1 - q'q; rotations from the last row up turn (alpha, q) into (1, 0) and carry sqrt(w) psi' out of R. What
-/// they turn alpha into on the way is the root of a sum of squares, so that all of them are known before R is touched.
-/// Source: Saunders, as LINPACK's dchdd.
+/// R'q = sqrt(w) psi, alpha^2 = 1 - q'q; rotations from the last row up turn (alpha, q) into (1, 0) and carry sqrt(w)
+/// psi' out of R. What they turn alpha into on the way is the root of a sum of squares, so that all of them are known
+/// before R is touched. Source: Saunders, as LINPACK's dchdd.
 template <class T, int N>
 Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     keep_regressor(psi, f.x);
@@ -133,8 +136,8 @@ Removal<T> remove(RootInformation<T, N> f, Regressor<T> psi, T const& y, T const
     f.lengths.remove_row(w, psi, y);
     return {remaining, T(1)};
 }
-/// Gentleman's sweep with lambda = 1 and the weight -w: 1/w_{i+1} = 1/w_i + x_i^2 / D_i from -1/w on, all negative, and D_i w_i / w_{i+1}
-/// for D_i.
+/// Gentleman's sweep with lambda = 1 and the weight -w: 1/w_{i+1} = 1/w_i + x_i^2 / D_i from -1/w on, all negative, and
+/// D_i w_i / w_{i+1} for D_i.
 template <class T, int N>
 Removal<T> remove(UnitInformation<T, N> f, Regressor<T> psi, T const& y, T const& w) {
     keep_regressor(psi, f.x, f.c);
@@ -186,14 +189,17 @@ Removal<T> remove(NormalEquations<T, N> f, Regressor<T> psi, T const& y, T const
     return {remaining, T(1)};
 }
 
-/// Takes rows back. Not what skips rows or forgets by a rule of its own (`departs`): which weight a row has there nobody knows.
+/// Takes rows back. Not what skips rows or forgets by a rule of its own (`departs`): which weight a row has there
+/// nobody knows.
 template <class F>
-concept Downdates = NamesItsForm<F> && !requires { F::departs; } && requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
-    { remove(f.form(), psi, y, y) } -> std::same_as<Removal<typename F::scalar>>;
-};
+concept Downdates = NamesItsForm<F> && !requires { F::departs; } &&
+                    requires(F f, Regressor<typename F::scalar> psi, typename F::scalar y) {
+                        { remove(f.form(), psi, y, y) } -> std::same_as<Removal<typename F::scalar>>;
+                    };
 
 template <Downdates F>
-Removal<typename F::scalar> remove(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& w) {
+Removal<typename F::scalar> remove(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y,
+                                   typename F::scalar const& w) {
     return remove(f.form(), psi, y, w);
 }
 

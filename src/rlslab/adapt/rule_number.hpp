@@ -1,4 +1,5 @@
-// What a rule of forgetting says of its numbers, once: for saved states, the command line, its messages and printed C++.
+// What a rule of forgetting says of its numbers, once: for saved states, the command line, its messages and printed
+// C++.
 #pragma once
 
 #include <limits>

@@ -1,4 +1,5 @@
-// Time apart from rows: what a controller of forgetting does to a filter between updates, in every form that can do it in O(d^2).
+// Time apart from rows: what a controller of forgetting does to a filter between updates, in every form that can do it
+// in O(d^2).
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -14,10 +15,11 @@ namespace rlslab {
 //                Reset(k, theta)    P -> k I                      theta as given
 // and an update is Discount(lambda), then one row. Formulas: docs/theory.md 55 and 56.
 
-// --- lambda of the updates to come ----------------------------------------------------------------------------------------
+// --- lambda of the updates to come
+// ----------------------------------------------------------------------------------------
 
-/// lambda of the updates to come, as if the filter had been made with it: the same lambda leaves the same bits. 0 < lambda <= 1, not
-/// checked. Cost O(1), one square root where the form has one.
+/// lambda of the updates to come, as if the filter had been made with it: the same lambda leaves the same bits. 0 <
+/// lambda <= 1, not checked. Cost O(1), one square root where the form has one.
 template <class T, int N>
 void set_forgetting(PlainCovariance<T, N> f, T const& lambda) {
     f.lambda = lambda;
@@ -47,7 +49,8 @@ void set_forgetting(NormalEquations<T, N> f, T const& lambda) {
     f.lambda = lambda;
 }
 
-// --- discount ---------------------------------------------------------------------------------------------------------------
+// --- discount
+// ---------------------------------------------------------------------------------------------------------------
 
 namespace detail {
 /// Rows from first(j) to d of every column j.
@@ -58,9 +61,10 @@ void each_entry(StateMatrix<T, N>& A, bool upper, Change change) {
 }
 }  // namespace detail
 
-/// P / lambda without a row; a theta that is stored keeps its bits, one that is solved for moves by rounding alone (not at all where
-/// sqrt(lambda) is a power of two). Any lambda in (0, 1]: n ticks without data are discount(lambda^n). Not checked.
-/// Cost d^2 multiplications at most; d where the form has a diagonal of its own (ud; gentleman: and d^2/2 for its bounds).
+/// P / lambda without a row; a theta that is stored keeps its bits, one that is solved for moves by rounding alone (not
+/// at all where sqrt(lambda) is a power of two). Any lambda in (0, 1]: n ticks without data are discount(lambda^n). Not
+/// checked. Cost d^2 multiplications at most; d where the form has a diagonal of its own (ud; gentleman: and d^2/2 for
+/// its bounds).
 template <class T, int N>
 void discount(PlainCovariance<T, N> f, T const& lambda) {
     DivisorNearOne<T> const by(lambda);
@@ -95,10 +99,12 @@ void discount(NormalEquations<T, N> f, T const& lambda) {
     scale(f.D, lambda, f.D);
 }
 
-// --- inflate ----------------------------------------------------------------------------------------------------------------
+// --- inflate
+// ----------------------------------------------------------------------------------------------------------------
 
-/// P += c a a', c >= 0, theta as it is; c = 0 changes no bit. `a` may be the filter's gain. c < 0 or not finite is not checked: it may
-/// leave an indefinite P. Cost d^2/2 to 2.5 d^2 multiplications. ud: Agee & Turner 1972; the information forms: the dual, derived.
+/// P += c a a', c >= 0, theta as it is; c = 0 changes no bit. `a` may be the filter's gain. c < 0 or not finite is not
+/// checked: it may leave an indefinite P. Cost d^2/2 to 2.5 d^2 multiplications. ud: Agee & Turner 1972; the
+/// information forms: the dual, derived.
 template <class T, int N>
 void inflate(PlainCovariance<T, N> f, T const& c, Regressor<T> a) {
     keep_regressor(a, f.f);
@@ -207,7 +213,8 @@ void inflate(NormalEquations<T, N> f, T const& c, Regressor<T> a) {
     f.solve();
 }
 
-// --- reset ------------------------------------------------------------------------------------------------------------------
+// --- reset
+// ------------------------------------------------------------------------------------------------------------------
 
 namespace detail {
 template <class T, int N>
@@ -221,8 +228,8 @@ void fill(StateVector<T, N>& x, T const& value) {
 }
 }  // namespace detail
 
-/// P = variance I and theta as given, which may be the filter's own: kept bit for bit where it is stored. Cost d^2 assignments.
-/// Source: Goodwin, Elliott & Teoh 1983.
+/// P = variance I and theta as given, which may be the filter's own: kept bit for bit where it is stored. Cost d^2
+/// assignments. Source: Goodwin, Elliott & Teoh 1983.
 template <class T, int N>
 void reset(PlainCovariance<T, N> f, T const& variance, Regressor<T> theta) {
     keep_regressor(theta, f.theta);
@@ -278,7 +285,8 @@ Step<T> pass_time(F& f, StateVector<T, N>& scratch) {
 }
 }  // namespace detail
 
-// --- the abilities ----------------------------------------------------------------------------------------------------------
+// --- the abilities
+// ----------------------------------------------------------------------------------------------------------
 
 /// Names its state by form. A type around a filter hands on the form of what it is around.
 template <class F>
@@ -293,7 +301,8 @@ concept TimeUpdates = NamesItsForm<F> && requires(F f, typename F::scalar x, Reg
 };
 /// Adds c a a' to P.
 template <class F>
-concept Inflates = NamesItsForm<F> && requires(F f, typename F::scalar c, Regressor<typename F::scalar> a) { inflate(f.form(), c, a); };
+concept Inflates = NamesItsForm<F> &&
+                   requires(F f, typename F::scalar c, Regressor<typename F::scalar> a) { inflate(f.form(), c, a); };
 
 template <TimeUpdates F>
 void set_forgetting(F& f, typename F::scalar const& lambda) {
@@ -312,19 +321,23 @@ void reset(F& f, typename F::scalar const& variance, Regressor<typename F::scala
     reset(f.form(), variance, theta);
 }
 
-// --- what a guard asks for ------------------------------------------------------------------------------------------------
+// --- what a guard asks for
+// ------------------------------------------------------------------------------------------------
 
-/// P = variance I, theta as given, and `lambda` for the updates to come. What is around a filter and keeps rows forgets them.
+/// P = variance I, theta as given, and `lambda` for the updates to come. What is around a filter and keeps rows forgets
+/// them.
 template <TimeUpdates F>
-void restart(F& f, typename F::scalar const& variance, Regressor<typename F::scalar> theta, typename F::scalar const& lambda) {
+void restart(F& f, typename F::scalar const& variance, Regressor<typename F::scalar> theta,
+             typename F::scalar const& lambda) {
     reset(f, variance, theta);
     set_forgetting(f, lambda);
 }
 
-/// One row under a lambda of its own; `after` is the lambda of the updates to come. lambda = 1: a measurement without a time update.
+/// One row under a lambda of its own; `after` is the lambda of the updates to come. lambda = 1: a measurement without a
+/// time update.
 template <TimeUpdates F>
-Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda,
-                                 typename F::scalar const& after) {
+Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y,
+                                 typename F::scalar const& lambda, typename F::scalar const& after) {
     set_forgetting(f, lambda);
     Step<typename F::scalar> const step = f.update(psi, y);
     set_forgetting(f, after);
@@ -333,7 +346,8 @@ Step<typename F::scalar> measure(F& f, Regressor<typename F::scalar> psi, typena
 
 /// A row that is none of the data, without time: what holds P down. `lambda` is that of the updates to come.
 template <TimeUpdates F>
-Step<typename F::scalar> cap_row(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y, typename F::scalar const& lambda) {
+Step<typename F::scalar> cap_row(F& f, Regressor<typename F::scalar> psi, typename F::scalar const& y,
+                                 typename F::scalar const& lambda) {
     return measure(f, psi, y, typename F::scalar(1), lambda);
 }
 

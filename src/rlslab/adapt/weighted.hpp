@@ -7,22 +7,24 @@
 
 namespace rlslab {
 
-/// F with a weight for each row: minimises sum_i lambda^(k-i) w_i (y_i - psi_i'theta)^2 in place of F's sum, the prior as it is. w = 1/v
-/// where the row's noise has v times the variance that P is in units of.
+/// F with a weight for each row: minimises sum_i lambda^(k-i) w_i (y_i - psi_i'theta)^2 in place of F's sum, the prior
+/// as it is. w = 1/v where the row's noise has v times the variance that P is in units of.
 ///
-///   (1) F takes the row (sqrt(w) psi, sqrt(w) y); innovation and residual are divided by sqrt(w), the gain multiplied: all in y's unit.
-///       gamma = lambda / (lambda + w psi'P psi)
-///   (2) in a field without roots: P -> w P (lambda/w) / lambda, that is F's row with lambda/w for lambda, then discount(w)
-///   (3) missing output: time passes and nothing is learnt, P -> P / lambda. That is F's row with psi = 0, and w = 0. A theta that is
-///       stored keeps its bits; one that is solved for moves by rounding
+///   (1) F takes the row (sqrt(w) psi, sqrt(w) y); innovation and residual are divided by sqrt(w), the gain multiplied:
+///       all in y's unit. gamma = lambda / (lambda + w psi'P psi)
+///   (2) in a field without roots: P -> w P (lambda/w) / lambda, that is F's row with lambda/w for lambda, then
+///     discount(w)
+///   (3) missing output: time passes and nothing is learnt, P -> P / lambda. That is F's row with psi = 0, and w = 0. A
+///       theta that is stored keeps its bits; one that is solved for moves by rounding
 ///
 /// (2) is exact, and therefore for exact fields alone: rounding makes an error of u/w in it.
 /// psi         may be the gain's own numbers                      w = 1     F's own bits
 /// w           < 0, infinite or NaN: nothing changes, and health is nonfinite
-/// F           a variant, or what is around one: Weighted<Guarded<Windowed<Ud<float, 5>>>> keeps the scaled rows, and tests the scaled
-///             innovation, whose variance is the same in all rows. A guard learns nothing of the noise from (3)
-/// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and a root.
-/// Source: folklore; derived (docs/theory.md 63).
+/// F           a variant, or what is around one: Weighted<Guarded<Windowed<Ud<float, 5>>>> keeps the scaled rows, and
+///             tests the scaled innovation, whose variance is the same in all rows. A guard learns nothing of the
+///             noise from (3)
+/// gain()      by value. Allocates where F does and, at dynamic size, in gain(). Cost of (1): d + 3 multiplications and
+/// a root. Source: folklore; derived (docs/theory.md 63).
 template <OverOrderedField F>
     requires std::same_as<Truth<typename F::scalar>, bool> && (Real<typename F::scalar> || TimeUpdates<F>)
 class Weighted : public detail::AroundFilter<F> {
@@ -36,7 +38,8 @@ public:
 
     explicit Weighted(Problem<T> const& problem) : Weighted(F(problem), problem.forgetting) {}
     /// Around a filter that was made with options of its own. `forgetting` is the problem's.
-    Weighted(F const& filter, T const& forgetting) : detail::AroundFilter<F>(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
+    Weighted(F const& filter, T const& forgetting)
+        : detail::AroundFilter<F>(filter), psi_(filter.theta().size()), lambda_(forgetting) {}
 
     Step<T> update(Regressor<T> psi, T y) {
         Step<T> const step = filter_.update(psi, y);

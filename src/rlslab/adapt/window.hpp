@@ -1,4 +1,5 @@
-// A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept rows anew.
+// A filter over a sliding window of rows, which knows when taking rows back has cost it too much and factors the kept
+// rows anew.
 #pragma once
 
 #include <rlslab/adapt/around.hpp>
@@ -16,8 +17,8 @@ namespace rlslab {
 /// When a window factors anew.
 template <Field T>
 struct WindowOptions {
-    Index rows = 500;          ///< W >= 1
-    T worse = T(4);            ///< alarm: the expected error exceeds that of a fresh filter on the same rows by this factor, > 1
+    Index rows = 500;  ///< W >= 1
+    T worse = T(4);  ///< alarm: the expected error exceeds that of a fresh filter on the same rows by this factor, > 1
     Index refactor_every = 0;  ///< and every so many rows; 0: on alarm alone
 };
 
@@ -31,10 +32,13 @@ class RowRing {
 
 public:
     RowRing(Index size, Index rows)
-        : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0}, numbers_(size_t((size + 1) * rows), T(0)) {}
+        : d_(size), rows_(rows), held_{0, rows}, next_{0, rows > 0 ? rows - 1 : 0},
+          numbers_(size_t((size + 1) * rows), T(0)) {}
     Index held() const { return std::min(held_.n, rows_.value); }
     bool full() const { return held_.n == rows_.value; }
-    T* row(Index age_from_oldest) { return numbers_.data() + (next_.n - held_.n + age_from_oldest + rows_.value) % rows_.value * (d_ + 1); }
+    T* row(Index age_from_oldest) {
+        return numbers_.data() + (next_.n - held_.n + age_from_oldest + rows_.value) % rows_.value * (d_ + 1);
+    }
     /// Where the newest row goes, in place of the oldest where the ring is full.
     void push(T const* psi, T const& y) {
         expects(rows_.value > 0, "a window that was not moved from");
@@ -48,25 +52,28 @@ public:
     static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
 };
 
-/// F over the last W rows: minimises the J of F's problem as if these were all the rows there are. Each row is taken by F's own update;
-/// then the row W steps back, of weight lambda^W, is taken back (docs/theory.md 59).
+/// F over the last W rows: minimises the J of F's problem as if these were all the rows there are. Each row is taken by
+/// F's own update; then the row W steps back, of weight lambda^W, is taken back (docs/theory.md 59).
 ///
-/// An error made at step t, relative to P^-1 = X, is by step k larger by det X_t / det X_k where one direction lost its information and
-/// the others kept theirs. Hence the alarm, in O(1) from gamma and alpha^2, which are at hand; V is the expected square of the error,
-/// in units of u^2 (docs/theory.md 60):
+/// An error made at step t, relative to P^-1 = X, is by step k larger by det X_t / det X_k where one direction lost its
+/// information and the others kept theirs. Hence the alarm, in O(1) from gamma and alpha^2, which are at hand; V is the
+/// expected square of the error, in units of u^2 (docs/theory.md 60):
 ///
 ///   (1) row:      V = gamma^2 V + 1          (2) removal: V = (V + noise^2) / alpha^4
-///   (3) V > worse^2 V0, V0 what (1) gave for the rows from which F was last factored, or a removal refused: factor the kept rows anew
-///   (4) so too where E > worse^2 V0 Y: Y = sum w y^2 over the window bounds |z|^2 = theta'X theta, and E, the square of the error of z in
-///       units of u^2, follows (1) and (2) with Y for 1, so that what a large y leaves behind when it has left is seen
+///   (3) V > worse^2 V0, V0 what (1) gave for the rows from which F was last factored, or a removal refused: factor the
+///     kept rows anew
+///   (4) so too where E > worse^2 V0 Y: Y = sum w y^2 over the window bounds |z|^2 = theta'X theta, and E, the square
+///       of the error of z in units of u^2, follows (1) and (2) with Y for 1, so that what a large y leaves behind when
+///       it has left is seen
 ///
-/// V takes rounding errors for independent. Those of qr in float are not, where lambda is near 1: over windows of 10 000 rows and more its
-/// error is up to 70 times a fresh filter's, without an alarm; ud's is not.
+/// V takes rounding errors for independent. Those of qr in float are not, where lambda is near 1: over windows of 10
+/// 000 rows and more its error is up to 70 times a fresh filter's, without an alarm; ud's is not.
 ///
-/// After (3) the state is, bit for bit, that of a fresh F fed these rows. A row that is not finite spoils the window while it is in it,
-/// as it spoils F, and leaves no trace: the rows are factored anew when the last such row has left. A prior counts from the last
-/// factoring on. Memory W (d + 1) numbers and F twice; allocates where it is made and never again (F allowing). Cost of a step: F's
-/// update and one removal; factoring takes W updates in one step, the longest of all.
+/// After (3) the state is, bit for bit, that of a fresh F fed these rows. A row that is not finite spoils the window
+/// while it is in it, as it spoils F, and leaves no trace: the rows are factored anew when the last such row has left.
+/// A prior counts from the last factoring on. Memory W (d + 1) numbers and F twice; allocates where it is made and
+/// never again (F allowing). Cost of a step: F's update and one removal; factoring takes W updates in one step, the
+/// longest of all.
 template <Downdates F>
     requires std::same_as<Truth<typename F::scalar>, bool>
 class Windowed : public detail::AroundFilter<F> {
@@ -95,8 +102,9 @@ public:
         : Windowed(F(problem), problem.forgetting, options) {}
     /// Around a filter that was made with options of its own and has taken no row. `forgetting` is its problem's.
     Windowed(F const& filter, T const& forgetting, WindowOptions<T> const& options = {})
-        : detail::AroundFilter<F>(filter), start_(filter), psi_(filter.theta().size()), options_(checked(options, psi_.size())),
-          ring_(psi_.size(), options.rows), forgetting_(forgetting), spoilt_{0, options.rows} {
+        : detail::AroundFilter<F>(filter), start_(filter), psi_(filter.theta().size()),
+          options_(checked(options, psi_.size())), ring_(psi_.size(), options.rows), forgetting_(forgetting),
+          spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
         if constexpr (requires { filter_.form().root_lambda; }) {  // which is rounded: W steps wear a row by its square
             for (Index k = 0; k < 2 * options.rows; ++k) weight_ *= filter_.form().root_lambda;
@@ -117,14 +125,14 @@ public:
                  {"rows_held", double(w.rows()), true}}};
     }
     static auto state(auto& w) {
-        return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.V_, w.V0_, w.Y_, w.E_, w.spoilt_, w.since_,
-                        w.refactored_);
+        return std::tie(w.filter_, w.start_, w.ring_, w.forgetting_, w.weight_, w.V_, w.V0_, w.Y_, w.E_, w.spoilt_,
+                        w.since_, w.refactored_);
     }
     Index rows() const { return ring_.held(); }       ///< in the window
     Index refactored() const { return refactored_; }  ///< times that the kept rows were factored anew
-    Index since() const { return since_; }            ///< rows since then, those that it kept apart; since the start: all
-    bool spoilt() const { return spoilt_.n > 0; }     ///< a row that is not finite is in the window
-    T grown() const { return V_ / V0_; }              ///< V / V0, which (3) watches; undefined before the window is first full
+    Index since() const { return since_; }         ///< rows since then, those that it kept apart; since the start: all
+    bool spoilt() const { return spoilt_.n > 0; }  ///< a row that is not finite is in the window
+    T grown() const { return V_ / V0_; }  ///< V / V0, which (3) watches; undefined before the window is first full
 
     /// F anew from the kept rows, oldest first; the last one's step. Undefined numbers where no row is kept.
     Step<T> refactor() {
@@ -141,8 +149,9 @@ public:
         return last;
     }
 
-    /// What a guard asks of a window. `restart`: no row is kept, and the window's prior is from now on this theta and variance; lambda is
-    /// the window's own. `cap_row`: the row is none of the window; it counts until the kept rows are next factored anew.
+    /// What a guard asks of a window. `restart`: no row is kept, and the window's prior is from now on this theta and
+    /// variance; lambda is the window's own. `cap_row`: the row is none of the window; it counts until the kept rows
+    /// are next factored anew.
     friend T variance(Windowed& w, Index j)
         requires ReportsVariances<F>
     {
@@ -191,11 +200,12 @@ private:
             T const* const oldest = ring_.row(0);
             Removal<T> const removal = remove(filter_, Regressor<T>(oldest, size()), oldest[size()], weight_);
             T const remaining = removal.remaining * removal.remaining;
-            T const made = removal.noise * removal.noise, most = options_.worse * options_.worse * V0_, left = oldest[size()];
+            T const made = removal.noise * removal.noise, most = options_.worse * options_.worse * V0_,
+                    left = oldest[size()];
             V_ = (V_ + made) / remaining;  // (2)
             E_ = (E_ + made * Y_) / remaining;
             Y_ -= weight_ * (left * left);
-            T const remains = T(0) < Y_ ? Y_ : T(0);                                // rounding may leave less than nothing
+            T const remains = T(0) < Y_ ? Y_ : T(0);  // rounding may leave less than nothing
             alarm = removal.refused() || !(V_ <= most) || !(E_ / most <= remains);  // (3), (4)
         } else if (!leaves) {
             V0_ = V_;

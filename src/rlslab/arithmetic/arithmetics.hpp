@@ -29,9 +29,10 @@ using ArithmeticsWith = std::tuple<
 // clang-format on
 }  // namespace detail
 
-/// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not round once.
-using Arithmetics =
-    std::conditional_t<std::numeric_limits<long double>::digits == 64, detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
+/// long double is in the list where it is x87's. Elsewhere it is one of the other arithmetics, or one that does not
+/// round once.
+using Arithmetics = std::conditional_t<std::numeric_limits<long double>::digits == 64,
+                                       detail::ArithmeticsWith<long double>, detail::ArithmeticsWith<>>;
 
 /// The place behind the list: VariablePrecision, whose length is set at run time.
 inline constexpr int bits_index = std::tuple_size_v<Arithmetics>;

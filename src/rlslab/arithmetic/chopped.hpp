@@ -1,4 +1,5 @@
-// Short formats, emulated: a double holds a number of the Format, and the exact result of every operation is rounded once to it.
+// Short formats, emulated: a double holds a number of the Format, and the exact result of every operation is rounded
+// once to it.
 #pragma once
 
 #include <rlslab/arithmetic/thread_state.hpp>
@@ -13,9 +14,9 @@
 
 namespace rlslab {
 
-/// Stochastic rounding in this thread draws from `seed` until this object is destroyed. Then the previous stream continues. `seed` advances
-/// with each draw and belongs to the caller, who must keep it alive. An object that stores a Seed beside its numbers can therefore be
-/// replayed and copied bit for bit.
+/// Stochastic rounding in this thread draws from `seed` until this object is destroyed. Then the previous stream
+/// continues. `seed` advances with each draw and belongs to the caller, who must keep it alive. An object that stores a
+/// Seed beside its numbers can therefore be replayed and copied bit for bit.
 class [[nodiscard]] StochasticStream {
     static inline constinit thread_local Seed* current_ = nullptr;
     Seed* previous_;
@@ -36,8 +37,8 @@ public:
     static double uniform() { return current().uniform(); }  ///< the next draw
 };
 
-/// A number of the format F. Rounding to nearest needs only double's result (see round_to_nearest). The other roundings also need the tail:
-/// the exact result minus double's.
+/// A number of the format F. Rounding to nearest needs only double's result (see round_to_nearest). The other roundings
+/// also need the tail: the exact result minus double's.
 template <Format F, Rounding R = Rounding::nearest>
 class Chopped {
     static_assert(fits_in_double(F));

@@ -11,7 +11,8 @@
 
 namespace rlslab {
 
-/// Operations by kind. A subtraction is an addition. Changes of sign, comparisons, constructions and conversions are not counted.
+/// Operations by kind. A subtraction is an addition. Changes of sign, comparisons, constructions and conversions are
+/// not counted.
 struct Tally {
     long additions = 0, multiplications = 0, divisions = 0, square_roots = 0;
 
@@ -31,7 +32,8 @@ namespace detail {
 inline constinit thread_local Tally operations_so_far{};
 }
 
-/// The operations of all Counted<T> in this thread during the call. Calls may be nested: the outer one counts those of the inner one too.
+/// The operations of all Counted<T> in this thread during the call. Calls may be nested: the outer one counts those of
+/// the inner one too.
 template <std::invocable Work>
 Tally counted(Work&& work) {
     Tally const before = detail::operations_so_far;

@@ -21,7 +21,8 @@ public:
     operator mpfr_ptr() { return x_; }
 };
 
-/// f(arguments) rounded to 53 bits. A subnormal result has fewer bits: it is rounded again, with the direction of the first rounding known.
+/// f(arguments) rounded to 53 bits. A subnormal result has fewer bits: it is rounded again, with the direction of the
+/// first rounding known.
 template <class F, class... X>
 double of(F* f, X... arguments) {
     Number out;

@@ -34,35 +34,36 @@ template <class B, class A>
 concept TermWith = FixedTerm<B> && FormatOf<A>::value == FormatOf<B>::value;
 /// What an operation on such terms gives: a number that is exact until it is stored, or a word at once.
 template <class X>
-using ResultWith = std::conditional_t<FormatOf<X>::value.sums == Sums::exact, FixedSum<FormatOf<X>::value>, Fixed<FormatOf<X>::value>>;
+using ResultWith =
+    std::conditional_t<FormatOf<X>::value.sums == Sums::exact, FixedSum<FormatOf<X>::value>, Fixed<FormatOf<X>::value>>;
 }  // namespace detail
 
 /// A word of F.bits bits that stands for the number n q, q = 2^-F.fraction, -2^(bits-1) <= n < 2^(bits-1):
 /// Q15 is {16, 15}, Q31 is {32, 31}; 1 needs an integer bit, bits >= fraction + 2, and every variant uses it.
 ///
-///   a + b, a - b    exact. With Sums::exact the result is a FixedSum: a number of 2 fraction bits in an accumulator of 128 bits,
-///                   which cannot overflow below 2^32 terms
+///   a + b, a - b    exact. With Sums::exact the result is a FixedSum: a number of 2 fraction bits in an accumulator of
+///                   128 bits, which cannot overflow below 2^32 terms
 ///   a b             exact likewise. A factor is a word: a FixedSum that is multiplied, or divides, is stored first
-///   a / b           the exact quotient of a (which may be a FixedSum) and the word b, rounded once. b = 0: the last word on a's side,
-///                   0 / 0 = 0; marked and counted
+///   a / b           the exact quotient of a (which may be a FixedSum) and the word b, rounded once. b = 0: the last
+///                   word on a's side, 0 / 0 = 0; marked and counted
 ///   sqrt(a)         rounded once, by integers. a < 0: 0, marked and counted
-///   storing         a FixedSum becomes a word wherever text names it T, puts it in memory, or passes it as T: rounded once to a
-///                   multiple of q (F.rounding), then saturated or wrapped to the word (F.overflow)
+///   storing         a FixedSum becomes a word wherever text names it T, puts it in memory, or passes it as T: rounded
+///                   once to a multiple of q (F.rounding), then saturated or wrapped to the word (F.overflow)
 ///   comparisons     exact, also between words and sums
 ///   from double     rounded to nearest and saturated whatever F says, as converters do; NaN: 0, marked
 ///   to double       exact; NaN where marked. value() is the word's number, marked or not
 ///
 /// With Sums::rounded every +, -, x stores: "one rounding for each product" instead of "for each sum".
 ///
-/// Overflow is reported as breakdown. A word that overflowed, or was computed from one, is marked: is_finite is false for it, as it
-/// is for infinities and NaN elsewhere, and so Step::health is nonfinite. Marks are the emulation's: only is_finite reads them, where
-/// a processor would read its status bits. FixedEvents (fixed_events) counts what happened in this thread, and keeps the largest
-/// number there was: the integer bits that a filter needs. A sum of squares that overflows and is then divided out first
-/// (rotations.hpp) leaves no mark on the result, but is counted.
+/// Overflow is reported as breakdown. A word that overflowed, or was computed from one, is marked: is_finite is false
+/// for it, as it is for infinities and NaN elsewhere, and so Step::health is nonfinite. Marks are the emulation's: only
+/// is_finite reads them, where a processor would read its status bits. FixedEvents (fixed_events) counts what happened
+/// in this thread, and keeps the largest number there was: the integer bits that a filter needs. A sum of squares that
+/// overflows and is then divided out first (rotations.hpp) leaves no mark on the result, but is counted.
 ///
-/// What a variant's text assumes of floating point and fixed point lacks: errors relative to the number. lambda is in force as
-/// the word for it says (1 - lambda is a multiple of q), P0 must fit, and so must 1/P0 where information is propagated.
-/// Sources: Analog Devices, Blackfin Processor Programming Reference (pages read); docs/theory.md 65.
+/// What a variant's text assumes of floating point and fixed point lacks: errors relative to the number. lambda is in
+/// force as the word for it says (1 - lambda is a multiple of q), P0 must fit, and so must 1/P0 where information is
+/// propagated. Sources: Analog Devices, Blackfin Processor Programming Reference (pages read); docs/theory.md 65.
 template <FixedFormat F>
 class Fixed {
     static_assert(F.bits == 0 || is_fixed_format(F));
@@ -197,7 +198,9 @@ public:
     template <detail::TermWith<Word> A, detail::TermWith<Word> B>
     static std::strong_ordering compared(A const& a, B const& b) {
         Wide const x = of(a).n_, y = of(b).n_;
-        return x < y ? std::strong_ordering::less : x == y ? std::strong_ordering::equal : std::strong_ordering::greater;
+        return x < y    ? std::strong_ordering::less
+               : x == y ? std::strong_ordering::equal
+                        : std::strong_ordering::greater;
     }
 
     friend FixedSum operator-(FixedSum const& a) { return {-a.n_, a.marked_}; }
@@ -262,7 +265,8 @@ struct Encoding<Fixed<F>> {
         to[8] = std::byte(x.marked_);
     }
     static bool read(std::byte const* from, Fixed<F>& x) {
-        std::int64_t const word = std::int64_t(detail::read_low(from, 8)), limit = std::int64_t{1} << (Fixed<F>::format().bits - 1);
+        std::int64_t const word = std::int64_t(detail::read_low(from, 8)),
+                           limit = std::int64_t{1} << (Fixed<F>::format().bits - 1);
         x = Fixed<F>(word, from[8] == std::byte(1), typename Fixed<F>::Made{});
         return -limit <= word && word < limit && from[8] <= std::byte(1);
     }
@@ -304,12 +308,14 @@ struct UncountedScope<Fixed<F>> : detail::FixedAccount {
     UncountedScope() : FixedAccount(false) {}
 };
 
-/// digits: of a number in [1, 2), fraction + 1. min_exp makes a sum of squares large enough (least_sum_of_squares) from 1 on: its
-/// root then is off by q/4 at most. max_exp: of the largest word. Where the format varies 53 bits hold every number.
+/// digits: of a number in [1, 2), fraction + 1. min_exp makes a sum of squares large enough (least_sum_of_squares) from
+/// 1 on: its root then is off by q/4 at most. max_exp: of the largest word. Where the format varies 53 bits hold every
+/// number.
 template <FixedFormat F>
 struct ArithmeticTraits<Fixed<F>> {
     static constexpr std::string_view name = "fixed";
-    static constexpr int digits = F.bits == 0 ? 53 : F.fraction + 1, min_exp = -digits, max_exp = F.bits == 0 ? 0 : F.bits - 2 - F.fraction;
+    static constexpr int digits = F.bits == 0 ? 53 : F.fraction + 1, min_exp = -digits,
+                         max_exp = F.bits == 0 ? 0 : F.bits - 2 - F.fraction;
 };
 template <>
 inline int significand_bits<VariableFixed>() {

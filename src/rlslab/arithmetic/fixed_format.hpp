@@ -16,9 +16,11 @@ namespace rlslab {
 
 /// How a number between two words is rounded.
 ///   nearest   to the nearer one, ties to the even one ("convergent" in processor manuals)
-///   down      toward minus infinity: the low bits of the two's complement are dropped ("truncation"). A bias of half a unit
+///   down      toward minus infinity: the low bits of the two's complement are dropped ("truncation"). A bias of half a
+///             unit
 enum class FixedRounding { nearest, down };
-/// What a number beyond the words becomes: the nearest word there is, or the word with the same low bits (modulo 2^bits).
+/// What a number beyond the words becomes: the nearest word there is, or the word with the same low bits (modulo
+/// 2^bits).
 enum class Overflow { saturate, wrap };
 /// When sums and products are rounded: once, when the value of the expression is stored, or after every operation.
 enum class Sums { exact, rounded };
@@ -35,10 +37,12 @@ struct FixedFormat {
 };
 
 /// Up to 48 bits: a double holds every word, and 128 bits the exact sum of 2^32 products of two words.
-constexpr bool is_fixed_format(FixedFormat f) { return f.bits >= 2 && f.bits <= 48 && f.fraction >= 0 && f.fraction < f.bits; }
+constexpr bool is_fixed_format(FixedFormat f) {
+    return f.bits >= 2 && f.bits <= 48 && f.fraction >= 0 && f.fraction < f.bits;
+}
 
-/// While one is alive, this thread's words of variable format have this one; then the format before. Outside of any: 32 bits,
-/// 16 of them behind the point. A word made under one format has another value under another.
+/// While one is alive, this thread's words of variable format have this one; then the format before. Outside of any: 32
+/// bits, 16 of them behind the point. A word made under one format has another value under another.
 /// Throws std::invalid_argument unless 2 <= bits <= 48 and 0 <= fraction < bits.
 class [[nodiscard]] FixedScope {
     static inline constinit thread_local FixedFormat current_{32, 16};
@@ -55,7 +59,8 @@ public:
     static FixedFormat const& format() { return current_; }
 };
 
-/// What did not go well, and how large numbers became. The counts say what a processor's sticky status bits would have said.
+/// What did not go well, and how large numbers became. The counts say what a processor's sticky status bits would have
+/// said.
 struct FixedEvents {
     long overflows = 0;       ///< numbers beyond the words, when they were stored
     long zero_divisors = 0;   ///< x / 0
@@ -88,7 +93,8 @@ public:
 };
 }  // namespace detail
 
-/// What happened in this thread during the call, in words of any format. Calls nest: the outer one sees the inner one's too.
+/// What happened in this thread during the call, in words of any format. Calls nest: the outer one sees the inner one's
+/// too.
 template <class Work>
 FixedEvents fixed_events(Work&& work) {
     detail::FixedAccount const account(true);
@@ -129,7 +135,8 @@ constexpr Integer floor_root(Integer n, int bits) {
 /// sqrt(n), rounded; n >= 0. There are no ties: (r + 1/2)^2 is no integer.
 constexpr Wide rooted(Wide n, FixedRounding rounding) {
     if (n == 0) return 0;
-    int const bits = 128 - (n >> 64 != 0 ? std::countl_zero(std::uint64_t(n >> 64)) : 64 + std::countl_zero(std::uint64_t(n)));
+    int const bits =
+        128 - (n >> 64 != 0 ? std::countl_zero(std::uint64_t(n >> 64)) : 64 + std::countl_zero(std::uint64_t(n)));
     Wide const below = bits < 62 ? Wide(floor_root(std::int64_t(n), bits)) : floor_root(n, bits);
     return below + (rounding == FixedRounding::nearest && n - below * below > below);
 }

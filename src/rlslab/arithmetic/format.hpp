@@ -1,7 +1,7 @@
 // Short binary formats as data, and three ways to round an exact value to one.
 //
-// All decisions use the bits of a double and exact operations only, so that no rounding mode, optimisation level or instruction set can
-// change a result.
+// All decisions use the bits of a double and exact operations only, so that no rounding mode, optimisation level or
+// instruction set can change a result.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,8 @@
 
 namespace rlslab {
 
-/// The numbers 1.f x 2^e of p = `digits` bits with min_exp <= e <= max_exp, subnormal numbers below them, infinities, NaN, both zeros.
+/// The numbers 1.f x 2^e of p = `digits` bits with min_exp <= e <= max_exp, subnormal numbers below them, infinities,
+/// NaN, both zeros.
 struct Format {
     int digits, min_exp, max_exp;
     friend constexpr bool operator==(Format const&, Format const&) = default;
@@ -26,7 +27,9 @@ inline constexpr std::uint64_t sign_bit = std::uint64_t{1} << 63;
 constexpr std::uint64_t bits_of(double x) { return __builtin_bit_cast(std::uint64_t, x); }
 constexpr double from_bits(std::uint64_t bits) { return __builtin_bit_cast(double, bits); }
 constexpr double magnitude(double x) { return from_bits(bits_of(x) & ~sign_bit); }
-constexpr double with_sign_of(double x, double magnitude) { return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit)); }
+constexpr double with_sign_of(double x, double magnitude) {
+    return from_bits(bits_of(magnitude) | (bits_of(x) & sign_bit));
+}
 constexpr double power_of_two(int e) { return from_bits(std::uint64_t(e + 1023) << 52); }  ///< -1022 <= e <= 1023
 
 /// The exponent of the smallest subnormal number. Every number of the format is an integer multiple of that.
@@ -34,11 +37,14 @@ constexpr int lowest_exp(Format f) { return f.min_exp - f.digits + 1; }
 
 }  // namespace detail
 
-constexpr double largest(Format f) { return detail::power_of_two(f.max_exp) * (2 - detail::power_of_two(1 - f.digits)); }
+constexpr double largest(Format f) {
+    return detail::power_of_two(f.max_exp) * (2 - detail::power_of_two(1 - f.digits));
+}
 constexpr double smallest_normal(Format f) { return detail::power_of_two(f.min_exp); }
 constexpr double smallest_subnormal(Format f) { return detail::power_of_two(detail::lowest_exp(f)); }
 
-/// Whether double can emulate the format. With l = lowest_exp and t = max_exp + 1 all positive numbers lie in [2^l, 2^t), and
+/// Whether double can emulate the format. With l = lowest_exp and t = max_exp + 1 all positive numbers lie in [2^l,
+/// 2^t), and
 ///   precision   2p + 2 <= 53 makes double rounding innocuous to nearest (see round_to_nearest) and products exact;
 ///   products    lie in [2^2l, 2^2t): normal doubles if 2l >= -1022 and 2t <= 1023;
 ///   quotients   lie in (2^(l-t), 2^(t-l)), and the tail of an inexact quotient q is (a - q b) / b, where a - q b
@@ -56,15 +62,20 @@ namespace detail {
 template <Format F>
 inline constexpr std::uint64_t one_ulp = std::uint64_t{1} << (53 - F.digits);
 
-constexpr bool is_number(double x) { return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity()); }
-/// Infinities unchanged, and one bit pattern for every NaN: which of two NaNs an operation returns depends on the compiler.
+constexpr bool is_number(double x) {
+    return (bits_of(x) & ~sign_bit) < bits_of(std::numeric_limits<double>::infinity());
+}
+/// Infinities unchanged, and one bit pattern for every NaN: which of two NaNs an operation returns depends on the
+/// compiler.
 constexpr double not_a_number(double x) { return x == x ? x : std::numeric_limits<double>::quiet_NaN(); }
 
 /// The tail of |head + tail|. (It flips bits: a branch on random signs would be slow.)
 constexpr double outward(double head, double tail) { return from_bits(bits_of(tail) ^ (bits_of(head) & sign_bit)); }
 
 /// The largest double <= |head + tail|, when head is the double nearest to head + tail.
-constexpr double floor_of(double head, double tail) { return from_bits((bits_of(head) & ~sign_bit) - (outward(head, tail) < 0)); }
+constexpr double floor_of(double head, double tail) {
+    return from_bits((bits_of(head) & ~sign_bit) - (outward(head, tail) < 0));
+}
 
 /// x >= 0 truncated to the format's numbers, as if its exponents had no upper bound.
 template <Format F>
@@ -83,11 +94,11 @@ constexpr double after(double x) {
 /// x rounded to the nearest number of the format, ties to even; infinity from the largest number plus half an ulp on.
 ///
 /// It needs no tail: if the result of two p-bit operands is rounded to double and then here, the outcome is that of one
-/// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the exact
-/// result was elsewhere. But products are exact; sums are exact or within 2^-(51-p) relative of an operand, midpoints
-/// no closer than 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p (2^-(2p+1))
-/// relative, whereas double moves it by at most 2^-53. The same counts hold among subnormals, where midpoints have
-/// fewer bits.
+/// rounding. The two could differ only if double landed on a midpoint of the format, which has p + 1 bits, and the
+/// exact result was elsewhere. But products are exact; sums are exact or within 2^-(51-p) relative of an operand,
+/// midpoints no closer than 2^-(p+1); and a quotient (a root) that is no midpoint differs from all of them by 2^-2p
+/// (2^-(2p+1)) relative, whereas double moves it by at most 2^-53. The same counts hold among subnormals, where
+/// midpoints have fewer bits.
 template <Format F>
 constexpr double round_to_nearest(double x) {
     static_assert(fits_in_double(F));
@@ -109,8 +120,8 @@ constexpr double round_to_nearest(double x) {
     return with_sign_of(x, double(whole + up) * smallest_subnormal(F));
 }
 
-/// head + tail rounded toward zero. head is the double nearest to the exact value, tail has the sign of the exact value minus head.
-/// Finite values beyond the largest number become the largest number.
+/// head + tail rounded toward zero. head is the double nearest to the exact value, tail has the sign of the exact value
+/// minus head. Finite values beyond the largest number become the largest number.
 template <Format F>
 constexpr double round_toward_zero(double head, double tail = 0) {
     static_assert(fits_in_double(F));
@@ -120,9 +131,10 @@ constexpr double round_toward_zero(double head, double tail = 0) {
     return with_sign_of(head, below > largest(F) ? largest(F) : below);
 }
 
-/// head + tail rounded to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to the outer one and
-/// u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact value. A number of the format stays,
-/// and draws nothing. The outer neighbour of the largest number is 2^(max_exp+1); a result of that size or more becomes infinity.
+/// head + tail rounded to one of its two neighbours: away from zero iff u < f, where f is the fraction of the way to
+/// the outer one and u = uniform() in [0, 1) has 53 bits. So the probability is f to 2^-53, and the mean is the exact
+/// value. A number of the format stays, and draws nothing. The outer neighbour of the largest number is 2^(max_exp+1);
+/// a result of that size or more becomes infinity.
 template <Format F, class Uniform>
 constexpr double round_stochastically(double head, double tail, Uniform&& uniform) {
     static_assert(fits_in_double(F));

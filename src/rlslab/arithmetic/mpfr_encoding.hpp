@@ -7,7 +7,8 @@
 
 namespace rlslab::detail {
 
-/// A kind (NaN, infinity, zero, regular; + 128 with a sign), an exponent e and the integer m of +-m 2^e, m of `bits` bits.
+/// A kind (NaN, infinity, zero, regular; + 128 with a sign), an exponent e and the integer m of +-m 2^e, m of `bits`
+/// bits.
 template <int bits>
 struct MpfrEncoding {
     static constexpr std::size_t integer = (bits + 7) / 8, size = 1 + 8 + integer;
@@ -27,7 +28,8 @@ struct MpfrEncoding {
     static bool read(std::byte const* from, mpfr_ptr x) {
         int const kind = int(from[0]) & 127, sign = from[0] >= std::byte(128) ? -1 : 1;
         std::int64_t exponent = 0;
-        bool const in_range = Encoding<std::int64_t>::read(from + 1, exponent) && exponent == std::int64_t(mpfr_exp_t(exponent));
+        bool const in_range =
+            Encoding<std::int64_t>::read(from + 1, exponent) && exponent == std::int64_t(mpfr_exp_t(exponent));
         if (kind == 0) mpfr_set_nan(x);
         else if (kind == 1) mpfr_set_inf(x, sign);
         else mpfr_set_zero(x, sign);

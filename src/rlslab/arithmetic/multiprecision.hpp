@@ -12,8 +12,9 @@
 namespace rlslab {
 
 /// MPFR at 77 decimal digits, 257 bits: long enough that an error seen in it comes from the method, not from rounding.
-using Reference = boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
-                                                boost::multiprecision::et_off>;
+using Reference =
+    boost::multiprecision::number<boost::multiprecision::mpfr_float_backend<77, boost::multiprecision::allocate_stack>,
+                                  boost::multiprecision::et_off>;
 /// Exact rationals: the identities of recursive least squares hold with ==.
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 

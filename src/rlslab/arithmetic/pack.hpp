@@ -1,5 +1,5 @@
-// L filters in lockstep: a scalar that is L numbers, one in each lane. Lane i of every result has the bits that the scalar T gives for the
-// numbers of lane i.
+// L filters in lockstep: a scalar that is L numbers, one in each lane. Lane i of every result has the bits that the
+// scalar T gives for the numbers of lane i.
 #pragma once
 
 #include <rlslab/arithmetic/storage_traits.hpp>
@@ -15,7 +15,8 @@
 namespace rlslab {
 
 namespace detail {
-/// Bytes of a register of the instruction set for which this translation unit is compiled. GCC makes slow code of wider vectors.
+/// Bytes of a register of the instruction set for which this translation unit is compiled. GCC makes slow code of wider
+/// vectors.
 #if defined(__AVX512F__)
 inline constexpr int pack_register = 64;
 #elif defined(__AVX__)
@@ -27,7 +28,9 @@ inline constexpr int pack_register = 16;
 /// work(k) for k = 0 ... R - 1, each k a constant: the compiler keeps an array in registers only if no loop indexes it.
 template <int R, class Work>
 [[gnu::always_inline]] inline void for_registers(Work work) {
-    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) { (work(std::integral_constant<int, k>{}), ...); }
+    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+        (work(std::integral_constant<int, k>{}), ...);
+    }
     (std::make_integer_sequence<int, R>{});
 }
 
@@ -38,7 +41,8 @@ struct PackShape {
     static_assert(L * int(sizeof(T)) % bytes == 0, "L fills whole registers");
     static constexpr int width = bytes / int(sizeof(T)), registers = L / width;
     using Word = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
-    // Not of a wide register's own alignment: vectors of packs are also where malloc puts them, at multiples of 16 (Eigen, DontAlign).
+    // Not of a wide register's own alignment: vectors of packs are also where malloc puts them, at multiples of 16
+    // (Eigen, DontAlign).
     static constexpr int alignment = std::min(bytes, 16);
     typedef T Numbers __attribute__((vector_size(bytes), aligned(alignment)));
     typedef Word Bits __attribute__((vector_size(bytes), aligned(alignment)));
@@ -73,7 +77,8 @@ public:
 
     PackMask() = default;
     [[gnu::always_inline]] explicit(false) PackMask(bool b) {
-        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { m[k] = Bits{} - (b ? 1 : 0); });
+        detail::for_registers<Shape::registers>([&](auto k)
+                                                    __attribute__((always_inline)) { m[k] = Bits{} - (b ? 1 : 0); });
     }
     explicit PackMask(Lanes<bool, L> const& truths) {
         for (int i = 0; i < L; ++i) m[i / Shape::width][i % Shape::width] = truths[i] ? -1 : 0;
@@ -81,12 +86,14 @@ public:
     bool operator[](int lane) const { return m[lane / Shape::width][lane % Shape::width] != 0; }
     [[gnu::always_inline]] friend PackMask operator&&(PackMask const& a, PackMask const& b) {
         PackMask out;
-        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.m[k] & b.m[k]; });
+        detail::for_registers<Shape::registers>([&](auto k)
+                                                    __attribute__((always_inline)) { out.m[k] = a.m[k] & b.m[k]; });
         return out;
     }
     [[gnu::always_inline]] friend PackMask operator||(PackMask const& a, PackMask const& b) {
         PackMask out;
-        detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { out.m[k] = a.m[k] | b.m[k]; });
+        detail::for_registers<Shape::registers>([&](auto k)
+                                                    __attribute__((always_inline)) { out.m[k] = a.m[k] | b.m[k]; });
         return out;
     }
     [[gnu::always_inline]] friend PackMask operator!(PackMask const& a) {
@@ -104,7 +111,8 @@ public:
     [[gnu::always_inline]] friend bool all(PackMask const& a) { return !any(!a); }
 };
 
-/// L numbers of float or double; L fills whole registers. Every operation rounds once in every lane, and nothing is fused.
+/// L numbers of float or double; L fills whole registers. Every operation rounds once in every lane, and nothing is
+/// fused.
 template <class T, int L>
 class Pack {
     using Shape = detail::PackShape<T, L>;
@@ -118,7 +126,8 @@ public:
     Numbers v[R];
 
     [[gnu::always_inline]] Pack() : Pack(T(0)) {}
-    /// Copies whole registers. GCC's own copy goes by halves, and the next load of a whole register has to wait for both.
+    /// Copies whole registers. GCC's own copy goes by halves, and the next load of a whole register has to wait for
+    /// both.
     [[gnu::always_inline]] Pack(Pack const& other) {
         detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { v[k] = other.v[k]; });
     }
@@ -183,7 +192,8 @@ public:
     /// a where the mask is set, else b.
     [[gnu::always_inline]] friend Pack select(Mask const& mask, Pack const& a, Pack const& b) {
         Pack out(Raw{});
-        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.v[k] = mask.m[k] ? a.v[k] : b.v[k]; });
+        detail::for_registers<R>([&](auto k)
+                                     __attribute__((always_inline)) { out.v[k] = mask.m[k] ? a.v[k] : b.v[k]; });
         return out;
     }
 

@@ -17,14 +17,14 @@ template <>
 struct std::numeric_limits<rlslab::Quad> {
     using Quad = rlslab::Quad;
 
-    static constexpr bool is_specialized = true, is_signed = true, is_integer = false, is_exact = false, has_infinity = true,
-                          has_quiet_NaN = true, has_signaling_NaN = false, is_iec559 = true, is_bounded = true, is_modulo = false,
-                          traps = false, tinyness_before = false;
+    static constexpr bool is_specialized = true, is_signed = true, is_integer = false, is_exact = false,
+                          has_infinity = true, has_quiet_NaN = true, has_signaling_NaN = false, is_iec559 = true,
+                          is_bounded = true, is_modulo = false, traps = false, tinyness_before = false;
     static constexpr std::float_denorm_style has_denorm = std::denorm_present;
     static constexpr bool has_denorm_loss = false;
     static constexpr std::float_round_style round_style = std::round_to_nearest;
-    static constexpr int radix = 2, digits = 113, digits10 = 33, max_digits10 = 36, min_exponent = -16381, max_exponent = 16384,
-                         min_exponent10 = -4931, max_exponent10 = 4932;
+    static constexpr int radix = 2, digits = 113, digits10 = 33, max_digits10 = 36, min_exponent = -16381,
+                         max_exponent = 16384, min_exponent10 = -4931, max_exponent10 = 4932;
     static Quad min();
     static Quad max();
     static Quad lowest();
@@ -37,12 +37,13 @@ struct std::numeric_limits<rlslab::Quad> {
 
 namespace rlslab {
 
-/// 113 bits, exponents -16382 ... 16383, subnormals below: +, -, x, / and sqrt round once, to nearest, ties to even. MPFR computes directly
-/// on the limbs stored here. Its exponents reach further, so only overflow and subnormal results need a second step. A plain value of 32
-/// bytes.
+/// 113 bits, exponents -16382 ... 16383, subnormals below: +, -, x, / and sqrt round once, to nearest, ties to even.
+/// MPFR computes directly on the limbs stored here. Its exponents reach further, so only overflow and subnormal results
+/// need a second step. A plain value of 32 bytes.
 class Quad {
     static constexpr int bits = 113, limbs = (bits + GMP_NUMB_BITS - 1) / GMP_NUMB_BITS;
-    static constexpr mpfr_exp_t last = 16384, first = -16381, least = -16493;  // of 0.1f x 2^e: largest, least normal, least
+    static constexpr mpfr_exp_t last = 16384, first = -16381,
+                                least = -16493;  // of 0.1f x 2^e: largest, least normal, least
     mp_limb_t limb_[limbs]{};
     mpfr_exp_t exponent_ = 0;
     int kind_ = MPFR_ZERO_KIND;  // MPFR's: NaN, infinity, zero, or a regular number; negative with the number
@@ -52,7 +53,8 @@ class Quad {
         if (mpfr_exp_t const e = mpfr_get_exp(x); e > last) mpfr_set_inf(x, mpfr_sgn(x));
         else if (e < first) into_subnormals(x, ternary);
     }
-    /// x was rounded to 113 bits, from the side that `ternary` tells. Rounds it to the fewer bits that a subnormal number has.
+    /// x was rounded to 113 bits, from the side that `ternary` tells. Rounds it to the fewer bits that a subnormal
+    /// number has.
     [[gnu::noinline]] static void into_subnormals(mpfr_ptr x, int ternary) {
         mpfr_exp_t const before = mpfr_get_emin();
         mpfr_set_emin(least);
@@ -77,7 +79,9 @@ public:
         mpfr_t x_;
 
     public:
-        explicit View(Quad const& q) { mpfr_custom_init_set(x_, q.kind_, q.exponent_, bits, const_cast<mp_limb_t*>(q.limb_)); }
+        explicit View(Quad const& q) {
+            mpfr_custom_init_set(x_, q.kind_, q.exponent_, bits, const_cast<mp_limb_t*>(q.limb_));
+        }
         operator mpfr_srcptr() const { return x_; }
     };
     View mpfr() const { return View(*this); }
@@ -86,7 +90,8 @@ public:
     Quad(std::integral auto n) {
         if constexpr (sizeof(n) > sizeof(long))  // 64 bits where long has 32
             *this = Quad(long(n >> 32)) * Quad(4294967296.0) + Quad((unsigned long)(n & 0xffffffff));
-        else if constexpr (std::signed_integral<decltype(n)>) *this = of([n](mpfr_ptr x) { return mpfr_set_si(x, long(n), MPFR_RNDN); });
+        else if constexpr (std::signed_integral<decltype(n)>)
+            *this = of([n](mpfr_ptr x) { return mpfr_set_si(x, long(n), MPFR_RNDN); });
         else *this = of([n](mpfr_ptr x) { return mpfr_set_ui(x, (unsigned long)(n), MPFR_RNDN); });
     }
     Quad(std::floating_point auto a) {
@@ -177,8 +182,12 @@ inline rlslab::Quad std::numeric_limits<rlslab::Quad>::lowest() { return -max();
 inline rlslab::Quad std::numeric_limits<rlslab::Quad>::epsilon() { return ldexp(Quad(1), -112); }
 inline rlslab::Quad std::numeric_limits<rlslab::Quad>::round_error() { return Quad(0.5); }
 inline rlslab::Quad std::numeric_limits<rlslab::Quad>::denorm_min() { return ldexp(Quad(1), -16494); }
-inline rlslab::Quad std::numeric_limits<rlslab::Quad>::infinity() { return Quad(std::numeric_limits<double>::infinity()); }
-inline rlslab::Quad std::numeric_limits<rlslab::Quad>::quiet_NaN() { return Quad(std::numeric_limits<double>::quiet_NaN()); }
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::infinity() {
+    return Quad(std::numeric_limits<double>::infinity());
+}
+inline rlslab::Quad std::numeric_limits<rlslab::Quad>::quiet_NaN() {
+    return Quad(std::numeric_limits<double>::quiet_NaN());
+}
 
 template <>
 struct Eigen::NumTraits<rlslab::Quad> : rlslab::detail::StorageTraits<rlslab::Quad> {};

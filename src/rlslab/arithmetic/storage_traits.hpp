@@ -13,7 +13,15 @@ struct StorageTraits : Eigen::GenericNumTraits<T> {
     using NonInteger = T;
     using Nested = T;
     using Literal = double;
-    enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 2, AddCost = 10, MulCost = 12 };
+    enum {
+        IsComplex = 0,
+        IsInteger = 0,
+        IsSigned = 1,
+        RequireInitialization = 1,
+        ReadCost = 2,
+        AddCost = 10,
+        MulCost = 12
+    };
     static T epsilon() { return T(rlslab::epsilon<T>()); }
     static T dummy_precision() { return T(1000) * epsilon(); }
     static int digits10() { return int(ArithmeticTraits<T>::digits * 0.30103); }

@@ -1,4 +1,5 @@
-// Significands of any length up to 53 bits: a double holds p bits, and the exact result of every operation is rounded once to nearest.
+// Significands of any length up to 53 bits: a double holds p bits, and the exact result of every operation is rounded
+// once to nearest.
 #pragma once
 
 #include <rlslab/arithmetic/thread_state.hpp>
@@ -12,8 +13,9 @@
 
 namespace rlslab {
 
-/// Sets the length to which VariablePrecision rounds in this thread, 2 to 53 bits, until this object is destroyed; then the previous length
-/// applies again. Without any scope it is 53. Throws std::invalid_argument for another number of bits.
+/// Sets the length to which VariablePrecision rounds in this thread, 2 to 53 bits, until this object is destroyed; then
+/// the previous length applies again. Without any scope it is 53. Throws std::invalid_argument for another number of
+/// bits.
 class [[nodiscard]] PrecisionScope {
     static inline constinit thread_local int current_ = 53;
     int previous_;
@@ -29,18 +31,21 @@ public:
     static int bits() { return current_; }
 };
 
-/// head + tail rounded to p bits, ties to even. head is the double nearest to the exact value, tail has the sign of the exact value minus
-/// head: it decides when head lies halfway between two p-bit numbers and the exact value does not. Exponents are double's.
+/// head + tail rounded to p bits, ties to even. head is the double nearest to the exact value, tail has the sign of the
+/// exact value minus head: it decides when head lies halfway between two p-bit numbers and the exact value does not.
+/// Exponents are double's.
 inline double round_to_bits(double head, double tail, int p) {
     using namespace detail;
     if (p == 53 || !is_number(head)) return head;
-    std::uint64_t const ulp = std::uint64_t{1} << (53 - p), bits = bits_of(head), rest = bits & (ulp - 1), below = bits - rest;
+    std::uint64_t const ulp = std::uint64_t{1} << (53 - p), bits = bits_of(head), rest = bits & (ulp - 1),
+                        below = bits - rest;
     double const out = outward(head, tail);
     bool const up = rest > ulp / 2 || (rest == ulp / 2 && (out > 0 || (out == 0 && (below & ulp) != 0)));
     return from_bits(below + (up ? ulp : 0));
 }
 
-/// A number of any significand length up to 53 bits. Every operation rounds to the length that the thread's current PrecisionScope sets.
+/// A number of any significand length up to 53 bits. Every operation rounds to the length that the thread's current
+/// PrecisionScope sets.
 class VariablePrecision {
     double value_ = 0;
     struct AlreadyRounded {};

@@ -12,17 +12,19 @@ namespace rlslab {
 
 /// re + i im. Each operation of F is rounded once, in the order written:
 ///
-///   (a + ib)(c + id) = (ac - bd) + i(ad + bc)        r(a + ib) = ra + i rb        (a + ib) / r = a/r + i b/r        r real
+///   (a + ib)(c + id) = (ac - bd) + i(ad + bc)        r(a + ib) = ra + i rb        (a + ib) / r = a/r + i b/r        r
+///   real
 ///
-/// Not std::complex: its product is a call (__mulsc3) that repairs NaN, may fuse, and is not defined for other F than the hardware's.
-/// Both convert into each other without a word, with the same bits; an array of std::complex is viewed as it stands (Regressor).
-/// A quotient of two complex numbers, an order among them, and a conversion from or to a real number without a word are not there: none
-/// of the variants' formulas has one, so that they do not compile by mistake.
+/// Not std::complex: its product is a call (__mulsc3) that repairs NaN, may fuse, and is not defined for other F than
+/// the hardware's. Both convert into each other without a word, with the same bits; an array of std::complex is viewed
+/// as it stands (Regressor). A quotient of two complex numbers, an order among them, and a conversion from or to a real
+/// number without a word are not there: none of the variants' formulas has one, so that they do not compile by mistake.
 ///
 /// may_alias: a view of std::complex's numbers reads them through this type.
 template <Field F>
 class [[gnu::may_alias]] Complex {
-    static_assert(std::same_as<Accumulator<F>, F>, "sums of fixed-point words are wider than the words: not complex yet");
+    static_assert(std::same_as<Accumulator<F>, F>,
+                  "sums of fixed-point words are wider than the words: not complex yet");
 
 public:
     F re, im;

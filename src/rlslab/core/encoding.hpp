@@ -54,8 +54,8 @@ inline std::uint64_t read_low(std::byte const* from, std::size_t bytes) {
 }
 }  // namespace detail
 
-/// Whole numbers, as 64 bits whatever their length here. What is beyond 2^62, or this machine's length, is not read: a count
-/// may go on counting.
+/// Whole numbers, as 64 bits whatever their length here. What is beyond 2^62, or this machine's length, is not read: a
+/// count may go on counting.
 template <std::integral I>
 struct Encoding<I> {
     static constexpr std::size_t size = 8;
@@ -66,7 +66,8 @@ struct Encoding<I> {
             x = I(bits);
             return std::uint64_t(x) == bits;
         } else {
-            std::int64_t const n = std::int64_t(bits), most = std::int64_t{1} << (sizeof(I) == 8 ? 62 : 8 * sizeof(I) - 2);
+            std::int64_t const n = std::int64_t(bits),
+                               most = std::int64_t{1} << (sizeof(I) == 8 ? 62 : 8 * sizeof(I) - 2);
             x = I(n);
             return -most <= n && n <= most;
         }
@@ -84,7 +85,8 @@ struct Encoding<Seed> {
 template <std::floating_point T>
 struct Encoding<T> {
     static constexpr int digits = std::numeric_limits<T>::digits;
-    static_assert(digits == 24 || digits == 53 || digits == 64 || digits == 113, "a long double that has no format of its own");
+    static_assert(digits == 24 || digits == 53 || digits == 64 || digits == 113,
+                  "a long double that has no format of its own");
     static constexpr std::size_t size = digits == 24 ? 4 : digits == 53 ? 8 : digits == 64 ? 10 : 16;
     static void write(T const& x, std::byte* to) {
         std::memcpy(to, &x, size);
@@ -132,14 +134,14 @@ struct EncodingInDouble {
 
 /// A member that is no fixed number of numbers (a sparse factor) specialises this beside its definition:
 ///   put(member, number)         calls number(x) for all that it consists of, in order
-///   get(member, number, keep)   number(x) reads one into x, false at the end; returns whether a member was read. Where keep is false
-///                               the member stays as it is
+///   get(member, number, keep)   number(x) reads one into x, false at the end; returns whether a member was read. Where
+///                               keep is false the member stays as it is
 template <class X>
 struct IrregularState;
 
-/// CRC-32 of ISO 3309 (zlib's, PNG's, Ethernet's): reflected polynomial 0xedb88320, all ones at first and inverted at last. Four bits at
-/// a time by a table of 16: 64 bytes of a microcontroller. Finds every change of up to 32 bits in a row, and every two flipped bits
-/// that are less than 2^32 - 1 bits apart.
+/// CRC-32 of ISO 3309 (zlib's, PNG's, Ethernet's): reflected polynomial 0xedb88320, all ones at first and inverted at
+/// last. Four bits at a time by a table of 16: 64 bytes of a microcontroller. Finds every change of up to 32 bits in a
+/// row, and every two flipped bits that are less than 2^32 - 1 bits apart.
 class Checksum {
     static constexpr std::array<std::uint32_t, 16> table = [] {
         std::array<std::uint32_t, 16> out{};

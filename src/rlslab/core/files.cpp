@@ -1,4 +1,5 @@
-// A temporary file in the same folder is written, closed and renamed. Its name is stored where a signal handler can read it.
+// A temporary file in the same folder is written, closed and renamed. Its name is stored where a signal handler can
+// read it.
 #include <rlslab/core/files.hpp>
 
 #include <rlslab/core/input_error.hpp>
@@ -53,7 +54,8 @@ class Unfinished {
 
 public:
     explicit Unfinished(std::string name) : name_(std::move(name)) {
-        // The name is stored first: a signal may come as soon as the file exists. A name too long for the handler is too long for open.
+        // The name is stored first: a signal may come as soon as the file exists. A name too long for the handler is
+        // too long for open.
         std::strncpy(unfinished_name, name_.c_str(), PATH_MAX - 1);
         unfinished = true;
         file_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -94,8 +96,10 @@ void replace_file(std::filesystem::path const& path, std::string_view text, bool
     std::filesystem::file_status const there = std::filesystem::status(path, error);
     if (exists(there) && !is_regular_file(there) && !is_directory(there)) return write_into(path, text);
     std::filesystem::path target = path;
-    if (is_symlink(std::filesystem::symlink_status(path, error))) target = std::filesystem::weakly_canonical(path, error);
-    Unfinished beside(fmt::format("{}.{}.new", target.string(), ::getpid()));  // two runs in one folder do not write into each other's
+    if (is_symlink(std::filesystem::symlink_status(path, error)))
+        target = std::filesystem::weakly_canonical(path, error);
+    Unfinished beside(fmt::format("{}.{}.new", target.string(),
+                                  ::getpid()));  // two runs in one folder do not write into each other's
     if (!beside.write(text, on_disk) || !beside.rename_to(target)) refuse(path, "write", errno);
     if (!on_disk) return;
     std::filesystem::path const folder = target.has_parent_path() ? target.parent_path() : ".";
@@ -114,7 +118,8 @@ void remove_leftovers(std::filesystem::path const& folder) {
         if (name.substr(end) != ".new" || point == name.npos) continue;
         pid_t process = 0;
         auto const [rest, wrong] = std::from_chars(name.data() + point + 1, name.data() + end, process);
-        if (wrong == std::errc() && rest == name.data() + end && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
+        if (wrong == std::errc() && rest == name.data() + end && process > 0 && ::kill(process, 0) != 0 &&
+            errno == ESRCH)
             left.push_back(file.path());
     }
     for (auto const& path : left) std::filesystem::remove(path, error);

@@ -14,8 +14,8 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// The number of bytes of the well-formed UTF-8 character at the start of the text. 0: there is none, or it is one on which a terminal
-/// may act (a control character, a change of direction).
+/// The number of bytes of the well-formed UTF-8 character at the start of the text. 0: there is none, or it is one on
+/// which a terminal may act (a control character, a change of direction).
 inline std::size_t printable_character(std::string_view text) {
     auto const byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
     if (text.empty()) return 0;
@@ -30,12 +30,13 @@ inline std::size_t printable_character(std::string_view text) {
     }
     unsigned const least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0xa0;  // overlong forms, C1 controls
     bool const surrogate = code >= 0xd800 && code <= 0xdfff;
-    bool const line_or_direction =
-        (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
+    bool const line_or_direction = (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) ||
+                                   (code >= 0x2066 && code <= 0x2069) || code == 0xfeff;
     return code < least || code > 0x10ffff || surrogate || line_or_direction ? 0 : length;
 }
 
-/// Text from a file or a command line, made printable on one line: other bytes as \xNN, everything after `limit` characters as "...".
+/// Text from a file or a command line, made printable on one line: other bytes as \xNN, everything after `limit`
+/// characters as "...".
 inline std::string printable(std::string_view text, std::size_t limit = 40) {
     constexpr char hex[] = "0123456789abcdef";
     std::string line;

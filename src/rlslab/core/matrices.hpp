@@ -9,8 +9,9 @@ using Index = Eigen::Index;
 inline constexpr int Dynamic = Eigen::Dynamic;
 
 /// Eigen's types at the interface: estimates, covariances, data. Arithmetic inside a variant is not Eigen's.
-/// DontAlign: Eigen's aligned storage depends on the instruction set for which a file is compiled, and an application may be compiled for
-/// another one than the library. Without alignment all files lay out, allocate and free these types alike.
+/// DontAlign: Eigen's aligned storage depends on the instruction set for which a file is compiled, and an application
+/// may be compiled for another one than the library. Without alignment all files lay out, allocate and free these types
+/// alike.
 template <class T, int N = Dynamic>
 using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
 /// Rows x Columns; Matrix<T, N> is square, Matrix<T> of any shape: each use says which.

@@ -9,8 +9,8 @@
 namespace rlslab {
 
 #ifndef __cpp_exceptions
-/// Called on misuse where exceptions are compiled out (-fno-exceptions), with what was expected: "size >= 1". An application may
-/// define it; it must not return. Where it is not defined, or returns, the program stops at a trap.
+/// Called on misuse where exceptions are compiled out (-fno-exceptions), with what was expected: "size >= 1". An
+/// application may define it; it must not return. Where it is not defined, or returns, the program stops at a trap.
 [[gnu::weak]] void on_misuse(char const* expected);
 #endif
 

@@ -11,23 +11,25 @@
 
 namespace rlslab {
 
-/// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse. P0 is in units of
-/// the noise variance sigma^2.
+/// What is known before the first row: theta0, and P0 = variance x I, a full P0, or a factor of it or of its inverse.
+/// P0 is in units of the noise variance sigma^2.
 template <Scalar T>
 struct Prior {
-    RealOf<T> variance = RealOf<T>(16384);     ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
-    std::optional<Vector<T>> theta = {};       ///< theta0, size d; absent: 0
-    std::optional<Matrix<T>> covariance = {};  ///< P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I
-    std::optional<Stored<T>> stored = {};      ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
+    RealOf<T> variance = RealOf<T>(16384);  ///< c^2 of P0 = c^2 I, > 0; 2^14 is exact in every arithmetic
+    std::optional<Vector<T>> theta = {};    ///< theta0, size d; absent: 0
+    std::optional<Matrix<T>> covariance =
+        {};  ///< P0, d x d, symmetric (Hermitian) positive definite; absent: variance x I
+    std::optional<Stored<T>> stored =
+        {};  ///< P0 as a filter stores it, in place of both: factors are handed on, P is not made
 };
 
 /// Minimise over theta, after k rows,
 ///   J_k = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i' theta)^2.
-/// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that. With complex numbers ' is the
-/// conjugate transpose, and the square is |y - psi'theta|^2 (docs/notation.md).
+/// Without a prior the first term is absent; only variants that satisfy StartsWithoutPrior accept that. With complex
+/// numbers ' is the conjugate transpose, and the square is |y - psi'theta|^2 (docs/notation.md).
 template <Scalar T>
 struct Problem {
-    Index size = 0;                              ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
+    Index size = 0;  ///< d >= 1, the number of parameters; may be left out for a filter of fixed size
     RealOf<T> forgetting = RealOf<T>(1);         ///< lambda, 0 < lambda <= 1
     std::optional<Prior<T>> prior = Prior<T>{};  ///< nullopt: none
 
@@ -52,12 +54,14 @@ Truth<T> is_forgetting_factor(T const& lambda) {
 }
 
 /// Breakdown is a result.
-///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are finite: tested
-///                  where the filter stores them, otherwise proven finite or solved for (linalg/finite.hpp). An overflow in the
-///                  stored numbers is reported by this step if one of its sums contains it, and by the next step at the latest
-///   undetermined   without a prior: before this row there were fewer independent rows than parameters, so that no theta could
-///                  predict y. The row that determines theta is the last to report this. Exact zeros decide: rounding may leave
-///                  a tiny pivot where exact arithmetic has a zero, and such a pivot counts as a pivot
+///   sound          0 <= gamma <= 1, as for every positive definite P; 0 only by underflow. theta() and gain() are
+///                  finite: tested where the filter stores them, otherwise proven finite or solved for
+///                  (linalg/finite.hpp). An overflow in the stored numbers is reported by this step if one of its sums
+///                  contains it, and by the next step at the latest
+///   undetermined   without a prior: before this row there were fewer independent rows than parameters, so that no
+///                  theta could predict y. The row that determines theta is the last to report this. Exact zeros
+///                  decide: rounding may leave a tiny pivot where exact arithmetic has a zero, and such a pivot counts
+///                  as a pivot
 ///   indefinite     the computed psi'P psi is negative, or a factorisation met a pivot <= 0
 ///   nonfinite      an infinity (s beyond the arithmetic's range included) or a NaN
 /// A sound step is necessary for a definite P, not sufficient: a variant that stores P plainly sees P only along psi.
@@ -95,12 +99,12 @@ template <Scalar T>
 Step<T> select(Truth<T> const& truth, Step<T> const& a, Step<T> const& b)
     requires(!std::same_as<Truth<T>, bool>)
 {
-    return {select(truth, a.innovation, b.innovation), select(truth, a.residual, b.residual), select(truth, a.gamma, b.gamma),
-            select(truth, a.health, b.health)};
+    return {select(truth, a.innovation, b.innovation), select(truth, a.residual, b.residual),
+            select(truth, a.gamma, b.gamma), select(truth, a.health, b.health)};
 }
 
-/// The step of an update with innovation e and conversion factor gamma; its residual is gamma e. Health is nonfinite if e or gamma is not
-/// finite, else indefinite if gamma lies outside [0, 1], else sound.
+/// The step of an update with innovation e and conversion factor gamma; its residual is gamma e. Health is nonfinite if
+/// e or gamma is not finite, else indefinite if gamma lies outside [0, 1], else sound.
 template <Scalar T>
 Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& gamma) {
     using R = RealOf<T>;
@@ -112,7 +116,8 @@ Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& gamm
 
 /// The same for gamma = lambda / s. If s overflowed, health is nonfinite: gamma alone would be 0 and look sound.
 template <Scalar T>
-Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& lambda, std::type_identity_t<RealOf<T>> const& s) {
+Step<T> step_of(T const& innovation, std::type_identity_t<RealOf<T>> const& lambda,
+                std::type_identity_t<RealOf<T>> const& s) {
     return if_finite(is_finite(s), step_of(innovation, RealOf<T>(lambda / s)));
 }
 
@@ -123,12 +128,14 @@ Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
     return step;
 }
 
-/// The health after rows that were processed without a step. rows_finite: the rows were finite; determined: they determine theta;
-/// finite: theta and the gain are finite. The first of these that fails decides: nonfinite, undetermined, nonfinite.
+/// The health after rows that were processed without a step. rows_finite: the rows were finite; determined: they
+/// determine theta; finite: theta and the gain are finite. The first of these that fails decides: nonfinite,
+/// undetermined, nonfinite.
 template <Scalar T>
 PerLane<T, Health> health_of(Truth<T> const& rows_finite, Truth<T> const& determined, Truth<T> const& finite) {
     using H = PerLane<T, Health>;
-    H const answered = select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
+    H const answered =
+        select(determined, select(finite, H(Health::sound), H(Health::nonfinite)), H(Health::undetermined));
     return select(rows_finite, answered, H(Health::nonfinite));
 }
 
@@ -141,8 +148,8 @@ T undefined() {
     else return T(0);
 }
 
-/// The step before theta is determined: innovation and residual are undefined(), gamma is 0. `seen` is a number computed from the row that
-/// is not finite if the row was not: health is then nonfinite instead of undetermined.
+/// The step before theta is determined: innovation and residual are undefined(), gamma is 0. `seen` is a number
+/// computed from the row that is not finite if the row was not: health is then nonfinite instead of undetermined.
 template <Scalar T>
 Step<T> report_undetermined(T const& seen) {
     return {undefined<T>(), T(0), RealOf<T>(0),
@@ -151,8 +158,8 @@ Step<T> report_undetermined(T const& seen) {
 
 /// The step of a row that was rotated into R:
 ///   gamma = root_gamma^2,   innovation = eta / root_gamma,   residual = eta root_gamma
-/// eta is the rotated output, root_gamma the product of the cosines. determined: R had no zero on its diagonal before this row. If
-/// root_gamma underflows to 0, the innovation is not known and health is nonfinite.
+/// eta is the rotated output, root_gamma the product of the cosines. determined: R had no zero on its diagonal before
+/// this row. If root_gamma underflows to 0, the innovation is not known and health is nonfinite.
 template <Scalar T>
 Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const& determined) {
     RealOf<T> const gamma = root_gamma * root_gamma;
@@ -161,10 +168,10 @@ Step<T> report_rotated(T const& eta, RealOf<T> const& root_gamma, Truth<T> const
     return select(determined, step, report_undetermined(eta));
 }
 
-/// Returns the problem. Throws std::invalid_argument unless size >= 1 (or, if fixed_size is not Dynamic, size is that or 0),
-/// 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a full P0 is positive
-/// definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range of T is accepted: the consequence is
-/// numerical breakdown, not misuse.
+/// Returns the problem. Throws std::invalid_argument unless size >= 1 (or, if fixed_size is not Dynamic, size is that
+/// or 0), 0 < forgetting <= 1, and the prior has a variance > 0 and numbers of the right shape, P0 symmetric. Whether a
+/// full P0 is positive definite is tested where a filter starts (linalg/start.hpp). A prior that overflowed the range
+/// of T is accepted: the consequence is numerical breakdown, not misuse.
 template <Scalar T>
 Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
     bool const implied = fixed_size != Dynamic && problem.size == 0;
@@ -184,11 +191,13 @@ Problem<T> const& checked(Problem<T> const& problem, int fixed_size = Dynamic) {
         if (prior.covariance)
             for (Index j = 0; j < size; ++j)
                 for (Index i = 0; i < j; ++i)
-                    expects(all((*prior.covariance)(i, j) == conjugate((*prior.covariance)(j, i))), "a symmetric prior covariance");
+                    expects(all((*prior.covariance)(i, j) == conjugate((*prior.covariance)(j, i))),
+                            "a symmetric prior covariance");
         if constexpr (ComplexScalar<T>) {
             if (prior.covariance)
                 for (Index j = 0; j < size; ++j)
-                    expects(all((*prior.covariance)(j, j).im == RealOf<T>(0)), "a Hermitian prior covariance: a real diagonal");
+                    expects(all((*prior.covariance)(j, j).im == RealOf<T>(0)),
+                            "a Hermitian prior covariance: a real diagonal");
         }
     }
     return problem;
@@ -198,8 +207,8 @@ namespace detail {
 template <class C>
 concept OfEigen = requires(C const& c) { []<class Derived>(Eigen::DenseBase<Derived> const&) {}(c); };
 
-/// Numbers one after another in memory, as far as the compiler knows: Eigen's vectors, maps and columns; what std::span accepts. The row
-/// of a matrix stored by columns, a reversed or strided map, and an expression do not satisfy it.
+/// Numbers one after another in memory, as far as the compiler knows: Eigen's vectors, maps and columns; what std::span
+/// accepts. The row of a matrix stored by columns, a reversed or strided map, and an expression do not satisfy it.
 template <class C, class T>
 concept Contiguous = (OfEigen<C> && requires(C const& c) {
                          { c.data() } -> std::convertible_to<T const*>;
@@ -207,9 +216,10 @@ concept Contiguous = (OfEigen<C> && requires(C const& c) {
                      }) || (!OfEigen<C> && std::convertible_to<C const&, std::span<T const>>);
 }  // namespace detail
 
-/// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a row of data, numbers
-/// in braces. It copies nothing and must not outlive them. An update accepts a view of the filter's own theta or gain. Numbers that are not
-/// contiguous do not compile: update(X.row(k).eval(), y) copies them first. Complex<F> views numbers of std::complex<F> as they are.
+/// A regressor psi: a view of d numbers, one after another in memory: an Eigen vector, a std::vector, a std::array, a
+/// row of data, numbers in braces. It copies nothing and must not outlive them. An update accepts a view of the
+/// filter's own theta or gain. Numbers that are not contiguous do not compile: update(X.row(k).eval(), y) copies them
+/// first. Complex<F> views numbers of std::complex<F> as they are.
 template <Scalar T>
 class Regressor {
     T const* data_;

@@ -1,4 +1,5 @@
-// Tests whether this program, in this thread, rounds as rlslab defines it. Call it once at start-up, or in a test of an application.
+// Tests whether this program, in this thread, rounds as rlslab defines it. Call it once at start-up, or in a test of an
+// application.
 #pragma once
 
 #include <rlslab/core/scalar.hpp>
@@ -12,8 +13,8 @@
 namespace rlslab {
 
 namespace detail {
-// The value, hidden from the compiler: the processor computes with it, not the compiler. The functions below are static, so that each
-// translation unit tests the options with which it was compiled itself.
+// The value, hidden from the compiler: the processor computes with it, not the compiler. The functions below are
+// static, so that each translation unit tests the options with which it was compiled itself.
 template <class T>
 [[maybe_unused]] static T unknown(T value) {
     T volatile stored = value;
@@ -62,9 +63,9 @@ template <class T>
 }
 }  // namespace detail
 
-/// One line for each way in which this translation unit, run by this thread, departs from the definition: every operation on float and
-/// double is rounded once, to nearest, and subnormal numbers are kept. If the result is empty, the same data give the same bits as on any
-/// other machine.
+/// One line for each way in which this translation unit, run by this thread, departs from the definition: every
+/// operation on float and double is rounded once, to nearest, and subnormal numbers are kept. If the result is empty,
+/// the same data give the same bits as on any other machine.
 [[maybe_unused]] static std::vector<std::string_view> rounding_faults() {
     using namespace detail;
     std::vector<std::string_view> out;
@@ -75,10 +76,12 @@ template <class T>
         note(true, "the rounding mode is not to nearest: fesetround(FE_TONEAREST)");  // the other tests rely on it
     } else {
         note(fuses(0x1p-30) || fuses(0x1p-13f),
-             "products and sums are contracted into one rounding: compile with -ffp-contract=off (rlslab::headers brings it)");
+             "products and sums are contracted into one rounding: compile with -ffp-contract=off (rlslab::headers "
+             "brings it)");
         note(multiplies_by_reciprocals<double>() || multiplies_by_reciprocals<float>(),
              "quotients are products with a reciprocal: compile without -freciprocal-math and -ffast-math");
-        note(reorders(0x1p-60) || reorders(0x1p-30f), "sums are reordered: compile without -ffast-math and -funsafe-math-optimizations");
+        note(reorders(0x1p-60) || reorders(0x1p-30f),
+             "sums are reordered: compile without -ffast-math and -funsafe-math-optimizations");
     }
     note(loses_subnormal_results<double>() || loses_subnormal_results<float>(),
          "subnormal results are flushed to zero: clear FTZ (a library linked with -ffast-math may have set it)");

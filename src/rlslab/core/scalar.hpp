@@ -3,11 +3,12 @@
 
 #if __cplusplus < 202002L && (!defined(_MSVC_LANG) || _MSVC_LANG < 202002L)
 #error "rlslab needs C++20: compile with -std=c++20"
-#include <a compiler of C++20>  // is not there: the compiler stops here, before a thousand errors that follow from the first
+#include <a compiler of C++20>  // is not there: the compiler stops here, before a thousand errors that follow
 #endif
-// Every operation is rounded once, in the order written. These options allow a compiler to fuse, reorder or drop operations.
+// Every operation is rounded once, in the order written. These options allow a compiler to fuse, reorder or drop
+// operations.
 #if (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__FAST_MATH__)
-#error "rlslab: -ffast-math or -ffinite-math-only (-Ofast) takes infinities and NaN away: a breakdown would be reported sound"
+#error "rlslab: -ffast-math or -ffinite-math-only (-Ofast) hides infinities and NaN: a breakdown would look sound"
 #elif defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
 #error "rlslab: -funsafe-math-optimizations (or a part of it) changes the order and number of roundings"
 #endif
@@ -45,8 +46,8 @@ concept Field = std::copyable<T> && std::constructible_from<T, int> && std::cons
 template <Field F>
 class Complex;
 
-/// The type of the numbers that are real by theory, whatever the data are: lambda, s, gamma, D, the diagonal of R, c of a rotation. T
-/// itself, or F for Complex<F>: no rounding error can put an imaginary part into them.
+/// The type of the numbers that are real by theory, whatever the data are: lambda, s, gamma, D, the diagonal of R,
+/// c of a rotation. T itself, or F for Complex<F>: no rounding error can put an imaginary part into them.
 template <class T>
 struct RealOfScalar {
     using type = T;
@@ -60,12 +61,13 @@ using RealOf = typename RealOfScalar<T>::type;
 
 template <class T>
 concept ComplexScalar = !std::same_as<RealOf<T>, T>;
-/// The scalar of a variant: an ordered field, or the complex numbers over one. What is written for Field refuses complex numbers when it
-/// is compiled.
+/// The scalar of a variant: an ordered field, or the complex numbers over one. What is written for Field refuses
+/// complex numbers when it is compiled.
 template <class T>
 concept Scalar = Field<T> || ComplexScalar<T>;
 
-/// The complex conjugate, the real part, and |x|^2 = conj(x) x. Of a real x: x, x and x^2, with the bits and the cost of these.
+/// The complex conjugate, the real part, and |x|^2 = conj(x) x. Of a real x: x, x and x^2, with the bits and the
+/// cost of these.
 template <class T>
 inline constexpr bool is_std_complex = false;
 template <class F>
@@ -89,8 +91,8 @@ template <NotStdComplex T>
 template <class T>
 using Truth = std::remove_cvref_t<decltype(std::declval<RealOf<T> const&>() < std::declval<RealOf<T> const&>())>;
 
-/// A branch in the text of a variant is written with all, any and select, so that each lane of a Pack takes its own side. For a scalar
-/// these are the plain branch. select: a where `truth` holds, else b.
+/// A branch in the text of a variant is written with all, any and select, so that each lane of a Pack takes its own
+/// side. For a scalar these are the plain branch. select: a where `truth` holds, else b.
 inline bool all(bool truth) { return truth; }
 inline bool any(bool truth) { return truth; }
 template <class X>
@@ -156,7 +158,8 @@ template <>
 struct ArithmeticTraits<long double> {
     using Limits = std::numeric_limits<long double>;
     static constexpr std::string_view name = Limits::digits == 64 ? "extended" : "long double";
-    static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1, max_exp = Limits::max_exponent - 1;
+    static constexpr int digits = Limits::digits, min_exp = Limits::min_exponent - 1,
+                         max_exp = Limits::max_exponent - 1;
 };
 
 /// What a sum of products of T is kept in until it is stored as a T: T itself, but for scalars that specialise it.
@@ -173,8 +176,9 @@ constexpr int significand_bits() {
     return ArithmeticTraits<T>::digits;
 }
 
-/// While an UncountedScope exists, the thread's computations are no part of the algorithm: afterwards the random stream and the tally of
-/// operations are what they were before. A scalar that has such a stream or tally specialises this.
+/// While an UncountedScope exists, the thread's computations are no part of the algorithm: afterwards the random
+/// stream and the tally of operations are what they were before. A scalar that has such a stream or tally
+/// specialises this.
 template <class T>
 struct UncountedScope {
     UncountedScope() {}

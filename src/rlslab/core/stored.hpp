@@ -9,7 +9,8 @@ namespace rlslab {
 /// The stored numbers F (d x d) and D (d, or empty), the matrix X = P or X = P^-1 that they represent, and how:
 ///   plain   X = F                                   (conventional, joseph, information ...)
 ///   factor  X = F diag(D) F', D absent meaning I    (potter, carlson, ud, qr: F = R', gentleman)
-/// A measurement converts F and D exactly to a wider arithmetic and computes there, so that it adds no rounding error to the variant's.
+/// A measurement converts F and D exactly to a wider arithmetic and computes there, so that it adds no rounding error
+/// to the variant's.
 template <class T>
 struct Stored {
     enum class Quantity { covariance, information } quantity;

@@ -26,7 +26,9 @@ struct OverScalar {
 template <class T, class... Chosen, class First, class... Rest>
 struct OverScalar<T, TypeList<Chosen...>, First, Rest...> {
     using type = typename OverScalar<
-        T, std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Chosen..., First>, TypeList<Chosen...>>, Rest...>::type;
+        T,
+        std::conditional_t<std::is_same_v<typename First::scalar, T>, TypeList<Chosen..., First>, TypeList<Chosen...>>,
+        Rest...>::type;
 };
 template <int N, template <RootedScalar, int> class F, RootedScalar T, int M>
 std::type_identity<F<T, N>> at_size(std::type_identity<F<T, M>>);
@@ -34,7 +36,8 @@ template <int N>
 std::type_identity<void> at_size(...);
 }  // namespace detail
 
-/// F with the fixed size N in place of its own: Ud<double, 4> for Ud<double>. void if F has no size as template argument.
+/// F with the fixed size N in place of its own: Ud<double, 4> for Ud<double>. void if F has no size as template
+/// argument.
 template <class F, int N>
 using AtSize = typename decltype(detail::at_size<N>(std::type_identity<F>{}))::type;
 

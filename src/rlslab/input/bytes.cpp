@@ -32,7 +32,8 @@ ByteSource bytes_of_file(std::string const& path) {
 std::string detail::peek(ByteSource& source, std::size_t count) {
     std::string first(count, '\0');
     std::size_t filled = 0;
-    for (std::size_t got = 1; filled < count && got > 0; filled += got) got = source({first.data() + filled, count - filled});
+    for (std::size_t got = 1; filled < count && got > 0; filled += got)
+        got = source({first.data() + filled, count - filled});
     first.resize(filled);
     struct Begun {
         std::string first;

@@ -8,15 +8,15 @@
 
 namespace rlslab {
 
-/// Writes the next bytes to the start of `to` and returns their number; 0: there are no more. Throws InputError that names the file. Copies
-/// of a ByteSource read from the same stream.
+/// Writes the next bytes to the start of `to` and returns their number; 0: there are no more. Throws InputError that
+/// names the file. Copies of a ByteSource read from the same stream.
 using ByteSource = std::function<std::size_t(std::span<char> to)>;
 
 /// The name of a path in messages: printable; "standard input" for "-".
 std::string name_of_file(std::string const& path);
 
-/// The bytes of a file ("-": standard input; it may be a FIFO). Throws InputError when it cannot be opened; the source does when it cannot
-/// be read.
+/// The bytes of a file ("-": standard input; it may be a FIFO). Throws InputError when it cannot be opened; the source
+/// does when it cannot be read.
 ByteSource bytes_of_file(std::string const& path);
 
 namespace detail {

@@ -21,7 +21,8 @@ std::optional<double> counting_step(std::vector<double> const& x) {
     auto const middle = steps.begin() + std::ssize(steps) / 2;
     std::ranges::nth_element(steps, middle);
     double const median = *middle;
-    auto const same = std::ranges::count_if(steps, [&](double step) { return std::abs(step - median) <= 1e-6 * median; });
+    auto const same =
+        std::ranges::count_if(steps, [&](double step) { return std::abs(step - median) <= 1e-6 * median; });
     return 2 * same > std::ssize(steps) ? std::optional(median) : std::nullopt;
 }
 
@@ -29,10 +30,10 @@ std::vector<std::string> counting_warnings(Columns const& data, std::vector<std:
     std::vector<std::string> out;
     for (std::string const& name : columns)
         if (auto const step = counting_step(data[name]))
-            out.push_back(
-                fmt::format("column {} counts upwards by steps of {:.6g}: a date, a time, the number of the row? As a regressor "
-                            "it is a trend",
-                            printable(name), *step));
+            out.push_back(fmt::format(
+                "column {} counts upwards by steps of {:.6g}: a date, a time, the number of the row? As a regressor "
+                "it is a trend",
+                printable(name), *step));
     return out;
 }
 

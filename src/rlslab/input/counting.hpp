@@ -7,8 +7,8 @@
 
 namespace rlslab {
 
-/// The step by which most of these numbers grow, if each is larger than the one before (NaN: missing, left out) and there are 10 at least:
-/// more than half of the steps are that, to a millionth.
+/// The step by which most of these numbers grow, if each is larger than the one before (NaN: missing, left out) and
+/// there are 10 at least: more than half of the steps are that, to a millionth.
 std::optional<double> counting_step(std::vector<double> const& x);
 
 /// A warning for each of these columns that counts upwards. Throws std::invalid_argument for one that was not read.

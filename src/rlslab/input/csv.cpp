@@ -1,5 +1,5 @@
-// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number, csv_marks), and here from the first rows to
-// the format, and from rows to columns.
+// CSV in layers: from bytes to lines and cells (csv_text), from cells to numbers (csv_number, csv_marks), and here from
+// the first rows to the format, and from rows to columns.
 #include <rlslab/input/csv.hpp>
 
 #include <rlslab/input/suggestion.hpp>
@@ -24,14 +24,16 @@ constexpr std::string_view separators = ",;\t| ";
 std::string listed(std::vector<std::string> const& names) {
     constexpr std::size_t shown = 8;
     std::string list;
-    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i) list += (i == 0 ? "" : ", ") + in_quotes(names[i], 24);
+    for (std::size_t i = 0; i < std::min(shown, names.size()); ++i)
+        list += (i == 0 ? "" : ", ") + in_quotes(names[i], 24);
     return names.size() > shown ? fmt::format("{}, ... ({} in all)", list, names.size()) : list;
 }
 
 /// The separator that a line "sep=;" names, as spreadsheet programs write and read it; 0: the line is something else.
 char named_separator(std::string_view line) {
     if (line.size() >= 2 && line.front() == '"' && line.back() == '"') line = line.substr(1, line.size() - 2);
-    bool const is_one = line.size() == 5 && (line.starts_with("sep=") || line.starts_with("SEP=") || line.starts_with("Sep="));
+    bool const is_one =
+        line.size() == 5 && (line.starts_with("sep=") || line.starts_with("SEP=") || line.starts_with("Sep="));
     return is_one ? line[4] : '\0';
 }
 
@@ -65,7 +67,8 @@ struct CsvFile::State {
     long line = 0;                       // line on which the row begins
     std::string whole = {}, below = {};  // a row of several lines; the row below the first, if it was looked at
     std::optional<long> below_line = {};
-    std::vector<long> blank_lines = {};  // in a file of one column, since the last row: values that are missing if another row follows
+    std::vector<long> blank_lines =
+        {};  // in a file of one column, since the last row: values that are missing if another row follows
     Marks marks = Marks(format.decimal);
 
     [[noreturn]] void fail(long at, std::string const& message) const {
@@ -102,7 +105,8 @@ std::optional<std::string_view> CsvFile::State::next_text() {
             continue;
         }
         bool const blank = text->find_first_not_of(format.separator == ' ' ? " \t" : " ") == text->npos;
-        if (blank && !searching && names.size() == 1 && long(blank_lines.size()) < most) blank_lines.push_back(lines.number());
+        if (blank && !searching && names.size() == 1 && long(blank_lines.size()) < most)
+            blank_lines.push_back(lines.number());
         if (!blank && !(searching && text->starts_with('#'))) break;
     }
     line = lines.number();
@@ -152,16 +156,19 @@ char CsvFile::State::separator_of(std::string const& text) {
     std::size_t const cells = Split(below, ' ').cells;
     if (cells == by_blanks.cells) return ' ';
     if (cells > 1)
-        fail(first, fmt::format("expected as many names as cells below, found {} words over {} in line {} (quote a name that holds "
-                                "blanks, or give the separator: --separator)",
-                                by_blanks.cells, cells, *below_line));
+        fail(first,
+             fmt::format(
+                 "expected as many names as cells below, found {} words over {} in line {} (quote a name that holds "
+                 "blanks, or give the separator: --separator)",
+                 by_blanks.cells, cells, *below_line));
     return one_column;
 }
 
 void CsvFile::State::split_row(std::string_view text) {
     auto const result = row.split(text, format.separator);
     if (result == Row::Result::open) fail(line, fmt::format("column {}: expected a closing quote", row.size() + 1));
-    if (result == Row::Result::broken) fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
+    if (result == Row::Result::broken)
+        fail(line, fmt::format("column {}: expected a separator behind the closing quote", row.size() + 1));
 }
 
 bool CsvFile::State::first_row() {
@@ -185,13 +192,15 @@ bool CsvFile::State::next_row() {
     return text.has_value();
 }
 
-/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are requested by number.
+/// A first row of text and numbers over a row of text and numbers in the same columns has no names where columns are
+/// requested by number.
 void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& requested) {
     std::vector<std::string> numbers;
     for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(std::to_string(i + 1));
     auto const number_of = [&](std::string const& name) { return std::ranges::find(numbers, name) - numbers.begin(); };
     std::ptrdiff_t const none = std::ssize(numbers);
-    if (std::ranges::any_of(requested, [&](auto const& name) { return number_of(name) == none; }) || !look_below()) return;
+    if (std::ranges::any_of(requested, [&](auto const& name) { return number_of(name) == none; }) || !look_below())
+        return;
     Row under;
     if (under.split(below, format.separator) != Row::Result::whole || under.size() != names.size()) return;
     bool number = false, text = false;
@@ -204,7 +213,8 @@ void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& reques
     if (!number || !text) return;
     for (auto const& name : requested)
         if (auto const found = std::ranges::find(names, name); found != names.end())
-            fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this row, which is like the "
+            fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this "
+                                    "row, which is like the "
                                     "row below",
                                     in_quotes(name), found - names.begin() + 1));
     header = false;
@@ -218,18 +228,21 @@ double CsvFile::State::number_in(std::size_t column) {
     return value;
 }
 
-CsvFile::CsvFile(std::string const& path, CsvFormat format) : CsvFile(bytes_of_file(path), name_of_file(path), format) {}
+CsvFile::CsvFile(std::string const& path, CsvFormat format)
+    : CsvFile(bytes_of_file(path), name_of_file(path), format) {}
 
 CsvFile::CsvFile(ByteSource bytes, std::string file, CsvFormat format, long most)
     : state_(new State{.lines = Lines(std::move(bytes), std::move(file)), .format = format, .most = most}) {
-    expects(format.separator == 0 || separators.find(format.separator) != separators.npos, "a separator , ; | tab or blank");
+    expects(format.separator == 0 || separators.find(format.separator) != separators.npos,
+            "a separator , ; | tab or blank");
     expects(format.decimal == 0 || format.decimal == '.' || format.decimal == ',', "a decimal point or comma");
     State& s = *state_;
     if (!s.first_row())
         throw InputError(fmt::format("{}: expected rows of numbers, found {}", s.lines.name(),
                                      s.lines.number() == 0 ? "an empty file" : "only comments and blank lines"));
     for (std::size_t i = 0; i < s.row.size(); ++i) s.header |= reading_of(s.row[i]).kind == Kind::text;
-    for (std::size_t i = 0; i < s.row.size(); ++i) s.names.push_back(s.header ? std::string(s.row[i]) : std::to_string(i + 1));
+    for (std::size_t i = 0; i < s.row.size(); ++i)
+        s.names.push_back(s.header ? std::string(s.row[i]) : std::to_string(i + 1));
 }
 
 CsvFile::CsvFile(CsvFile&&) noexcept = default;
@@ -248,15 +261,17 @@ Columns CsvFile::read(std::vector<std::string> const& requested) {
     if (s.header) s.use_numbers_as_names(requested);
     std::vector<std::size_t> columns;
     std::string const names_at = fmt::format("{}:{}", s.lines.name(), s.first);
-    for (auto const& name : requested) columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
+    for (auto const& name : requested)
+        columns.push_back(column_called(name, s.names, s.header, s.lines.name(), names_at));
     Columns data{.file = s.lines.name(), .header = s.header, .names = requested};
     data.values.resize(requested.size());
     long const most_rows = s.most / long(requested.size() + 1);  // one more for the line on which each row begins
     for (bool more = !s.header || s.next_row(); more; more = s.next_row()) {
         if (s.row.size() != s.names.size()) {
             bool const halves = s.format.separator == ',' && s.row.size() == 2 * s.names.size();
-            s.fail(s.line, fmt::format("expected {} columns as in line {}, found {}{}", s.names.size(), s.first, s.row.size(),
-                                       halves ? " (decimal commas? they need another separator, or quotes)" : ""));
+            s.fail(s.line,
+                   fmt::format("expected {} columns as in line {}, found {}{}", s.names.size(), s.first, s.row.size(),
+                               halves ? " (decimal commas? they need another separator, or quotes)" : ""));
         }
         for (long const blank : std::exchange(s.blank_lines, {})) {
             if (data.lines.empty()) continue;
@@ -269,7 +284,8 @@ Columns CsvFile::read(std::vector<std::string> const& requested) {
         data.lines.push_back(s.line);
     }
     if (data.lines.empty())
-        throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file, listed(s.names)));
+        throw InputError(fmt::format("{}: expected rows below the header, found none (the columns are {})", data.file,
+                                     listed(s.names)));
     s.pass(s.marks.end(s.format.separator));
     return data;
 }
@@ -278,8 +294,8 @@ Columns read_columns(std::string const& path, std::vector<std::string> const& re
     return CsvFile(path, format).read(requested);
 }
 
-std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header, std::string const& file,
-                          std::string const& at) {
+std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header,
+                          std::string const& file, std::string const& at) {
     if (requested.empty()) throw InputError(file + ": expected the name of a column, found \"\"");
     auto const found = std::ranges::find(names, requested);
     if (found == names.end())
@@ -288,8 +304,8 @@ std::size_t column_called(std::string const& requested, std::vector<std::string>
                                      header ? "the columns are" : "without a header they are", listed(names)));
     auto const again = std::find(found + 1, names.end(), requested);
     if (again != names.end())
-        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at, in_quotes(requested),
-                                     found - names.begin() + 1, again - names.begin() + 1));
+        throw InputError(fmt::format("{}: expected different names, found {} over columns {} and {}", at,
+                                     in_quotes(requested), found - names.begin() + 1, again - names.begin() + 1));
     return std::size_t(found - names.begin());
 }
 

@@ -22,7 +22,8 @@ struct Columns {
     std::vector<double> const& operator[](std::string const& name) const;
 };
 
-/// Larger magnitudes are refused: a square is then at most 2^1000, and sums of 2^23 squares stay below binary64's 2^1024.
+/// Larger magnitudes are refused: a square is then at most 2^1000, and sums of 2^23 squares stay below binary64's
+/// 2^1024.
 inline constexpr double largest_value = 0x1p500;
 /// More numbers are refused (2 GiB): a few compressed bytes may unpack to any amount.
 inline constexpr long most_numbers = 1L << 28;
@@ -34,22 +35,26 @@ struct CsvFormat {
 };
 
 /// A CSV file; the constructor opens it and reads its first row. The rest of the format is found out:
-///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else comma, else
-///               blanks if the next row has as many cells as the first
-///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad numbers); not where all
-///               columns are requested by number, and it is text and numbers over text and numbers in the same columns
-///   rows        LF, CRLF or CR; '#' lines above the first row and blank lines are skipped, but a blank line between rows of one cell is
-///               a missing value; all have equally many cells
-///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces are dropped
+///   separator   that of a first line "sep=;"; else tab if the first row has one outside quotes, else semicolon, else
+///               comma, else blanks if the next row has as many cells as the first
+///   header      the first row, if any cell is neither missing nor a number ("inf", "1e999" and "1,234,567" are bad
+///               numbers); not where all columns are requested by number, and it is text and numbers over text and
+///               numbers in the same columns
+///   rows        LF, CRLF or CR; '#' lines above the first row and blank lines are skipped, but a blank line between
+///               rows of one cell is a missing value; all have equally many cells
+///   cells       may be quoted, with quotes in them doubled, and then contain separators and line ends; outer spaces
+///               are dropped
 ///   numbers     decimal; not hexadecimal, infinite, beyond largest_value, or so small as to round to 0
-///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead, and so may "1.234"
-///               where a semicolon separates or any cell has a decimal comma: a number of another form, in any column, must show which
+///   decimals    a point or a comma, the same in the columns read. "1,234" may have a mark between thousands instead,
+///               and so may "1.234" where a semicolon separates or any cell has a decimal comma: a number of another
+///               form, in any column, must show which
 ///   missing     an empty cell, NA, N/A, #N/A, NaN, null in any case, "." and "?"
 /// The name of a column is that in the header; without a header it is the column's number: "1", "2", ...
 class CsvFile {
 public:
-    /// Opens path ("-": standard input; it may be a FIFO, because all is read once and in order). Throws InputError when it cannot be
-    /// opened or read, is empty, or is no table of text; std::invalid_argument for a format of other characters.
+    /// Opens path ("-": standard input; it may be a FIFO, because all is read once and in order). Throws InputError
+    /// when it cannot be opened or read, is empty, or is no table of text; std::invalid_argument for a format of other
+    /// characters.
     explicit CsvFile(std::string const& path, CsvFormat format = {});
     /// The same for any bytes; `file` is their name in messages, and more than `most` numbers are refused.
     CsvFile(ByteSource bytes, std::string file, CsvFormat format = {}, long most = most_numbers);
@@ -61,9 +66,10 @@ public:
     bool has_header() const;                        ///< `read` may find out that there is none
     std::vector<std::string> const& names() const;  ///< one for each column, numbers if there is no header
 
-    /// Reads the columns named in `requested` to the end of the data; other columns may contain anything. May be called once.
-    /// Throws InputError for a name that does not exist or is not unique, a cell that is not a number, a row of another length,
-    /// a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `requested` is empty or the file was read before.
+    /// Reads the columns named in `requested` to the end of the data; other columns may contain anything. May be called
+    /// once. Throws InputError for a name that does not exist or is not unique, a cell that is not a number, a row of
+    /// another length, a line over 1 MiB, no rows, too many numbers; std::invalid_argument when `requested` is empty or
+    /// the file was read before.
     Columns read(std::vector<std::string> const& requested);
 
 private:
@@ -74,9 +80,9 @@ private:
 /// CsvFile(path, format).read(requested).
 Columns read_columns(std::string const& path, std::vector<std::string> const& requested, CsvFormat format = {});
 
-/// The place among `names` of the column `requested`. file, at: the file and the place of its names, for messages. Throws InputError when
-/// no column, or more than one, has that name.
-std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header, std::string const& file,
-                          std::string const& at);
+/// The place among `names` of the column `requested`. file, at: the file and the place of its names, for messages.
+/// Throws InputError when no column, or more than one, has that name.
+std::size_t column_called(std::string const& requested, std::vector<std::string> const& names, bool header,
+                          std::string const& file, std::string const& at);
 
 }  // namespace rlslab

@@ -10,11 +10,12 @@ namespace {
 
 constexpr std::size_t longest_number = 40;
 
-/// The decimal mark that a cell shows as a number of one reading, with marks between thousands ("1.353,27", "1.234.567"), or with a unit or
-/// percent sign behind it ("15,7 %"); 0: none.
+/// The decimal mark that a cell shows as a number of one reading, with marks between thousands ("1.353,27",
+/// "1.234.567"), or with a unit or percent sign behind it ("15,7 %"); 0: none.
 char mark_shown(std::string_view cell) {
     if (cell.size() > longest_number || cell.find_first_of(".,") == cell.npos) return 0;
-    if (Kind const kind = reading_of(cell).kind; kind == Kind::comma || kind == Kind::point) return kind == Kind::comma ? ',' : '.';
+    if (Kind const kind = reading_of(cell).kind; kind == Kind::comma || kind == Kind::point)
+        return kind == Kind::comma ? ',' : '.';
     if (!cell.empty() && (cell.front() == '-' || cell.front() == '+')) cell.remove_prefix(1);
     std::size_t const end = std::min(cell.find_first_not_of("0123456789.,"), cell.size());
     std::string_view const number = cell.substr(0, end), unit = trimmed(cell.substr(end));
@@ -45,14 +46,16 @@ std::optional<Marks::Fault> Marks::set_mark(char mark, Cell at) {
         return std::nullopt;
     }
     std::string const as = given_ ? "" : fmt::format(" as in line {}", line_), found = in_quotes(at.text);
-    return Fault{std::move(at), fmt::format("expected a decimal {}{}, found {}", mark_ == '.' ? "point" : "comma", as, found)};
+    return Fault{std::move(at),
+                 fmt::format("expected a decimal {}{}, found {}", mark_ == '.' ? "point" : "comma", as, found)};
 }
 
 std::optional<Marks::Fault> Marks::number(Kind kind, long line, std::size_t column, std::string_view text) {
     bool const doubtful = kind == Kind::comma_or_group || kind == Kind::point_or_group;
     if (!doubtful && kind != Kind::comma && kind != Kind::point) return std::nullopt;
     char const mark = kind == Kind::comma || kind == Kind::comma_or_group ? ',' : '.';
-    if (!doubtful || (mark_ != 0 && mark_ != mark)) return mark_ == mark ? std::nullopt : set_mark(mark, {line, column, std::string(text)});
+    if (!doubtful || (mark_ != 0 && mark_ != mark))
+        return mark_ == mark ? std::nullopt : set_mark(mark, {line, column, std::string(text)});
     auto& first = mark == ',' ? comma_group_ : point_group_;
     if (!given_ && !first) first = Cell{line, column, std::string(text)};
     return std::nullopt;
@@ -62,7 +65,8 @@ void Marks::row(Row const& row, long line) {
     if (given_) return;
     auto const look_at = [&](std::size_t i) {
         char const mark = mark_shown(row[i]);
-        if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first) first = Cell{line, i, std::string(row[i])};
+        if (auto& first = mark == ',' ? comma_ : point_; mark != 0 && !first)
+            first = Cell{line, i, std::string(row[i])};
     };
     if (mark_ != 0)  // a decimal comma alone can contradict it then
         for (std::size_t i = 0; !comma_ && (i = row.with_one(',', i)) < row.size(); ++i) look_at(i);
@@ -75,14 +79,17 @@ std::optional<Marks::Fault> Marks::end(char separator) const {
         bool const comma = at.text.find(',') != at.text.npos;
         std::string shown = "no number says which";
         if (other) {
-            bool const decimal = other->text.find(comma ? '.' : ',') != other->text.npos;  // else grouped by the mark in doubt
+            bool const decimal =
+                other->text.find(comma ? '.' : ',') != other->text.npos;  // else grouped by the mark in doubt
             shown = fmt::format("{} in line {} has {}", in_quotes(other->text), other->line,
                                 decimal ? comma ? "a decimal point" : "a decimal comma"
                                 : comma ? "commas between thousands"
                                         : "points between thousands");
         }
-        return Fault{at, fmt::format("{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former)",
-                                     in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
+        return Fault{
+            at,
+            fmt::format("{} may be a decimal {} or a mark between thousands, and {} (--decimal {} if it is the former)",
+                        in_quotes(at.text), comma ? "comma" : "point", shown, comma ? ',' : '.')};
     };
     if (point_group_ && comma_) return doubt(*point_group_, comma_);
     if (mark_ != 0) return std::nullopt;

@@ -6,8 +6,8 @@
 
 namespace rlslab::csv {
 
-/// The mark is given, or that of the first number that can be read in one way alone. "1,234" and "1.234" may have a mark between thousands
-/// instead: the other numbers decide, also those in columns that are not requested.
+/// The mark is given, or that of the first number that can be read in one way alone. "1,234" and "1.234" may have a
+/// mark between thousands instead: the other numbers decide, also those in columns that are not requested.
 class Marks {
 public:
     struct Cell {

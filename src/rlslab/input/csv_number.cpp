@@ -1,4 +1,5 @@
-// The standard library reads the numbers; cells with letters or hexadecimal digits, which it might accept, are not passed to it.
+// The standard library reads the numbers; cells with letters or hexadecimal digits, which it might accept, are not
+// passed to it.
 #include <rlslab/input/csv_number.hpp>
 
 #include <rlslab/input/csv.hpp>
@@ -62,15 +63,16 @@ Reading with_comma(std::string_view cell, bool plus, std::string_view magnitude)
 }  // namespace
 
 Reading reading_of(std::string_view cell) {
-    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") || same_word(cell, "#n/a") ||
-        same_word(cell, "null"))
+    if (cell.empty() || cell == "." || cell == "?" || same_word(cell, "na") || same_word(cell, "n/a") ||
+        same_word(cell, "#n/a") || same_word(cell, "null"))
         return {Kind::missing};
     bool const plus = cell[0] == '+';
     std::string_view const magnitude = cell.substr(plus || cell[0] == '-' ? 1 : 0);
     if (same_word(magnitude, "nan")) return {Kind::missing};
     if (same_word(magnitude, "inf") || same_word(magnitude, "infinity")) return {Kind::infinite};
     // from_chars accepts a minus but no plus; the letters that it accepts ("nan(1)") are no number here.
-    if (magnitude.empty() || (magnitude[0] != '.' && magnitude[0] != ',' && !is_digit(magnitude[0]))) return {Kind::text};
+    if (magnitude.empty() || (magnitude[0] != '.' && magnitude[0] != ',' && !is_digit(magnitude[0])))
+        return {Kind::text};
     if (magnitude.find(',') != magnitude.npos) return with_comma(cell, plus, magnitude);
     if (!in_groups(magnitude, '.')) return decimal(cell, plus);
     if (std::ranges::count(magnitude, '.') > 1) return {Kind::grouped};
@@ -82,7 +84,8 @@ bool is_value(Kind kind) { return kind <= Kind::comma_or_group || kind == Kind::
 std::string complaint(Kind kind, std::string_view cell) {
     switch (kind) {
         case Kind::infinite: return "expected a finite number, found " + in_quotes(cell);
-        case Kind::out_of_range: return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + in_quotes(cell);
+        case Kind::out_of_range:
+            return "expected 0 or a size from 2^-1074 to 2^500 (squares must stay finite), found " + in_quotes(cell);
         case Kind::grouped: return "expected a number without marks between thousands, found " + in_quotes(cell);
         default: return "expected a number, found " + in_quotes(cell);
     }

@@ -7,8 +7,8 @@
 
 namespace rlslab::csv {
 
-/// What a cell contains. A mark is decimal (`point`, `comma`), or certainly between thousands (`grouped`: "1,234,567", "1,234.5"), or may
-/// be either (`point_or_group`, `comma_or_group`: "1.234", "1,234").
+/// What a cell contains. A mark is decimal (`point`, `comma`), or certainly between thousands (`grouped`: "1,234,567",
+/// "1,234.5"), or may be either (`point_or_group`, `comma_or_group`: "1.234", "1,234").
 enum class Kind { whole, point, point_or_group, comma, comma_or_group, grouped, missing, infinite, out_of_range, text };
 
 struct Reading {

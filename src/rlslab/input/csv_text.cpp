@@ -9,7 +9,9 @@
 
 namespace rlslab::csv {
 
-std::string in_quotes(std::string_view text, std::size_t limit) { return fmt::format("\"{}\"", printable(text, limit)); }
+std::string in_quotes(std::string_view text, std::size_t limit) {
+    return fmt::format("\"{}\"", printable(text, limit));
+}
 
 std::string_view trimmed(std::string_view text) {
     auto const first = text.find_first_not_of(' ');
@@ -129,7 +131,8 @@ Row::Result Row::split(std::string_view row, char separator) {
 }
 
 std::size_t Row::with_one(char c, std::size_t i) const {
-    for (std::size_t at = i < size() ? text_.find(c, begin(i)) : text_.npos; at != text_.npos; at = text_.find(c, ends_[i])) {
+    for (std::size_t at = i < size() ? text_.find(c, begin(i)) : text_.npos; at != text_.npos;
+         at = text_.find(c, ends_[i])) {
         while (ends_[i] <= at) ++i;
         auto const again = text_.find(c, at + 1);
         if (again == text_.npos || again >= ends_[i]) return i;

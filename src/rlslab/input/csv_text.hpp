@@ -15,8 +15,8 @@ std::string in_quotes(std::string_view text, std::size_t limit = 40);
 /// Without blanks around it.
 std::string_view trimmed(std::string_view text);
 
-/// The lines of a text, which end with LF, CRLF or (if the first one does) CR. next() throws InputError for bytes that are no table of
-/// text, which it names, and for a line that is too long.
+/// The lines of a text, which end with LF, CRLF or (if the first one does) CR. next() throws InputError for bytes that
+/// are no table of text, which it names, and for a line that is too long.
 class Lines {
     std::string name_;
     ByteSource source_;
@@ -42,10 +42,12 @@ public:
     std::optional<std::string_view> next();
 };
 
-/// The state of a row after a character. start: at the start of a cell; bare: in a cell without quotes; quoted: inside quotes; quote: after
-/// a quote mark that closes them or is the first of two; closed: after the closing quote and blanks; broken: text behind the closing quote.
+/// The state of a row after a character. start: at the start of a cell; bare: in a cell without quotes; quoted: inside
+/// quotes; quote: after a quote mark that closes them or is the first of two; closed: after the closing quote and
+/// blanks; broken: text behind the closing quote.
 enum class At { start, bare, quoted, quote, closed, broken };
-/// The state after the next character c; separates: c is a separator. A quote mark opens at the start of a cell; one within is doubled.
+/// The state after the next character c; separates: c is a separator. A quote mark opens at the start of a cell; one
+/// within is doubled.
 At after(At at, char c, bool separates);
 
 /// Follows the quotes over the lines of one row.
@@ -62,8 +64,8 @@ public:
     bool saw(char separator) const { return seen_.find(separator) != seen_.npos; }
 };
 
-/// A row split into its cells, quotes resolved; its storage is reused from row to row. The separator ' ' stands for runs of
-/// blanks and tabs, which may also begin and end the row.
+/// A row split into its cells, quotes resolved; its storage is reused from row to row. The separator ' ' stands for
+/// runs of blanks and tabs, which may also begin and end the row.
 class Row {
     std::string text_;  // of all cells, without separators
     std::vector<std::size_t> ends_;
@@ -80,7 +82,9 @@ public:
     std::size_t size() const { return ends_.size(); }
     /// The next cell from i on that contains c exactly once; size(): there is none.
     std::size_t with_one(char c, std::size_t i) const;
-    std::string_view operator[](std::size_t i) const { return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i))); }
+    std::string_view operator[](std::size_t i) const {
+        return trimmed(std::string_view(text_).substr(begin(i), ends_[i] - begin(i)));
+    }
     Result split(std::string_view row, char separator);
 };
 

@@ -44,8 +44,10 @@ std::string_view not_a_table(std::string_view begin) {
     begin.remove_prefix(std::min(begin.find_first_not_of(" \t"), begin.size()));
     auto const same = [](char a, char b) { return ('A' <= a && a <= 'Z' ? a - 'A' + 'a' : a) == b; };
     for (auto const& tag : of_markup)
-        if (std::ranges::equal(begin.substr(0, tag.size()), tag, same)) return "a web page (HTML): save the table in it as CSV";
-    if (std::ranges::equal(begin.substr(0, 5), std::string_view("<?xml"), same)) return "an XML file: save the table in it as CSV";
+        if (std::ranges::equal(begin.substr(0, tag.size()), tag, same))
+            return "a web page (HTML): save the table in it as CSV";
+    if (std::ranges::equal(begin.substr(0, 5), std::string_view("<?xml"), same))
+        return "an XML file: save the table in it as CSV";
     return "";
 }
 

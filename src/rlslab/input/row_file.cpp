@@ -23,8 +23,8 @@ RowFile::RowFile(std::string const& path, Index size) : file_(printable(path, 20
     else if (!S_ISREG(about.st_mode)) wrong = "is not a regular file";
     else if (about.st_size == 0) wrong = "is empty";
     else if (about.st_size % row != 0)
-        wrong = fmt::format("expected rows of {} numbers ({} bytes each), found {} bytes: {} more than whole rows", size + 1, row,
-                            about.st_size, about.st_size % row);
+        wrong = fmt::format("expected rows of {} numbers ({} bytes each), found {} bytes: {} more than whole rows",
+                            size + 1, row, about.st_size, about.st_size % row);
     if (!wrong.empty()) {
         close(descriptor_);  // the destructor is not run
         throw InputError(file_ + ": " + wrong);
@@ -35,7 +35,8 @@ RowFile::RowFile(std::string const& path, Index size) : file_(printable(path, 20
 RowFile::~RowFile() { close(descriptor_); }
 
 void RowFile::read(Index first, Eigen::Ref<Matrix<double>> block) const {
-    expects(block.rows() == size_ + 1 && block.outerStride() == block.rows(), "a contiguous block of (d + 1) x B numbers");
+    expects(block.rows() == size_ + 1 && block.outerStride() == block.rows(),
+            "a contiguous block of (d + 1) x B numbers");
     expects(0 <= first && first + block.cols() <= rows_, "rows that the file has");
     auto* to = reinterpret_cast<char*>(block.data());
     auto left = size_t(block.size()) * sizeof(double);

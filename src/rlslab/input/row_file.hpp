@@ -12,8 +12,8 @@ namespace rlslab {
 /// `numpy.ndarray.tofile` writes them. A RowSource for fold_all: any number of threads may read at the same time.
 class RowFile {
 public:
-    /// Throws InputError naming the file when it cannot be opened, is a directory or a pipe, holds no row, or does not hold
-    /// a whole number of rows; std::invalid_argument unless 1 <= size < 2^48.
+    /// Throws InputError naming the file when it cannot be opened, is a directory or a pipe, holds no row, or does not
+    /// hold a whole number of rows; std::invalid_argument unless 1 <= size < 2^48.
     RowFile(std::string const& path, Index size);
     RowFile(RowFile const&) = delete;
     RowFile& operator=(RowFile const&) = delete;

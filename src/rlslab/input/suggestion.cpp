@@ -22,7 +22,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
                 continue;
             }
             D[i][j] = std::min({D[i - 1][j] + 1, D[i][j - 1] + 1, D[i - 1][j - 1] + !same(a[i - 1], b[j - 1])});
-            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1])) D[i][j] = std::min(D[i][j], D[i - 2][j - 2] + 1);
+            if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+                D[i][j] = std::min(D[i][j], D[i - 2][j - 2] + 1);
         }
     return D[a.size()][b.size()];
 }
@@ -54,10 +55,12 @@ std::string did_you_mean(std::string_view requested, std::vector<std::string_vie
     return name.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", printable(name));
 }
 
-void expect_one_of(std::vector<std::string_view> const& names, std::string_view requested, std::string_view where, std::string_view what) {
+void expect_one_of(std::vector<std::string_view> const& names, std::string_view requested, std::string_view where,
+                   std::string_view what) {
     if (std::ranges::find(names, requested) != names.end()) return;
     std::string const meant = did_you_mean(requested, names);
-    throw InputError(fmt::format("{}no {} \"{}\"{}", where.empty() ? "" : fmt::format("{}: ", where), what, printable(requested),
+    throw InputError(fmt::format("{}no {} \"{}\"{}", where.empty() ? "" : fmt::format("{}: ", where), what,
+                                 printable(requested),
                                  meant.empty() ? fmt::format("; expected one of {}", fmt::join(names, ", ")) : meant));
 }
 

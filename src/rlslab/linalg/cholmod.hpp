@@ -1,4 +1,5 @@
-// CHOLMOD's sparse L D L' as a value that can be copied, scaled, updated by one row, and solved with. GPL-2+ (CHOLMOD's Modify module).
+// CHOLMOD's sparse L D L' as a value that can be copied, scaled, updated by one row, and solved with. GPL-2+ (CHOLMOD's
+// Modify module).
 #pragma once
 
 #include <rlslab/linalg/sparse.hpp>
@@ -11,7 +12,8 @@
 
 namespace rlslab {
 
-/// X = L D L' of a sparse symmetric positive definite X of order d, columns in their given order. L is unit lower triangular.
+/// X = L D L' of a sparse symmetric positive definite X of order d, columns in their given order. L is unit lower
+/// triangular.
 class SparseLdl {
     /// CHOLMOD keeps its workspace and settings in one structure; each factor owns its own.
     struct Workspace {
@@ -32,8 +34,10 @@ class SparseLdl {
     std::unique_ptr<Workspace> work_;
     cholmod_factor* factor_ = nullptr;
 
-    /// CHOLMOD's view of columns that Eigen stores, without a copy. stype 0: any matrix; -1: the lower triangle of a symmetric one.
-    static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values, int stype) {
+    /// CHOLMOD's view of columns that Eigen stores, without a copy. stype 0: any matrix; -1: the lower triangle of a
+    /// symmetric one.
+    static cholmod_sparse view(size_t rows, size_t columns, int const* starts, int const* indices, double const* values,
+                               int stype) {
         cholmod_sparse A{};
         A.nrow = rows;
         A.ncol = columns;
@@ -58,7 +62,8 @@ class SparseLdl {
     ColumnOfL column(Index j) const {
         int const start = static_cast<int const*>(factor_->p)[j];
         auto const* const value = static_cast<double const*>(factor_->x) + start;
-        return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1, static_cast<int const*>(factor_->nz)[j] - 1};
+        return {*value, static_cast<int const*>(factor_->i) + start + 1, value + 1,
+                static_cast<int const*>(factor_->nz)[j] - 1};
     }
     void solve_lower(Vector<double>& x) const {  // zeros are skipped: for a sparse x = psi only its path is visited
         for (Index j = 0; j < size(); ++j) {
@@ -87,12 +92,14 @@ class SparseLdl {
 public:
     /// Factors X, given by its lower triangle. X must be positive definite; that is not checked.
     explicit SparseLdl(SparseRows const& lower) : work_(std::make_unique<Workspace>()) {
-        cholmod_sparse X =
-            view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr(), -1);
+        cholmod_sparse X = view(size_t(lower.rows()), size_t(lower.cols()), lower.outerIndexPtr(),
+                                lower.innerIndexPtr(), lower.valuePtr(), -1);
         factor_ = cholmod_analyze(&X, &work_->c);
         cholmod_factorize(&X, factor_, &work_->c);
     }
-    SparseLdl(SparseLdl const& other) : work_(std::make_unique<Workspace>()) { factor_ = cholmod_copy_factor(other.factor_, &work_->c); }
+    SparseLdl(SparseLdl const& other) : work_(std::make_unique<Workspace>()) {
+        factor_ = cholmod_copy_factor(other.factor_, &work_->c);
+    }
     SparseLdl(SparseLdl&& other) noexcept { swap(other); }
     SparseLdl& operator=(SparseLdl other) noexcept {
         swap(other);
@@ -115,8 +122,8 @@ public:
         for (size_t j = 0; j < factor_->n; ++j) value[start[j]] *= lambda;
     }
 
-    /// X = X + psi psi', psi of d numbers. Changes only the columns on psi's path in the elimination tree. False on breakdown: CHOLMOD
-    /// failed or met a pivot that it could not use.
+    /// X = X + psi psi', psi of d numbers. Changes only the columns on psi's path in the elimination tree. False on
+    /// breakdown: CHOLMOD failed or met a pivot that it could not use.
     bool update(SparseRow const& psi) {
         if (psi.nonZeros() == 0) return true;
         int const starts[] = {0, int(psi.nonZeros())};
@@ -135,8 +142,8 @@ public:
         return sum;
     }
 
-    /// a = X^-1 a and b = X^-1 b, d numbers each, by the columns of L from the first and those of L' from the last, each sum from its
-    /// diagonal downwards. False if a pivot is not finite.
+    /// a = X^-1 a and b = X^-1 b, d numbers each, by the columns of L from the first and those of L' from the last,
+    /// each sum from its diagonal downwards. False if a pivot is not finite.
     bool solve(Vector<double>& a, Vector<double>& b) const {
         solve_lower(a);
         solve_lower(b);

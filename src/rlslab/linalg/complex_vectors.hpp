@@ -1,6 +1,8 @@
-// Elementwise operations on complex vectors, most of them with a real factor. Included by kernels.hpp, whose names these overload.
+// Elementwise operations on complex vectors, most of them with a real factor. Included by kernels.hpp, whose names
+// these overload.
 //
-// Each part of a number has the bits that kernels.hpp gives a real one. Sizes are not checked. Any argument may be any other.
+// Each part of a number has the bits that kernels.hpp gives a real one. Sizes are not checked. Any argument may be any
+// other.
 #pragma once
 
 #include <rlslab/linalg/divisor.hpp>

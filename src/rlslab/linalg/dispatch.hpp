@@ -1,6 +1,7 @@
-// Compiles the kernels and runs them. Each has one text (isa/*.hpp) for all arithmetics; for float and double it is compiled for several
-// instruction sets, and one is chosen at start-up. All give the same bits: the texts fix the order of evaluation in blocks of eight rows,
-// nothing is fused, and lanes are combined only in the tree that ends a dot product.
+// Compiles the kernels and runs them. Each has one text (isa/*.hpp) for all arithmetics; for float and double it is
+// compiled for several instruction sets, and one is chosen at start-up. All give the same bits: the texts fix the order
+// of evaluation in blocks of eight rows, nothing is fused, and lanes are combined only in the tree that ends a dot
+// product.
 #pragma once
 
 #include <rlslab/linalg/kernel_types.hpp>
@@ -13,14 +14,16 @@
 #include <immintrin.h>
 #endif
 
-// --- registers of 64 bytes: which kernels use them -------------------------------------------------------------------------
+// --- registers of 64 bytes: which kernels use them
+// -------------------------------------------------------------------------
 
 namespace rlslab::kernels {
 
 inline constexpr Index never = std::numeric_limits<Index>::max();
 
-/// A kernel for double uses registers of 64 bytes, where there are such, from d = `from` on. `registers` is then as in the sweeps: there
-/// are twice as many of them as of smaller ones. The kernels for float, and those that the table leaves out, were not faster with them.
+/// A kernel for double uses registers of 64 bytes, where there are such, from d = `from` on. `registers` is then as in
+/// the sweeps: there are twice as many of them as of smaller ones. The kernels for float, and those that the table
+/// leaves out, were not faster with them.
 struct Wide {
     Index from = never;
     int registers = 8;
@@ -78,8 +81,9 @@ inline constexpr Index one_pass_from<SweepRotations<double>> = 512;
 template <>
 inline constexpr Index one_pass_from<SweepRotations<float>> = 640;
 
-/// From this d on a sweep is faster with a few columns side by side (isa/columns.hpp) than with a few blocks of rows (isa/sweep.hpp), on
-/// registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels alone, A in memory or in the caches as it fits.
+/// From this d on a sweep is faster with a few columns side by side (isa/columns.hpp) than with a few blocks of rows
+/// (isa/sweep.hpp), on registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels alone, A
+/// in memory or in the caches as it fits.
 struct ByColumns {
     Index from, from_on_wide;
 };
@@ -117,10 +121,12 @@ inline constexpr Index together_from = 5;
 
 }  // namespace rlslab::kernels
 
-// --- the texts, compiled for each instruction set --------------------------------------------------------------------------
+// --- the texts, compiled for each instruction set
+// --------------------------------------------------------------------------
 
-// GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller comes too late, so the
-// whole text is compiled under each target. What a translation unit is compiled for needs no text of its own.
+// GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller
+// comes too late, so the whole text is compiled under each target. What a translation unit is compiled for needs no
+// text of its own.
 namespace rlslab::kernels::portable {
 #include <rlslab/linalg/kernels/all.hpp>
 }
@@ -170,7 +176,8 @@ namespace rlslab::kernels::avx512 {
 
 namespace rlslab {
 
-/// The instruction sets for which the kernels are compiled, each containing those before it. avx512: AVX-512 F, DQ and VL.
+/// The instruction sets for which the kernels are compiled, each containing those before it. avx512: AVX-512 F, DQ and
+/// VL.
 enum class Isa { baseline, avx2, avx512 };
 
 namespace kernels {
@@ -178,24 +185,26 @@ namespace kernels {
 inline Isa best_isa() {
 #ifdef __x86_64__
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) return Isa::avx512;
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return Isa::avx512;
     if (__builtin_cpu_supports("avx2")) return Isa::avx2;
 #endif
     return Isa::baseline;
 }
-/// The instruction set that the kernels use: baseline until this variable is initialised. A test may choose an earlier one; the bits stay
-/// the same.
+/// The instruction set that the kernels use: baseline until this variable is initialised. A test may choose an earlier
+/// one; the bits stay the same.
 inline Isa isa = best_isa();
 
-/// Bytes of a register in the kernels that are inlined. Those of AVX-512 are not used there: at these sizes they are slower.
+/// Bytes of a register in the kernels that are inlined. Those of AVX-512 are not used there: at these sizes they are
+/// slower.
 #ifdef __AVX2__
 inline constexpr int register_bytes = 32;
 #else
 inline constexpr int register_bytes = 16;
 #endif
 
-/// Elementwise kernels of vectors up to so many bytes are inlined: a call would cost as much. Where there are no wider registers to call
-/// for, all are.
+/// Elementwise kernels of vectors up to so many bytes are inlined: a call would cost as much. Where there are no wider
+/// registers to call for, all are.
 #if defined(__AVX2__) || !defined(__x86_64__)
 inline constexpr Index inlined_bytes = never;
 #else
@@ -214,7 +223,8 @@ constexpr bool one_pass_is_faster(Isa on, Index d) {
 }
 }  // namespace kernels
 
-/// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large part of their time.
+/// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large
+/// part of their time.
 template <class T, int N, class Kernel>
 [[gnu::always_inline]] inline void run_kernel(Kernel const& kernel) {
     using namespace kernels;
@@ -226,13 +236,18 @@ template <class T, int N, class Kernel>
         portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
         if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
-            if (kernel.d <= 4) return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+            if (kernel.d <= 4)
+                return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(
+                    kernel);
         if constexpr (Elementwise<Kernel>)
-            if (kernel.d <= inlined_bytes / Index(sizeof(T))) return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
+            if (kernel.d <= inlined_bytes / Index(sizeof(T)))
+                return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
 #ifdef __x86_64__
         if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
-            if (uses_wide_registers<Kernel>(isa, kernel.d)) return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
-        if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
+            if (uses_wide_registers<Kernel>(isa, kernel.d))
+                return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
+        if (register_bytes >= 32 || isa >= Isa::avx2)
+            return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
         portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
     }

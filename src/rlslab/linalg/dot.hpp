@@ -9,8 +9,8 @@
 namespace rlslab {
 
 namespace detail {
-/// The part of the tree that ends in the sum of the lanes first, first + stride, ... below eight. With stride = 8 it is one lane: the
-/// running sum of the products first, first + 8, ...
+/// The part of the tree that ends in the sum of the lanes first, first + stride, ... below eight. With stride = 8 it is
+/// one lane: the running sum of the products first, first + 8, ...
 template <int first, int stride, class T>
 [[gnu::always_inline]] inline T lanes_summed(T const* x, T const* y, Index n) {
     if constexpr (stride == 8) {
@@ -25,13 +25,14 @@ template <int first, int stride, class T>
 }
 }  // namespace detail
 
-/// x'y of n numbers each, in the order above, x conjugated where it is complex; 0 for n <= 0. x and y may be the same. Where T has a wider
-/// accumulator the sum is of that type: whoever stores the result rounds it.
+/// x'y of n numbers each, in the order above, x conjugated where it is complex; 0 for n <= 0. x and y may be the same.
+/// Where T has a wider accumulator the sum is of that type: whoever stores the result rounds it.
 template <Scalar T>
 Accumulator<T> dot(T const* x, T const* y, Index n) {
     if (n <= 0) [[unlikely]]
         return Accumulator<T>(0);
-    if constexpr (!std::same_as<Truth<T>, bool>)  // a Pack: the running sum of one lane after another fits into registers
+    if constexpr (!std::same_as<Truth<T>,
+                                bool>)  // a Pack: the running sum of one lane after another fits into registers
         return detail::lanes_summed<0, 1>(x, y, n);
     Accumulator<T> lane[8];
     if (n < 8) {

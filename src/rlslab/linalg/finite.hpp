@@ -1,5 +1,5 @@
-// Tests whether theta and the gain of a filter are finite. Where the filter stores them, their numbers are tested. Where it solves for them
-// on request, they are proven finite without solving if possible, and solved for otherwise.
+// Tests whether theta and the gain of a filter are finite. Where the filter stores them, their numbers are tested.
+// Where it solves for them on request, they are proven finite without solving if possible, and solved for otherwise.
 #pragma once
 
 #include <rlslab/linalg/triangles.hpp>
@@ -23,8 +23,8 @@ Truth<T> all_finite(Eigen::MatrixBase<X> const& x) {
     return out;
 }
 
-/// The step of a form that stores theta; gamma = lambda / s. Only theta is tested: where theta + K e is finite, so is K, because even
-/// 0 times an infinity is NaN.
+/// The step of a form that stores theta; gamma = lambda / s. Only theta is tested: where theta + K e is finite, so is
+/// K, because even 0 times an infinity is NaN.
 template <Scalar T, int N>
 Step<T> step_of(T const& innovation, RealOf<T> const& lambda, RealOf<T> const& s, StateVector<T, N> const& theta) {
     return if_finite(all_finite(theta), step_of(innovation, lambda, s));
@@ -40,21 +40,24 @@ typedef double Pair __attribute__((vector_size(16)));
 typedef double PairAnywhere __attribute__((vector_size(16), aligned(8), may_alias));
 }  // namespace detail
 
-/// The scalar in which bounds are computed: double if it holds every number of T, otherwise T; the real one where T is complex.
+/// The scalar in which bounds are computed: double if it holds every number of T, otherwise T; the real one where T is
+/// complex.
 template <Scalar T>
 using BoundOf = std::conditional_t<detail::fits_double<RealOf<T>>, double, RealOf<T>>;
 
-/// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and R'R K = psi with
-/// psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) = n_j^2 and r2(j) = r_j^2 are called once
-/// for each j.
+/// For R upper triangular with columns of lengths n_j and pivots r_j: true proves that R x = b with |b|^2 <= right, and
+/// R'R K = psi with psi'K <= 1, are solved by substitution without an overflow of T. False proves nothing. n2(j) =
+/// n_j^2 and r2(j) = r_j^2 are called once for each j.
 ///
-///   (1) C = R diag(1/n) has columns of length 1, so the squares of its singular values sum to d. All of them except the least multiply to
-///       at most (d/(d-1))^(d-1) < e, and all of them to q = prod r_j^2 / n_j^2. Hence the least is larger than q / e
-///   (2) x_j^2 < e right / (q n_j^2) and K_j^2 < e / (q n_j^2). The partial sums are below these times max n_j^2; if R is stored as D and a
-///       unit triangle, also divided by min r_j^2
+///   (1) C = R diag(1/n) has columns of length 1, so the squares of its singular values sum to d. All of them except
+///       the least multiply to at most (d/(d-1))^(d-1) < e, and all of them to q = prod r_j^2 / n_j^2. Hence the least
+///       is larger than q / e
+///   (2) x_j^2 < e right / (q n_j^2) and K_j^2 < e / (q n_j^2). The partial sums are below these times max n_j^2; if R
+///       is stored as D and a unit triangle, also divided by min r_j^2
 ///
-/// If the bound is computed in T, the squares n_j^2 and r_j^2 are numbers of T, so 1 / min r_j and max n_j need at most half of T's
-/// exponents. A factor of 2^10 covers e, sums of d terms, and rounding, which changes q by less than e^2 while 2 d^2 u <= 1.
+/// If the bound is computed in T, the squares n_j^2 and r_j^2 are numbers of T, so 1 / min r_j and max n_j need at most
+/// half of T's exponents. A factor of 2^10 covers e, sums of d terms, and rounding, which changes q by less than e^2
+/// while 2 d^2 u <= 1.
 template <Scalar T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
     if constexpr (!RootedScalar<T>) {  // the rationals are finite
@@ -83,14 +86,17 @@ template <Scalar T, class LengthSquared, class PivotSquared, class Bound = Bound
                 most = select(most < length, length, most);
             }
         }
-        constexpr int exponent = std::same_as<Bound, RealOf<T>> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
+        constexpr int exponent =
+            std::same_as<Bound, RealOf<T>> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
         Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
-        return in_range && q <= Bound(2) && d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);  // q: a pivot may be infinite
+        return in_range && q <= Bound(2) &&
+               d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);  // q: a pivot may be infinite
     }
 }
 
-/// Whether the stored theta, the pivots D, and K of X K = psi are finite, for X = L diag(D) L' (all d x d). x (d) is overwritten.
+/// Whether the stored theta, the pivots D, and K of X K = psi are finite, for X = L diag(D) L' (all d x d). x (d) is
+/// overwritten.
 template <Scalar T, int N>
 Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
                         StateVector<T, N> const& theta, StateVector<T, N> const& psi, StateVector<T, N>& x) {
@@ -98,7 +104,8 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
     using Bound = BoundOf<T>;
     Truth<T> const kept = all_finite(theta) && all_finite(D);
     if (all(solved_in_range<T>(
-            x.size(), [&](Index j) { return Bound(real_part(X(j, j))); }, [&](Index j) { return Bound(D[j]); }, Bound(1))))
+            x.size(), [&](Index j) { return Bound(real_part(X(j, j))); }, [&](Index j) { return Bound(D[j]); },
+            Bound(1))))
         return kept;
     UncountedScope<T> const uncounted;
     x = psi;
@@ -107,7 +114,8 @@ Truth<T> answers_finite(StateMatrix<T, N> const& X, StateMatrix<T, N> const& L, 
 }
 
 namespace detail {
-/// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm (UncountedScope).
+/// Whether the solution for this right side is finite. x is overwritten; the solution is no part of the algorithm
+/// (UncountedScope).
 template <Scalar T, int N, class Solve>
 Truth<T> finite_solution(StateVector<T, N> const& right, StateVector<T, N>& x, Solve solve) {
     UncountedScope<T> const uncounted;
@@ -115,11 +123,11 @@ Truth<T> finite_solution(StateVector<T, N> const& right, StateVector<T, N>& x, S
     solve(x);
     return all_finite(x);
 }
-/// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten. determined: whether
-/// R has no zero on its diagonal.
+/// Whether theta, K and the pivots are finite, by solving for them: R = L', or R = diag(sqrt(D)) L'. x is overwritten.
+/// determined: whether R has no zero on its diagonal.
 template <Scalar T, int N>
-[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
-                                            StateVector<T, N>& x, Truth<T>& determined) {
+[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<T, N> const& z,
+                                            StateVector<T, N> const& psi, StateVector<T, N>& x, Truth<T>& determined) {
     determined = nonsingular(L);
     Truth<T> out = finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
     out = out && finite_solution<T, N>(psi, x, [&](auto& b) { solve_outer(L, b); });
@@ -127,15 +135,17 @@ template <Scalar T, int N>
     return out;
 }
 template <Scalar T, int N>
-[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z,
-                                            StateVector<T, N> const& psi, StateVector<T, N>& x) {
+[[gnu::noinline]] Truth<T> finite_solutions(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
+                                            StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                                            StateVector<T, N>& x) {
     Truth<T> out = all_finite(D) && finite_solution<T, N>(z, x, [&](auto& b) { solve_lower_transposed(L, b); });
     return out && finite_solution<T, N>(psi, x, [&](auto& b) { solve_outer(L, D, b); });
 }
 }  // namespace detail
 
-/// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound of |z|^2, updated
-/// with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d), or O(d^2) where the proof fails.
+/// For the forms that store R and z = R theta only: the n_j^2 of R, which are the diagonal of P^-1 = R'R, and a bound
+/// of |z|^2, updated with each row. L = R', or R = diag(sqrt(D)) L' with L unit lower triangular. Cost of a row: O(d),
+/// or O(d^2) where the proof fails.
 template <Scalar T, int N = Dynamic>
 class ColumnLengths {
     using Bound = BoundOf<T>;
@@ -153,7 +163,9 @@ class ColumnLengths {
         Bound* squares;
         T const* psi;
         Bound weight;
-        [[gnu::always_inline]] Bound operator()(Index j) const { return squares[j] = weight * squares[j] + square(psi[j]); }
+        [[gnu::always_inline]] Bound operator()(Index j) const {
+            return squares[j] = weight * squares[j] + square(psi[j]);
+        }
         [[gnu::always_inline]] detail::Pair two(Index j) const
             requires std::same_as<T, double>
         {
@@ -207,8 +219,8 @@ public:
         less(right_, y);
     }
 
-    /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the pivots are finite. x
-    /// (d) is overwritten.
+    /// Adds the row [psi' y], after the filter has folded it into sqrt(lambda) [R z]. Returns whether theta, K and the
+    /// pivots are finite. x (d) is overwritten.
     Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
                      StateVector<T, N> const& z, StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
@@ -222,13 +234,15 @@ public:
             x.size(), update(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : detail::finite_solutions<T, N>(L, D, z, psi, x);
     }
-    /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d numbers.
+    /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d
+    /// numbers.
     void add(RealOf<T> const& lambda, T const* psi, T const& y, StateMatrix<T, N> const& L) {
         auto const square_of = update(lambda, psi, y);
         for (Index j = 0; j < squares_.size(); ++j) square_of(j);
         determined_ = nonsingular(L);
     }
-    /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite afterwards.
+    /// The same for a block: add_rows before the rows [psi' y] of A (B x (d + 1)) are folded into weight [R z], finite
+    /// afterwards.
     template <class Block>
     void add_rows(RealOf<T> const& weight, Block const& A) {
         Index const d = squares_.size();
@@ -246,7 +260,8 @@ public:
             for (Index c = 0; c < abreast; ++c) (j + c < d ? squares_[j + c] : right_) = sum[c];
         }
     }
-    Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi, StateVector<T, N>& x) {
+    Truth<T> finite(StateMatrix<T, N> const& L, StateVector<T, N> const& z, StateVector<T, N> const& psi,
+                    StateVector<T, N>& x) {
         Truth<T> const proven = solved_in_range<T>(
             x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return square(L(j, j)); }, right_);
         if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);

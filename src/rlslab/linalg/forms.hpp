@@ -5,9 +5,9 @@
 
 namespace rlslab {
 
-/// A variant's form() names the members that hold its state, so that a time update, the removal of a row or a reset is written once a
-/// form and not once a variant. References: they live as long as the filter, and writing through them writes its state.
-/// P in full storage.
+/// A variant's form() names the members that hold its state, so that a time update, the removal of a row or a reset is
+/// written once a form and not once a variant. References: they live as long as the filter, and writing through them
+/// writes its state. P in full storage.
 template <Field T, int N>
 struct PlainCovariance {
     using scalar = T;

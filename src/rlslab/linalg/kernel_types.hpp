@@ -1,9 +1,10 @@
 // The dense kernels by name: what each computes. Their texts are in isa/*.hpp; dispatch.hpp compiles and runs them.
 //
-// A kernel is a struct that holds its arguments. d: numbers of a vector, and order of a matrix; ld: numbers from one column of a matrix to
-// the next, padded as in storage.hpp. Pointers are to the first number. Nothing is checked, allocated or thrown. An output may be an input
-// only where the struct says so. For float and double all vectors must be padded as StateVector is, except those marked "d numbers": the
-// padding is read and overwritten, but enters no result.
+// A kernel is a struct that holds its arguments. d: numbers of a vector, and order of a matrix; ld: numbers from one
+// column of a matrix to the next, padded as in storage.hpp. Pointers are to the first number. Nothing is checked,
+// allocated or thrown. An output may be an input only where the struct says so. For float and double all vectors must
+// be padded as StateVector is, except those marked "d numbers": the padding is read and overwritten, but enters no
+// result.
 #pragma once
 
 #include <rlslab/linalg/dot.hpp>
@@ -19,10 +20,11 @@ struct RowRange {
     Index first, last;
 };
 
-// --- elementwise: out = x ... over d numbers --------------------------------------------------------------------------
+// --- elementwise: out = x ... over d numbers
+// --------------------------------------------------------------------------
 
-/// What elementwise kernels have in common: they read x, write out, and go from the first number to the last. out may be x or any other
-/// operand.
+/// What elementwise kernels have in common: they read x, write out, and go from the first number to the last. out may
+/// be x or any other operand.
 template <class T>
 struct OverColumn {
     Index d;
@@ -82,18 +84,21 @@ struct AllFinite : OverColumn<T> {
 template <class K>
 concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
 
-// --- products -----------------------------------------------------------------------------------------------------------
+// --- products
+// -----------------------------------------------------------------------------------------------------------
 
 enum class Shape { full, upper };
 
-/// out_j = sum_i A_ij x_i, over all i or, for an upper triangle, over i <= j: a dot product in eight lanes. x: d numbers.
+/// out_j = sum_i A_ij x_i, over all i or, for an upper triangle, over i <= j: a dot product in eight lanes. x: d
+/// numbers.
 template <class T, Shape>
 struct MultiplyTransposed {
     Index d, ld;
     T const *A, *x;
     T* out;
 };
-/// out_ij = sum_n A_in B_nj, n ascending, where B_nj = B[n row + j column]: the strides (1, ld) give A B, (ld, 1) give A B'.
+/// out_ij = sum_n A_in B_nj, n ascending, where B_nj = B[n row + j column]: the strides (1, ld) give A B, (ld, 1) give
+/// A B'.
 template <class T>
 struct MultiplySquares {
     static constexpr int registers = 8;
@@ -103,7 +108,8 @@ struct MultiplySquares {
     T* out;
 };
 
-// --- sweeps over columns ---------------------------------------------------------------------------------------------------
+// --- sweeps over columns
+// ---------------------------------------------------------------------------------------------------
 
 /// A sweep goes through the columns j of A and keeps a block of a vector w, which runs along the rows, in registers.
 ///   registers    how many registers' worth of rows go through the columns together
@@ -125,7 +131,8 @@ struct Multiply {
     T const* x;
     T const& at(Index j) const { return x[j]; }
 };
-/// A_ij = t + t correction, t = A_ij - w_i f_j'; correction = (1 - r) / r divides by r (DivisorNearOne). w is only read.
+/// A_ij = t + t correction, t = A_ij - w_i f_j'; correction = (1 - r) / r divides by r (DivisorNearOne). w is only
+/// read.
 template <class T>
 struct SubtractRankOne {
     static constexpr int registers = 8;
@@ -148,7 +155,8 @@ struct AddSquare {
     T const* w;
     T at(Index j) const { return w[j]; }
 };
-/// A_ij = A_ji' = t + t correction, t = A_ij - w_i f_j', for i <= j; A is symmetric (Hermitian: its diagonal stays real).
+/// A_ij = A_ji' = t + t correction, t = A_ij - w_i f_j', for i <= j; A is symmetric (Hermitian: its diagonal stays
+/// real).
 template <class T>
 struct SubtractMirrored {
     static constexpr int registers = 4;
@@ -157,9 +165,9 @@ struct SubtractMirrored {
     T const *w, *f;
     RealOf<T> correction;
 };
-/// The pass of S over A and a product with the A that it leaves, that of the next update: A is read once for both. S is a SubtractRankOne
-/// or a SubtractMirrored, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and out is that of MultiplyTransposed.
-/// x: d numbers. out differs from S's vectors.
+/// The pass of S over A and a product with the A that it leaves, that of the next update: A is read once for both. S is
+/// a SubtractRankOne or a SubtractMirrored, out_i = sum_j A_ij x_j, j ascending; or a sweep over an upper triangle, and
+/// out is that of MultiplyTransposed. x: d numbers. out differs from S's vectors.
 template <class S>
 struct ThenMultiply : S {
     static constexpr int registers = 4;
@@ -176,8 +184,8 @@ struct SubtractRankTwo {
     T const *x, *g;
     RealOf<T> correction;
 };
-/// What sweeps over an upper triangle A have in common: w is an output and starts from zero. The zeros of A below the diagonal, as far as
-/// blocks of rows reach, are written again as zeros.
+/// What sweeps over an upper triangle A have in common: w is an output and starts from zero. The zeros of A below the
+/// diagonal, as far as blocks of rows reach, are written again as zeros.
 template <class T>
 struct OverTriangle {
     static constexpr int registers = 4;
@@ -228,9 +236,11 @@ concept Sweep = ByRows<K> && requires { K::starts; };
 template <class K>
 concept UpperSweep = Sweep<K> && K::upper;
 
-// --- panels of a lower triangle ------------------------------------------------------------------------------------------
+// --- panels of a lower triangle
+// ------------------------------------------------------------------------------------------
 
-// A row of R = L' is a column of L. Rows go from the first to the last; each acts on the new row x to the right of its diagonal.
+// A row of R = L' is a column of L. Rows go from the first to the last; each acts on the new row x to the right of its
+// diagonal.
 //   writes     L is changed
 //   corners    the rows within a block depend on one another: its corner on the diagonal is computed in scalars first
 
@@ -254,8 +264,9 @@ struct SweepGentleman {
     RealOf<T> const* c;
     T const *s, *e;
 };
-/// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs (root_lambda L_ji, x_j)
-/// for j > i and, s_i conjugated, to (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is overwritten. L's diagonal is real.
+/// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs
+/// (root_lambda L_ji, x_j) for j > i and, s_i conjugated, to (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is
+/// overwritten. L's diagonal is real.
 template <class T>
 struct RotateIn {
     static constexpr bool writes = true, corners = true;
@@ -265,16 +276,18 @@ struct RotateIn {
     T* s;
     RealOf<T> root_lambda;
 };
-/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d - 1, d - 2, ... and j >= i, t the old L_ji and x = 0 at first; x is not
-/// kept. What is above the diagonal of L must be zeros, and stays so for finite c and s.
+/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d - 1, d - 2, ... and j >= i, t the old L_ji and x = 0 at
+/// first; x is not kept. What is above the diagonal of L must be zeros, and stays so for finite c and s.
 template <class T>
 struct RotateOut {
     Index d, ld;
     T* L;
     T const *c, *s;
 };
-/// RotateIn by reflections, with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied by |cosine|:
-///   a = tau_i (weight L_ji + v_i' x_j),  L_ji = weight L_ji - a,   x_j -= a v_i       for j > i; for (z_i, *eta) alike with v_i' for v_i
+/// RotateIn by reflections, with weight for root_lambda: x_i becomes v_i, tau_i its coefficient, *ratio is multiplied
+/// by |cosine|:
+///   a = tau_i (weight L_ji + v_i' x_j),  L_ji = weight L_ji - a,   x_j -= a v_i       for j > i; for (z_i, *eta) alike
+///   with v_i' for v_i
 template <class T>
 struct ReflectIn {
     static constexpr bool writes = true, corners = true;
@@ -286,8 +299,8 @@ struct ReflectIn {
 template <class K>
 concept ByPanels = requires { K::corners; };
 
-/// RotateIn for `together` rows, the first to the last: row r has x + r ld and eta[r]. Its rotations are written to c + r ld and s + r ld,
-/// or nowhere if c is null. What is above the diagonal of L stays.
+/// RotateIn for `together` rows, the first to the last: row r has x + r ld and eta[r]. Its rotations are written to c +
+/// r ld and s + r ld, or nowhere if c is null. What is above the diagonal of L stays.
 template <class T>
 struct RotateInRows {
     static constexpr int together = 4;
@@ -298,7 +311,8 @@ struct RotateInRows {
 template <class K>
 concept Together = requires { K::together; };
 
-// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding ---------------------------------
+// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding
+// ---------------------------------
 
 /// *sum = v'v, a dot product in eight lanes.
 template <class T>
@@ -314,8 +328,8 @@ struct Division {
     T* v;
     T pivot;
 };
-/// For each of the `columns` columns a of A: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in the row of R that is above A:
-/// above[0], above[1], ..., but *last for the last column (the right-hand side).
+/// For each of the `columns` columns a of A: t = tau (r + v'a), r -= t, a -= t v. r is the column's entry in the row of
+/// R that is above A: above[0], above[1], ..., but *last for the last column (the right-hand side).
 template <class T>
 struct Reflection {
     Index rows, columns;  // of A
@@ -323,8 +337,8 @@ struct Reflection {
     T tau;
     T *A, *above, *last;
 };
-/// `count` reflections of the same columns, one after another: v and A have `rows` numbers a column, above has stride `ld` from one
-/// reflection to the next, tau and last have one number of each. Where tau = 0 there is none.
+/// `count` reflections of the same columns, one after another: v and A have `rows` numbers a column, above has stride
+/// `ld` from one reflection to the next, tau and last have one number of each. Where tau = 0 there is none.
 template <class T>
 struct Reflections {
     Index rows, columns, count;

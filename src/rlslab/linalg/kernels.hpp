@@ -5,8 +5,9 @@
 //   everything else    column sweeps, elementwise: there is no order to choose.
 // No operation is fused (the build says -ffp-contract=off).
 //
-// In all functions StateVectors have d numbers, StateMatrices are d x d, and x, where it is a pointer, has d numbers. Sizes are not checked
-// unless the docstring says what throws. An output may be one of the inputs only where the docstring says so.
+// In all functions StateVectors have d numbers, StateMatrices are d x d, and x, where it is a pointer, has d numbers.
+// Sizes are not checked unless the docstring says what throws. An output may be one of the inputs only where the
+// docstring says so.
 #pragma once
 
 #include <rlslab/linalg/complex_vectors.hpp>
@@ -43,13 +44,16 @@ void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
 /// out = A'x, one dot product for each column.
 template <Scalar T, int N>
 void multiply_transposed(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& out) {
-    run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
+    run_kernel<T, N>(
+        kernels::MultiplyTransposed<T, kernels::Shape::full>{A.size(), A.stride(), A.column(0), x, out.data()});
 }
 
-/// out = A B and out = A B'. Each column of out is a sum of columns of A from the first to the last. A and B may be the same.
+/// out = A B and out = A B'. Each column of out is a sum of columns of A from the first to the last. A and B may be the
+/// same.
 template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
-    run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
+    run_kernel<T, N>(
+        kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), 1, B.stride(), out.column(0)});
 }
 template <Scalar T, int N>
 void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const& B, StateMatrix<T, N>& out) {
@@ -62,11 +66,12 @@ void multiply_by_transposed(StateMatrix<T, N> const& A, StateMatrix<T, N> const&
             }
         return;
     }
-    run_kernel<T, N>(kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
+    run_kernel<T, N>(
+        kernels::MultiplySquares<T>{A.size(), A.stride(), A.column(0), B.column(0), B.stride(), 1, out.column(0)});
 }
 
-/// Elementwise, in the order of the functions below: out = x / s,  x / y,  x y,  a x,  x + y,  x + y z,  sqrt(x). out may be any of the
-/// inputs.
+/// Elementwise, in the order of the functions below: out = x / s,  x / y,  x y,  a x,  x + y,  x + y z,  sqrt(x). out
+/// may be any of the inputs.
 template <Field T, int N>
 void divide(StateVector<T, N> const& x, std::type_identity_t<T> const& s, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::DivideByOne<T>{{out.size(), x.data(), out.data()}, s});
@@ -88,7 +93,8 @@ void add(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, 
     run_kernel<T, N>(kernels::Add<T>{{out.size(), x.data(), out.data()}, y.data()});
 }
 template <Field T, int N>
-void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N> const& z, StateVector<T, N>& out) {
+void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N> const& z,
+                 StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::AddProduct<T>{{out.size(), x.data(), out.data()}, y.data(), z.data()});
 }
 template <Real T, int N>
@@ -96,7 +102,8 @@ void square_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
     run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
-/// before_j = s_{j-1}, after_j = s_j for s_j = s_{j-1} + x_j, s_0 = s; returns s_d. `after` may be x; `before` and `after` must differ.
+/// before_j = s_{j-1}, after_j = s_j for s_j = s_{j-1} + x_j, s_0 = s; returns s_d. `after` may be x; `before` and
+/// `after` must differ.
 template <Field T, int N>
 T prefix_sums(T s, StateVector<T, N> const& x, StateVector<T, N>& before, StateVector<T, N>& after) {
     run_kernel<T, N>(kernels::PrefixSums<T>{{x.size(), x.data(), after.data()}, before.data(), &s});
@@ -107,7 +114,8 @@ template <Field T, int N>
 void scale_conjugated(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVector<T, N>& out) {
     scale(x, y, out);
 }
-/// The same for s_j = s_{j-1} + x_j'y_j, y_j a real multiple of x_j. x and y may be the same; `before` and `after` differ from them.
+/// The same for s_j = s_{j-1} + x_j'y_j, y_j a real multiple of x_j. x and y may be the same; `before` and `after`
+/// differ from them.
 template <Scalar T, int N>
 RealOf<T> prefix_sums(std::type_identity_t<RealOf<T>> const& s, StateVector<T, N> const& x, StateVector<T, N> const& y,
                       StateVector<RealOf<T>, N>& before, StateVector<RealOf<T>, N>& after) {
@@ -125,7 +133,8 @@ void divide(StateVector<T, N> const& x, DivisorNearOne<T> const& by_r, StateVect
 template <Scalar T, int N>
 void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
                        DivisorNearOne<RealOf<T>> const& by_r) {
-    run_kernel<T, N>(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+    run_kernel<T, N>(
+        kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A += x x'. The same product is added to A_ij and A_ji: a symmetric A stays symmetric.
 template <Field T, int N>
@@ -136,18 +145,22 @@ void add_square(StateMatrix<T, N>& A, StateVector<T, N> const& x) {
 template <Scalar T, int N>
 void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
                                 DivisorNearOne<RealOf<T>> const& by_r) {
-    run_kernel<T, N>(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
+    run_kernel<T, N>(
+        kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
-/// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays symmetric.
+/// A = (A - (x g' + g x')) / r, A symmetric. The two products are added before the sum is subtracted, so that A stays
+/// symmetric.
 template <Scalar T, int N>
 void subtract_rank_two(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& g,
                        DivisorNearOne<RealOf<T>> const& by_r) {
-    run_kernel<T, N>(kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
+    run_kernel<T, N>(
+        kernels::SubtractRankTwo<T>{A.size(), A.stride(), A.column(0), x.data(), g.data(), by_r.correction()});
 }
 
 /// A = weight A + x x' and b = weight b + x y: one row added to normal equations.
 template <Scalar T, int N>
-void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, RealOf<T> const& weight, StateVector<T, N> const& x, T const& y) {
+void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, RealOf<T> const& weight, StateVector<T, N> const& x,
+                T const& y) {
     for (Index j = 0; j < x.size(); ++j) {
         for (Index i = 0; i < x.size(); ++i) {
             T const square = x[i] * conjugate(x[j]);
@@ -158,15 +171,16 @@ void add_sample(StateMatrix<T, N>& A, StateVector<T, N>& b, RealOf<T> const& wei
     }
 }
 
-/// e = y - psi'theta. Throws std::invalid_argument unless psi has d numbers; an update calls this before it changes any state.
+/// e = y - psi'theta. Throws std::invalid_argument unless psi has d numbers; an update calls this before it changes any
+/// state.
 template <Scalar T, int N>
 T innovation(T const& y, Regressor<T> const& psi, StateVector<T, N> const& theta) {
     expects(psi.size() == theta.size() && psi.size() > 0, "a regressor of the problem's size");
     return y - dot(psi, theta);
 }
 
-/// Copies psi into `copy` and each of `more`, for updates that overwrite it. Throws std::invalid_argument unless psi has d numbers; an
-/// update calls this before it changes any state.
+/// Copies psi into `copy` and each of `more`, for updates that overwrite it. Throws std::invalid_argument unless psi
+/// has d numbers; an update calls this before it changes any state.
 template <Scalar T, int N, class... More>
 void keep_regressor(Regressor<T> const& psi, StateVector<T, N>& copy, More&... more) {
     expects(psi.size() == copy.size() && psi.size() > 0, "a regressor of the problem's size");

@@ -1,6 +1,8 @@
-// Rows that are known in advance: while P is changed for one row, its product with the next row is computed in the same pass over memory.
+// Rows that are known in advance: while P is changed for one row, its product with the next row is computed in the same
+// pass over memory.
 //
-// For updates that begin with f = P psi, or with S'psi for an upper triangle S, and end with a change of P or of S. Sizes are d and d x d.
+// For updates that begin with f = P psi, or with S'psi for an upper triangle S, and end with a change of P or of S.
+// Sizes are d and d x d.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -8,16 +10,17 @@
 
 namespace rlslab {
 
-/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise `multiply` and the
-/// functions below do what those without a NextRow do. The product has the bits that `multiply` gives it.
+/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise
+/// `multiply` and the functions below do what those without a NextRow do. The product has the bits that `multiply`
+/// gives it.
 template <Scalar T, int N>
 class NextRow {
     T const* psi_ = nullptr;
     bool multiplied_ = false;
     StateVector<T, N> product_;
 
-    /// Runs the pass with the product and returns true; or does nothing and returns false, where two passes are faster. Not inlined: an
-    /// update of few parameters, row by row, takes a tenth longer with all of that in it.
+    /// Runs the pass with the product and returns true; or does nothing and returns false, where two passes are faster.
+    /// Not inlined: an update of few parameters, row by row, takes a tenth longer with all of that in it.
     template <class Pass>
     [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
         multiplied_ = kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
@@ -42,7 +45,8 @@ public:
         return true;
     }
 };
-/// Without registers, at the smallest fixed sizes and where every operation draws a random number, one row is computed after another.
+/// Without registers, at the smallest fixed sizes and where every operation draws a random number, one row is computed
+/// after another.
 template <Scalar T, int N>
     requires(!Hardware<T> || (N != Dynamic && N < 16))
 class NextRow<T, N> {
@@ -56,15 +60,16 @@ public:
     bool move_product(StateVector<T, N>&) { return false; }
 };
 
-/// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of A.
+/// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of
+/// A.
 template <Scalar T, int N>
 void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<T, N>& next) {
     if (!next.move_product(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
 template <Scalar T, int N>
-void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f, DivisorNearOne<RealOf<T>> const& by_r,
-                       NextRow<T, N>& next) {
+void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
+                       DivisorNearOne<RealOf<T>> const& by_r, NextRow<T, N>& next) {
     next.run(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric, and next's product with it.
@@ -79,15 +84,18 @@ template <Scalar T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<T, N>& next) {
     if (!next.move_product(out)) multiply_upper_transposed(S, x, out);
 }
-/// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. Throws
-/// std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or gain, which each row changes,
-/// no product is computed ahead.
+/// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step.
+/// Throws std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or
+/// gain, which each row changes, no product is computed ahead.
 template <Scalar T, int N, class F>
-Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi,
+                    Eigen::Ref<Vector<T> const> const& y) {
+    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1,
+            "a block of d x B regressors and B outputs");
     auto const theta = f.theta(), gain = f.gain();
     Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
-    bool const stay = detail::disjoint(psi.data(), numbers, theta.data(), d) && detail::disjoint(psi.data(), numbers, gain.data(), d);
+    bool const stay =
+        detail::disjoint(psi.data(), numbers, theta.data(), d) && detail::disjoint(psi.data(), numbers, gain.data(), d);
     for (Index k = 0;; ++k) {
         bool const last = k + 1 == y.size();
         next.announce(last || !stay ? nullptr : psi.col(k + 1).data());

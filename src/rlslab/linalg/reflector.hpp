@@ -5,8 +5,9 @@
 
 namespace rlslab {
 
-/// |(a, x)|, x of n numbers, for the case that the plain sum of squares overflows or loses terms to underflow: all numbers are divided by
-/// the largest first. 0 for x = 0. If a number is not finite, neither is the result. Lanes that are `in_range` get sqrt(plain) instead.
+/// |(a, x)|, x of n numbers, for the case that the plain sum of squares overflows or loses terms to underflow: all
+/// numbers are divided by the largest first. 0 for x = 0. If a number is not finite, neither is the result. Lanes that
+/// are `in_range` get sqrt(plain) instead.
 template <Real T>
 [[gnu::noinline]] T norm_scaled(T const& a, T const* x, Index n, Truth<T> const& in_range, T const& plain) {
     T largest = T(0);
@@ -30,7 +31,8 @@ template <Real T>
     else return select(in_range, square_root(plain), select(as_it_is, largest, size));
 }
 
-/// |(a, x)|, x of n numbers, `squares` = x'x. For x = 0 the result is 0, not |a|: Reflector takes that as "no reflection".
+/// |(a, x)|, x of n numbers, `squares` = x'x. For x = 0 the result is 0, not |a|: Reflector takes that as "no
+/// reflection".
 template <Real T>
 [[gnu::always_inline]] inline T norm(T const& a, T const& squares, T const* x, Index n) {
     T const sum = a * a + squares;

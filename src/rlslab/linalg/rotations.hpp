@@ -5,7 +5,8 @@
 
 namespace rlslab {
 
-/// [c s'; -s c] applied to (a, b) gives (r, 0); c and r are real. On (R_i, psi'), rows of R = L', s is conjugated: of_rows.
+/// [c s'; -s c] applied to (a, b) gives (r, 0); c and r are real. On (R_i, psi'), rows of R = L', s is conjugated:
+/// of_rows.
 template <RootedScalar T>
 struct Rotation {
     RealOf<T> c;
@@ -25,27 +26,31 @@ Rotation<T> select(Truth<T> const& truth, Rotation<T> const& a, Rotation<T> cons
     return {select(truth, a.c, b.c), select(truth, a.s, b.s), select(truth, a.r, b.r)};
 }
 
-/// The smallest sum of squares that is accurate even if some of its terms underflowed: 2^(min_exp + p). A square that is subnormal or zero
-/// has an absolute error of at most 2^(min_exp - p), half the smallest subnormal number, which is 2^-2p = u^2 of that sum. For an
-/// arithmetic whose exponents reach beyond binary64's the power is 0 in double: then every sum above zero passes.
+/// The smallest sum of squares that is accurate even if some of its terms underflowed: 2^(min_exp + p). A square that
+/// is subnormal or zero has an absolute error of at most 2^(min_exp - p), half the smallest subnormal number, which is
+/// 2^-2p = u^2 of that sum. For an arithmetic whose exponents reach beyond binary64's the power is 0 in double: then
+/// every sum above zero passes.
 template <Real T>
 [[gnu::always_inline]] inline T least_sum_of_squares() {
     return T(std::ldexp(1.0, ArithmeticTraits<T>::min_exp + ArithmeticTraits<T>::digits));
 }
 
-/// The rotation that makes b zero against a, computed from the quotient of the smaller by the larger, so that no square overflows or
-/// underflows. r has a's sign if |a| >= |b|, and is positive otherwise. a = b = 0 gives NaN. Source: Golub & Van Loan 2013, Alg. 5.1.3.
+/// The rotation that makes b zero against a, computed from the quotient of the smaller by the larger, so that no square
+/// overflows or underflows. r has a's sign if |a| >= |b|, and is positive otherwise. a = b = 0 gives NaN. Source: Golub
+/// & Van Loan 2013, Alg. 5.1.3.
 template <Real T>
 [[gnu::noinline]] Rotation<T> givens_scaled(T const& a, T const& b) {
     Truth<T> const exchanged = absolute(a) < absolute(b);
     T const t = select(exchanged, a, b) / select(exchanged, b, a);
     T const u = square_root(T(1) + t * t);
     T const larger = select(exchanged && b < T(0), T(-1), T(1)) / u, smaller = larger * t;
-    return {select(exchanged, smaller, larger), select(exchanged, larger, smaller), select(exchanged, absolute(b), a) * u};
+    return {select(exchanged, smaller, larger), select(exchanged, larger, smaller),
+            select(exchanged, absolute(b), a) * u};
 }
 
-/// The rotation that makes b zero against a >= 0. b = 0 gives exactly the identity, with r = a. Where a square would overflow or underflow,
-/// as it easily does in a format with few exponent bits, givens_scaled computes it. If a or b is not finite, neither is r, unless b = 0.
+/// The rotation that makes b zero against a >= 0. b = 0 gives exactly the identity, with r = a. Where a square would
+/// overflow or underflow, as it easily does in a format with few exponent bits, givens_scaled computes it. If a or b is
+/// not finite, neither is r, unless b = 0.
 template <Real T>
 [[gnu::always_inline]] inline Rotation<T> givens(T const& a, T const& b) {
     Truth<T> const nothing = b == T(0);
@@ -61,8 +66,9 @@ template <Real T>
     return any(nothing) ? select(nothing, Rotation<T>{T(1), T(0), a}, turn) : turn;
 }
 
-/// The rotation that makes a complex b zero against a real a >= 0: c = a / r, s = b / r, r = |(a, b)|. Its bits are those of the real
-/// rotation where b is real. Where a square would overflow or underflow, it is the real rotation of (a, |b|), s turned to b's direction.
+/// The rotation that makes a complex b zero against a real a >= 0: c = a / r, s = b / r, r = |(a, b)|. Its bits are
+/// those of the real rotation where b is real. Where a square would overflow or underflow, it is the real rotation of
+/// (a, |b|), s turned to b's direction.
 template <RootedScalar T>
     requires ComplexScalar<T>
 Rotation<T> givens(RealOf<T> const& a, T const& b) {

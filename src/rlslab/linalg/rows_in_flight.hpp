@@ -10,8 +10,8 @@
 
 namespace rlslab {
 
-/// `together` rows that are rotated into [r R  r z], R = L', with the bits of rotate_in for one after another: a rotation waits for the one
-/// before it, and those of other rows fill the time. Holds their workspace.
+/// `together` rows that are rotated into [r R  r z], R = L', with the bits of rotate_in for one after another: a
+/// rotation waits for the one before it, and those of other rows fill the time. Holds their workspace.
 template <RootedScalar T, int N>
 class RowsInFlight {
     static constexpr Index parts = 3 * kernels::RotateInRows<T>::together;
@@ -57,17 +57,18 @@ public:
     T rotation(auto const&...) { return T(0); }
 };
 
-/// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step. fold(k) is to do what
-/// the updates of `together` rows from k on do, but for their reports: the last row is never among them. `shown` are the vectors that views
-/// of f's answers show. Where psi or y is such a view, a row changes those behind it, and rows go one by one. Throws
-/// std::invalid_argument for other shapes, before any row is processed.
+/// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step.
+/// fold(k) is to do what the updates of `together` rows from k on do, but for their reports: the last row is never
+/// among them. `shown` are the vectors that views of f's answers show. Where psi or y is such a view, a row changes
+/// those behind it, and rows go one by one. Throws std::invalid_argument for other shapes, before any row is processed.
 template <class Flight, class F, class Fold, class... Shown>
 auto update_rows(F& f, Flight const&, Index d, Eigen::Ref<Matrix<typename F::scalar> const> const& psi,
                  Eigen::Ref<Vector<typename F::scalar> const> const& y, Fold fold, Shown const&... shown) {
-    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1, "a block of d x B regressors and B outputs");
+    expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1,
+            "a block of d x B regressors and B outputs");
     [[maybe_unused]] Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
-    bool const stay =
-        (... && (detail::disjoint(y.data(), y.size(), shown.data(), d) && detail::disjoint(psi.data(), numbers, shown.data(), d)));
+    bool const stay = (... && (detail::disjoint(y.data(), y.size(), shown.data(), d) &&
+                               detail::disjoint(psi.data(), numbers, shown.data(), d)));
     Index k = 0;
     if (stay && Flight::are_faster(d))
         for (; k + Flight::together < y.size(); k += Flight::together) fold(k);

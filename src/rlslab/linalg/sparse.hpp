@@ -27,7 +27,8 @@ inline SparseRow column(SparseRows const& psi, Index k) {
 }
 
 namespace detail {
-/// Entries of a column, indices ascending within [first, end): shown to number, or read by it and given to insert(index, value).
+/// Entries of a column, indices ascending within [first, end): shown to number, or read by it and given to
+/// insert(index, value).
 void put_column(auto entries, auto number) {
     std::int64_t count = 0;
     for (auto it = entries; it; ++it) ++count;
@@ -55,7 +56,8 @@ struct IrregularState<SparseRow> {
     static void put(SparseRow const& x, auto number) { detail::put_column(SparseRow::InnerIterator(x), number); }
     static bool get(SparseRow& x, auto number, bool keep) {
         SparseRow read(x.size());
-        bool const possible = detail::get_column(0, x.size(), number, [&](Index i, double value) { read.insertBack(i) = value; });
+        bool const possible =
+            detail::get_column(0, x.size(), number, [&](Index i, double value) { read.insertBack(i) = value; });
         if (possible && keep) x = read;
         return possible;
     }
@@ -68,8 +70,8 @@ inline double dot(SparseRow const& psi, Vector<double> const& x) {
     return sum;
 }
 
-/// Returns L (unit lower triangular, sparse) and sets D of P0^-1 = L diag(D) L'. P0 = c^2 I needs O(d) memory, a full P0 O(d^2). Throws
-/// std::invalid_argument without a prior, or when a full P0 is not positive definite.
+/// Returns L (unit lower triangular, sparse) and sets D of P0^-1 = L diag(D) L'. P0 = c^2 I needs O(d) memory, a full
+/// P0 O(d^2). Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
 inline SparseRows start_information(Problem<double> const& problem, Vector<double>& D) {
     expects(problem.prior.has_value(), "a prior: the sparse factor is kept nonsingular");
     SparseRows L(problem.size, problem.size);

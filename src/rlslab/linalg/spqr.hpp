@@ -21,7 +21,8 @@ struct IrregularState<SparseTriangle> {
         SparseTriangle read(R.rows(), R.cols());
         for (Index j = 0; j < R.cols(); ++j) {
             read.startVec(j);
-            if (!detail::get_column(0, j + 1, number, [&](Index i, double value) { read.insertBack(i, j) = value; })) return false;
+            if (!detail::get_column(0, j + 1, number, [&](Index i, double value) { read.insertBack(i, j) = value; }))
+                return false;
         }
         read.finalize();
         if (keep) R = read;
@@ -29,8 +30,8 @@ struct IrregularState<SparseTriangle> {
     }
 };
 
-/// Whether R has its d pivots. SuiteSparseQR leaves out a pivot that underflowed to zero; Eigen's solver would then divide by another
-/// entry.
+/// Whether R has its d pivots. SuiteSparseQR leaves out a pivot that underflowed to zero; Eigen's solver would then
+/// divide by another entry.
 inline bool has_pivots(SparseTriangle const& R) {
     for (Index j = 0; j < R.cols(); ++j) {
         SparseTriangle::ReverseInnerIterator const last(R, j);
@@ -39,8 +40,9 @@ inline bool has_pivots(SparseTriangle const& R) {
     return true;
 }
 
-/// Folds B rows psi' (psi is d x B) with right-hand sides y (B) into [R z] (z has d numbers): R is stacked on the rows and factored.
-/// Columns keep their order and none is dropped. Memory and time follow the fill of R and of the reflections. All numbers must be finite.
+/// Folds B rows psi' (psi is d x B) with right-hand sides y (B) into [R z] (z has d numbers): R is stacked on the rows
+/// and factored. Columns keep their order and none is dropped. Memory and time follow the fill of R and of the
+/// reflections. All numbers must be finite.
 inline void append_rows(SparseTriangle& R, Vector<double>& z, SparseRows const& psi, Vector<double> const& y) {
     Index const d = R.cols();
     std::vector<Eigen::Triplet<double, SuiteSparse_long>> entries;

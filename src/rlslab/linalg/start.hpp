@@ -1,5 +1,5 @@
-// From a prior to the state that each family of variants starts with. All functions expect a checked problem and outputs that are zero, as
-// StateVector and StateMatrix are when they are made.
+// From a prior to the state that each family of variants starts with. All functions expect a checked problem and
+// outputs that are zero, as StateVector and StateMatrix are when they are made.
 #pragma once
 
 #include <rlslab/linalg/forms.hpp>
@@ -16,7 +16,8 @@ StateVector<T, N> start_theta(Problem<T> const& problem) {
     return theta;
 }
 
-/// P0 (d x d), a full one bit for bit as given. Throws std::invalid_argument without a prior, or when a full P0 is not positive definite.
+/// P0 (d x d), a full one bit for bit as given. Throws std::invalid_argument without a prior, or when a full P0 is not
+/// positive definite.
 template <Scalar T, int N>
 StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
     expects(problem.prior.has_value(), "a prior: this variant propagates P and cannot start from no information");
@@ -26,8 +27,9 @@ StateMatrix<T, N> start_covariance(Problem<T> const& problem) {
         outer(factor.F, factor.D, P);
         for (Index j = 0; j < P.size(); ++j)
             for (Index i = 0; i <= j; ++i) {
-                P(i, j) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance ? stored->F(i, j)
-                                                                                                                        : P(i, j);
+                P(i, j) = stored->form == Stored<T>::Form::plain && stored->quantity == Stored<T>::Quantity::covariance
+                              ? stored->F(i, j)
+                              : P(i, j);
                 P(j, i) = i == j ? T(real_part(P(i, j))) : conjugate(P(i, j));
             }
         return P;
@@ -78,8 +80,8 @@ StateMatrix<T, N> start_root(Problem<T> const& problem) {
     return S;
 }
 
-/// Sets L (unit lower triangular) and D of P0^-1 = L diag(D) L': with P0 = U diag(C) U', L = U^-T and D = 1 / C. Without a prior L = I and
-/// D = 0. Throws std::invalid_argument when a full P0 is not positive definite.
+/// Sets L (unit lower triangular) and D of P0^-1 = L diag(D) L': with P0 = U diag(C) U', L = U^-T and D = 1 / C.
+/// Without a prior L = I and D = 0. Throws std::invalid_argument when a full P0 is not positive definite.
 template <Scalar T, int N>
 void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
     Index const d = D.size();
@@ -103,7 +105,8 @@ void start_information(Problem<T> const& problem, StateMatrix<T, N>& L, StateVec
     }
 }
 
-/// Sets L (lower triangular) of P0^-1 = L L', and z = L'theta0. Without a prior L = 0 and z = 0. Throws as start_information.
+/// Sets L (lower triangular) of P0^-1 = L L', and z = L'theta0. Without a prior L = 0 and z = 0. Throws as
+/// start_information.
 template <RootedScalar T, int N>
 void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, StateVector<T, N>& z) {
     using std::sqrt;

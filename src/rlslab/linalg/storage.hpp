@@ -1,4 +1,5 @@
-// The storage of a variant's state: a vector of d numbers, and a d x d matrix stored by columns. A fixed d needs no heap.
+// The storage of a variant's state: a vector of d numbers, and a d x d matrix stored by columns. A fixed d needs no
+// heap.
 #pragma once
 
 #include <rlslab/core/problem.hpp>
@@ -12,8 +13,8 @@
 
 namespace rlslab {
 
-/// The arithmetics whose kernels are compiled for the machine's registers. A Cortex-M has none that hold several numbers: there the
-/// text for any arithmetic takes about half the instructions, and leaves the same bits.
+/// The arithmetics whose kernels are compiled for the machine's registers. A Cortex-M has none that hold several
+/// numbers: there the text for any arithmetic takes about half the instructions, and leaves the same bits.
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
 template <class T>
 concept Hardware = false;
@@ -22,17 +23,17 @@ template <class T>
 concept Hardware = std::same_as<T, float> || std::same_as<T, double>;
 #endif
 
-/// The length of a column of `size` numbers in memory. For float and double it is a multiple of the block of rows on which kernels work
-/// (8; 4 for fixed sizes up to 4). What the padding holds never enters a result.
+/// The length of a column of `size` numbers in memory. For float and double it is a multiple of the block of rows on
+/// which kernels work (8; 4 for fixed sizes up to 4). What the padding holds never enters a result.
 template <class T, int N>
 constexpr Index padded(Index size) {
     if (!Hardware<T>) return size;
     return N != Dynamic && N <= 4 ? 4 : (size + 7) & ~Index(7);
 }
 
-/// Numbers from one column of a matrix to the next: a column's length and, where that is a multiple of 1024 bytes, a few cache lines more.
-/// Without them the numbers of a row would fall into the same few sets of the caches. (Of 1, 3 and 5 lines, 5 was the fastest from 512
-/// doubles on, and 1 at 128.)
+/// Numbers from one column of a matrix to the next: a column's length and, where that is a multiple of 1024 bytes, a
+/// few cache lines more. Without them the numbers of a row would fall into the same few sets of the caches. (Of 1, 3
+/// and 5 lines, 5 was the fastest from 512 doubles on, and 1 at 128.)
 template <class T, int N>
 constexpr Index column_stride(Index size) {
     Index const length = padded<T, N>(size), bytes = length * Index(sizeof(T)), line = 64;
@@ -76,8 +77,8 @@ bool disjoint(T const* a, Index n, T const* b, Index m) {
     return up_to(a + n, b) || up_to(b + m, a);
 }
 
-/// `numbers` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction, with the size d
-/// that it was made for. A fixed d is not stored.
+/// `numbers` zeros: an array when the capacity is fixed, otherwise a vector that is never resized after construction,
+/// with the size d that it was made for. A fixed d is not stored.
 template <class T, int Capacity>
 struct Buffer {
     static constexpr size_t alignment = Hardware<T> ? std::min<size_t>(32, size_t(Capacity) * sizeof(T)) : alignof(T);
@@ -92,8 +93,8 @@ struct Buffer<T, Dynamic> {
 };
 }  // namespace detail
 
-/// d numbers, zero at first. N: d if it is fixed, or Dynamic. The constructor may throw std::bad_alloc if N is Dynamic. view() is Eigen's
-/// map of the d numbers; it is valid while this object exists and is not moved.
+/// d numbers, zero at first. N: d if it is fixed, or Dynamic. The constructor may throw std::bad_alloc if N is Dynamic.
+/// view() is Eigen's map of the d numbers; it is valid while this object exists and is not moved.
 template <class T, int N = Dynamic>
 class StateVector {
     static constexpr int Capacity = N == Dynamic ? Dynamic : int(padded<T, N>(N));

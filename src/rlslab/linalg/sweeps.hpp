@@ -1,7 +1,8 @@
-// One pass over a triangle. All coefficients are known before it starts. The triangular forms spend most of their time here.
+// One pass over a triangle. All coefficients are known before it starts. The triangular forms spend most of their time
+// here.
 //
-// Sizes are d and d x d throughout and are not checked; nothing throws. An output must differ from every other argument unless its
-// docstring allows more.
+// Sizes are d and d x d throughout and are not checked; nothing throws. An output must differ from every other argument
+// unless its docstring allows more.
 #pragma once
 
 #include <rlslab/core/concept.hpp>
@@ -17,8 +18,9 @@ T kept(At const& at) {
     else return T(1);
 }
 
-/// The kernel, by `next` if that is given; or, for a perturbation, its text one column after another, with perturb(v_1 ... v_j, kept_j)
-/// after column j. The bits are the same if that changes nothing (stochastic rounding aside, which draws in another order).
+/// The kernel, by `next` if that is given; or, for a perturbation, its text one column after another, with perturb(v_1
+/// ... v_j, kept_j) after column j. The bits are the same if that changes nothing (stochastic rounding aside, which
+/// draws in another order).
 template <Scalar T, int N, class Kernel, class Perturb, class... Next>
 void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
     if constexpr (std::same_as<Perturb, NoPerturbation>) {
@@ -43,43 +45,54 @@ void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
 }
 }  // namespace detail
 
-// --- upper triangles of a covariance --------------------------------------------------------------------------------------
-// The sweeps may be given a NextRow (next_row.hpp), which then computes the next row's product with what they leave.
+// --- upper triangles of a covariance
+// -------------------------------------------------------------------------------------- The sweeps may be given a
+// NextRow (next_row.hpp), which then computes the next row's product with what they leave.
 
 /// out = S'x, S upper triangular; x has d numbers.
 template <Scalar T, int N>
 void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out) {
-    run_kernel<T, N>(kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
+    run_kernel<T, N>(
+        kernels::MultiplyTransposed<T, kernels::Shape::upper>{S.size(), S.stride(), S.column(0), x, out.data()});
 }
 
 /// U_ij = t - v_i mu_j', v_i += t g_j for j = 1 ... d and i <= j. t is the old U_ij. v is 0 at first and an output.
 template <Scalar T, int N, class Perturb, class... Next>
-void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v, Perturb& perturb,
-              Next&... next) {
-    detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()}, perturb, next...);
+void sweep_ud(StateMatrix<T, N>& U, StateVector<T, N> const& g, StateVector<T, N> const& mu, StateVector<T, N>& v,
+              Perturb& perturb, Next&... next) {
+    detail::run_sweep<T, N>(kernels::SweepUd<T>{{U.size(), U.stride(), U.column(0), v.data()}, g.data(), mu.data()},
+                            perturb, next...);
 }
 
-/// S_ij = (t keep_j - v_i mix_j') / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and an output.
+/// S_ij = (t keep_j - v_i mix_j') / r, v_i += t f_j for j = 1 ... d and i <= j. t is the old S_ij. v is 0 at first and
+/// an output.
 template <Scalar T, int N, class Perturb, class... Next>
-void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<RealOf<T>, N> const& keep, StateVector<T, N> const& mix,
-                   DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v, Perturb& perturb, Next&... next) {
+void sweep_carlson(StateMatrix<T, N>& S, StateVector<T, N> const& f, StateVector<RealOf<T>, N> const& keep,
+                   StateVector<T, N> const& mix, DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& v,
+                   Perturb& perturb, Next&... next) {
     detail::run_sweep<T, N>(
-        kernels::SweepCarlson<T>{{S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},
+        kernels::SweepCarlson<T>{
+            {S.size(), S.stride(), S.column(0), v.data()}, f.data(), keep.data(), mix.data(), by_r.correction()},
         perturb, next...);
 }
 
-/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j' g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first and an output.
+/// (g_i, S_ij) = (c_j g_i + s_j t, c_j t - s_j' g_i) for j = 1 ... d and i <= j. t is the old S_ij / r. g is 0 at first
+/// and an output.
 template <RootedScalar T, int N, class Perturb, class... Next>
 void sweep_rotations(StateMatrix<T, N>& S, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
                      DivisorNearOne<RealOf<T>> const& by_r, StateVector<T, N>& g, Perturb& perturb, Next&... next) {
     detail::run_sweep<T, N>(
-        kernels::SweepRotations<T>{{S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()}, perturb, next...);
+        kernels::SweepRotations<T>{
+            {S.size(), S.stride(), S.column(0), g.data()}, c.data(), s.data(), by_r.correction()},
+        perturb, next...);
 }
 
-/// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + |a_j|^2, b_0 = 1; returns b_d. Computed as roots of running sums of squares: a
-/// square that underflows is negligible beside b_0 = 1. If a sum overflows, each b_j is computed from b_{j-1} by a scaled hypotenuse.
+/// before_j = b_{j-1}, after_j = b_j for b_j^2 = b_{j-1}^2 + |a_j|^2, b_0 = 1; returns b_d. Computed as roots of
+/// running sums of squares: a square that underflows is negligible beside b_0 = 1. If a sum overflows, each b_j is
+/// computed from b_{j-1} by a scaled hypotenuse.
 template <RootedScalar T, int N>
-RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& before, StateVector<RealOf<T>, N>& after) {
+RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& before,
+                       StateVector<RealOf<T>, N>& after) {
     RealOf<T> const sum = prefix_sums(RealOf<T>(1), a, a, before, after);
     Truth<T> const in_range = is_finite(sum);
     if (all(in_range)) {
@@ -96,7 +109,8 @@ RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& be
     return after[a.size() - 1];
 }
 
-// --- lower triangles L = R' of an information matrix ------------------------------------------------------------------------
+// --- lower triangles L = R' of an information matrix
+// ------------------------------------------------------------------------
 
 /// x_j -= x_i L_ji for i = 1 ... d and j > i: x becomes L^-1 x, L unit lower triangular.
 template <Scalar T, int N>
@@ -104,12 +118,12 @@ void eliminate(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::Eliminate<T>{L.size(), L.stride(), L.column(0), x.data()});
 }
 
-/// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + |x_i|^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` and `sums` (d) are overwritten. If 1/w_{d+1} is
-/// not finite (a zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i |x_i|^2) is used instead; w_{i+1} = w_i if x_i = 0 or that sum
-/// is 0.
+/// s_i = w_i x_i for 1/w_{i+1} = 1/w_i + |x_i|^2 / D_i, w_1 = 1; returns w_{d+1}. `scratch` and `sums` (d) are
+/// overwritten. If 1/w_{d+1} is not finite (a zero D_i, an overflow), w_{i+1} = w_i D_i / (D_i + w_i |x_i|^2) is used
+/// instead; w_{i+1} = w_i if x_i = 0 or that sum is 0.
 template <Scalar T, int N, class R = RealOf<T>>
-R gentleman_weights(StateVector<T, N> const& x, StateVector<R, N> const& D, StateVector<T, N>& s, StateVector<R, N>& scratch,
-                    StateVector<R, N>& sums) {
+R gentleman_weights(StateVector<T, N> const& x, StateVector<R, N> const& D, StateVector<T, N>& s,
+                    StateVector<R, N>& scratch, StateVector<R, N>& sums) {
     scale_conjugated(x, x, sums);
     divide(sums, D, sums);
     R const inverse = prefix_sums(R(1), sums, scratch, sums);
@@ -127,27 +141,30 @@ R gentleman_weights(StateVector<T, N> const& x, StateVector<R, N> const& D, Stat
     return select(in_range, R(R(1) / inverse), w);
 }
 
-/// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 1 ... d and j > i. t is the old L_ji. The diagonal of L is neither read nor changed.
+/// L_ji = c_i t + s_i' x_j, x_j -= e_i t for i = 1 ... d and j > i. t is the old L_ji. The diagonal of L is neither
+/// read nor changed.
 template <Scalar T, int N>
-void sweep_gentleman(StateMatrix<T, N>& L, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s, StateVector<T, N> const& e,
-                     StateVector<T, N>& x) {
-    run_kernel<T, N>(kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
+void sweep_gentleman(StateMatrix<T, N>& L, StateVector<RealOf<T>, N> const& c, StateVector<T, N> const& s,
+                     StateVector<T, N> const& e, StateVector<T, N>& x) {
+    run_kernel<T, N>(
+        kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
 
-/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d, d - 1, ... 1 and j >= i, x = 0 at first, t the old L_ji: carries a row out
-/// of R = L'. L is zero above its diagonal and stays so.
+/// (L_ji, x_j) = (c_i t - s_i x_j, c_i x_j + s_i t) for i = d, d - 1, ... 1 and j >= i, x = 0 at first, t the old L_ji:
+/// carries a row out of R = L'. L is zero above its diagonal and stays so.
 template <Real T, int N>
 void rotate_out(StateMatrix<T, N>& L, StateVector<T, N> const& c, StateVector<T, N> const& s) {
     run_kernel<T, N>(kernels::RotateOut<T>{L.size(), L.stride(), L.column(0), c.data(), s.data()});
 }
 
-/// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r R_ii and acts on the
-/// rest of both rows. L, z, eta, c and s are outputs; x is overwritten. x is psi, as L is R': where they are complex, (c_i, s_i) acts on
-/// columns of [L x] and, s_i conjugated, on the numbers of z and eta.
+/// Rotates the row [x' eta] into [r R  r z], R = L': for i = 1 ... d the rotation (c_i, s_i) makes x_i zero against r
+/// R_ii and acts on the rest of both rows. L, z, eta, c and s are outputs; x is overwritten. x is psi, as L is R':
+/// where they are complex, (c_i, s_i) acts on columns of [L x] and, s_i conjugated, on the numbers of z and eta.
 template <RootedScalar T, int N>
-void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, RealOf<T> const& r, StateVector<T, N>& z, T& eta, StateVector<RealOf<T>, N>& c,
-               StateVector<T, N>& s) {
-    run_kernel<T, N>(kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
+void rotate_in(StateMatrix<T, N>& L, StateVector<T, N>& x, RealOf<T> const& r, StateVector<T, N>& z, T& eta,
+               StateVector<RealOf<T>, N>& c, StateVector<T, N>& s) {
+    run_kernel<T, N>(
+        kernels::RotateIn<T>{L.size(), L.stride(), L.column(0), x.data(), z.data(), &eta, c.data(), s.data(), r});
 }
 
 }  // namespace rlslab

@@ -7,16 +7,19 @@
 
 namespace rlslab {
 
-/// P = F diag(D) F', F upper triangular; or P^-1 so, F lower triangular. From what a filter stores, and to what another does:
+/// P = F diag(D) F', F upper triangular; or P^-1 so, F lower triangular. From what a filter stores, and to what another
+/// does:
 ///
-///   (1) plain P or P^-1: Cholesky without roots, d^3/6; fails from about kappa(R)^2 u = 1 on, 2 log10 kappa digits of its inverse are lost
+///   (1) plain P or P^-1: Cholesky without roots, d^3/6; fails from about kappa(R)^2 u = 1 on, 2 log10 kappa digits of
+///     its inverse are lost
 ///   (2) a full square root S: S T upper triangular by rotations from the right, T orthogonal, d^3; P = (S T)(S T)'
 ///   (3) between P and P^-1: F^-T for F, 1/D for D, d^3/6; log10 kappa digits at worst, usually none
-///   (4) a unit triangle from a root: D_j = D_j F_jj^2, column j over F_jj; a root from a unit triangle: column j times sqrt(D_j)
+///   (4) a unit triangle from a root: D_j = D_j F_jj^2, column j over F_jj; a root from a unit triangle: column j times
+///     sqrt(D_j)
 ///
 /// Complex numbers: a factor has to be triangular already, with a real diagonal.
-/// definite: no pivot of what is given is zero or negative; once turned, that every pivot is positive and every number finite, too.
-/// Source: Bierman 1977; Golub & Van Loan 2013.
+/// definite: no pivot of what is given is zero or negative; once turned, that every pivot is positive and every number
+/// finite, too. Source: Bierman 1977; Golub & Van Loan 2013.
 template <Scalar T, int N = Dynamic>
 class Triangle {
     void triangularise() {
@@ -45,12 +48,14 @@ class Triangle {
                     F(i, j) = -(conjugate(dot(F.column(j) + j, from.column(i) + j, i - j)) / real_part(from(i, i)));
             else
                 for (Index i = j - 1; i >= 0; --i)
-                    F(i, j) = -(conjugate(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i)) / real_part(from(i, i)));
+                    F(i, j) =
+                        -(conjugate(dot(F.column(j) + i + 1, from.column(i) + i + 1, j - i)) / real_part(from(i, i)));
         }
         covariance = !covariance;
     }
     void scale_column(Index j, RealOf<T> const& by, bool divide) {
-        for (Index i = covariance ? 0 : j; i < (covariance ? j + 1 : D.size()); ++i) F(i, j) = divide ? T(F(i, j) / by) : T(F(i, j) * by);
+        for (Index i = covariance ? 0 : j; i < (covariance ? j + 1 : D.size()); ++i)
+            F(i, j) = divide ? T(F(i, j) / by) : T(F(i, j) * by);
     }
 
 public:
@@ -80,7 +85,8 @@ public:
         }
         for (Index j = 0; j < d; ++j) definite = definite && !(triangular && F(j, j) == T(0));
         if constexpr (ComplexScalar<T>)
-            for (Index j = 0; j < d; ++j) expects(all(F(j, j).im == RealOf<T>(0)), "a triangular factor with a real diagonal");
+            for (Index j = 0; j < d; ++j)
+                expects(all(F(j, j).im == RealOf<T>(0)), "a triangular factor with a real diagonal");
         if (all(triangular)) return;
         expects(covariance && stored.D.size() == 0 && Real<T>,
                 "a triangular factor: upper of P, lower of its inverse; or a square root of P");
@@ -115,8 +121,8 @@ bool by_unit_triangle(Stored<T> const& stored) {
     return stored.form == Stored<T>::Form::plain || stored.D.size() > 0;
 }
 
-/// The prior's stored form turned into another. Throws std::invalid_argument where it is not definite; numbers that overflow on the way
-/// are let in, as from any prior.
+/// The prior's stored form turned into another. Throws std::invalid_argument where it is not definite; numbers that
+/// overflow on the way are let in, as from any prior.
 template <int N, Scalar T>
 Triangle<T, N> start_triangle(Prior<T> const& prior, bool of_covariance, bool unit) {
     Triangle<T, N> out(*prior.stored);

@@ -1,15 +1,16 @@
 // Triangular factors: the factorisations a filter starts from, and the solves of the information forms.
 //
-// An upper triangular R is stored as L = R', so that row i of R is column i of L and contiguous. Sizes are d and d x d throughout and are
-// not checked; nothing throws. A zero pivot gives infinities or NaN by IEEE division.
+// An upper triangular R is stored as L = R', so that row i of R is column i of L and contiguous. Sizes are d and d x d
+// throughout and are not checked; nothing throws. A zero pivot gives infinities or NaN by IEEE division.
 #pragma once
 
 #include <rlslab/linalg/kernels.hpp>
 
 namespace rlslab {
 
-/// Sets U (unit upper triangular) and D of X = U diag(D) U', columns from the last to the first. Reads X's upper triangle; leaves what is
-/// below U's diagonal. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
+/// Sets U (unit upper triangular) and D of X = U diag(D) U', columns from the last to the first. Reads X's upper
+/// triangle; leaves what is below U's diagonal. Returns false when a pivot D_j is not positive: the factors then have
+/// no meaning. Cost d^3/6 multiplications.
 template <Scalar T, int N>
 Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, StateVector<RealOf<T>, N>& D) {
     Truth<T> positive = true;
@@ -24,8 +25,9 @@ Truth<T> factor_udu(std::type_identity_t<Matrix<T, N>> X, StateMatrix<T, N>& U, 
     return positive;
 }
 
-/// Sets L (unit lower triangular) and D of X = L diag(D) L' (Cholesky without roots). Reads X's lower triangle; leaves what is above L's
-/// diagonal. L may be X. Returns false when a pivot D_j is not positive: the factors then have no meaning. Cost d^3/6 multiplications.
+/// Sets L (unit lower triangular) and D of X = L diag(D) L' (Cholesky without roots). Reads X's lower triangle; leaves
+/// what is above L's diagonal. L may be X. Returns false when a pivot D_j is not positive: the factors then have no
+/// meaning. Cost d^3/6 multiplications.
 template <Scalar T, int N>
 Truth<T> factor_ldl(StateMatrix<T, N> const& X, StateMatrix<T, N>& L, StateVector<RealOf<T>, N>& D) {
     Index const d = D.size();
@@ -68,7 +70,8 @@ void solve_lower(StateMatrix<T, N> const& L, StateVector<T, N>& x) {
     run_kernel<T, N>(kernels::SolveLower<T>{{L.size(), L.stride(), L.column(0), x.data()}});
 }
 
-/// x = L^-T x in place, L lower triangular with a real diagonal, d^2/2 multiplications. Complex numbers: the inverse of L', conjugated.
+/// x = L^-T x in place, L lower triangular with a real diagonal, d^2/2 multiplications. Complex numbers: the inverse of
+/// L', conjugated.
 template <Scalar T, int N, class X>
 void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
     Index const d = x.size();
@@ -80,9 +83,11 @@ void solve_lower_transposed(StateMatrix<T, N> const& L, X& x) {
 
 /// x = (L diag(D) L')^-1 x in place. In the lanes where `positive` is false the result is NaN.
 template <Scalar T, int N>
-void solve_ldl(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, Truth<T> const& positive, StateVector<T, N>& x) {
+void solve_ldl(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, Truth<T> const& positive,
+               StateVector<T, N>& x) {
     solve_lower(L, x);
-    for (Index i = 0; i < x.size(); ++i) x[i] = select(positive, T(x[i] / select(positive, D[i], RealOf<T>(1))), undefined<T>());
+    for (Index i = 0; i < x.size(); ++i)
+        x[i] = select(positive, T(x[i] / select(positive, D[i], RealOf<T>(1))), undefined<T>());
     solve_lower_transposed(L, x);
 }
 

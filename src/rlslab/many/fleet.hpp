@@ -53,21 +53,22 @@ constexpr bool counts_all_lanes_at_once() {
 }
 }  // namespace detail
 
-/// A variant over a Pack whose lanes have nothing in common but options. QrBlock counts the rows of all lanes at once: a fleet of it would
-/// take the rows of one filter for another's.
+/// A variant over a Pack whose lanes have nothing in common but options. QrBlock counts the rows of all lanes at once:
+/// a fleet of it would take the rows of one filter for another's.
 template <class F>
 concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && !detail::counts_all_lanes_at_once<F>();
 
-/// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem. Each keeps the bits
-/// of the scalar variant on its own rows, while its health is not nonfinite: after that other numbers may be NaN than there. A fleet that
-/// was moved from has no filters.
+/// M filters F, where F is a variant over a Pack, such as Ud<Pack<double, 8>, 4>: any number of them, with one problem.
+/// Each keeps the bits of the scalar variant on its own rows, while its health is not nonfinite: after that other
+/// numbers may be NaN than there. A fleet that was moved from has no filters.
 ///
-/// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A sample with a number
-/// that is not finite is missing: its filter stays as it was, and no other filter notices. Time does not pass for it; update it with
-/// psi = 0 and y = 0 where it should. Without a prior each filter counts its own rows.
+/// Rows come as a structure of arrays: psi is M x d, its column i the regressor i of all filters; y has M numbers. A
+/// sample with a number that is not finite is missing: its filter stays as it was, and no other filter notices. Time
+/// does not pass for it; update it with psi = 0 and y = 0 where it should. Without a prior each filter counts its own
+/// rows.
 ///
-/// Memory: that of F for each P::lanes filters; an update allocates the numbers of two such F. A row moves the state of all through the
-/// processor once. Source: layout as in arrays of structures of arrays; folklore.
+/// Memory: that of F for each P::lanes filters; an update allocates the numbers of two such F. A row moves the state of
+/// all through the processor once. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -80,15 +81,16 @@ public:
     /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
     Fleet(Index filters, Problem<number> const& problem)
         : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(size_t((filters + lanes - 1) / lanes), fresh_), first_(problem.prior ? Health::sound : Health::undetermined),
-          health_(packs_.size(), first_) {}
+          packs_(size_t((filters + lanes - 1) / lanes), fresh_),
+          first_(problem.prior ? Health::sound : Health::undetermined), health_(packs_.size(), first_) {}
 
     Index filters() const { return packs_.empty() ? 0 : filters_; }  ///< M
     Index parameters() const { return size_; }                       ///< d
 
-    /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided; no bit depends
-    /// on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
-    Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, unsigned threads = 1) {
+    /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided;
+    /// no bit depends on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
+    Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
+                 unsigned threads = 1) {
         expects(!packs_.empty() && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
                 "psi: filters x parameters; y: a number for each filter");
         Index const all = Index(packs_.size()), shares = std::clamp<Index>(Index(threads), 1, all);
@@ -102,8 +104,8 @@ public:
         return out;
     }
 
-    /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its steps. Throws
-    /// std::invalid_argument unless 0 <= i < M.
+    /// The d parameters of filter i; its health: undetermined until its rows determine theta, then the worst of its
+    /// steps. Throws std::invalid_argument unless 0 <= i < M.
     Vector<number> theta(Index i) const {
         check(i);
         return packs_[size_t(i / lanes)].theta().unaryExpr([lane = int(i % lanes)](pack const& x) { return x[lane]; });
@@ -131,16 +133,19 @@ public:
 
 private:
     static Index checked_count(Index filters) {
-        expects(1 <= filters && filters <= std::numeric_limits<Index>::max() / (2 * lanes), "a number of filters, at least one");
+        expects(1 <= filters && filters <= std::numeric_limits<Index>::max() / (2 * lanes),
+                "a number of filters, at least one");
         return filters;
     }
     void check(Index i) const { expects(0 <= i && i < filters(), "the number of a filter"); }
     static Problem<pack> in_packs(Problem<number> const& problem) {
         return problem.template mapped<pack>([](number x) { return pack(x); });
     }
-    static void add(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step, typename pack::Mask const& present) {
+    static void add(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step,
+                    typename pack::Mask const& present) {
         for (int i = 0; i < lanes; ++i)
-            if (Health& mine = health.value[size_t(i)]; present[i]) mine = mine == Health::undetermined ? step[i] : worse(mine, step[i]);
+            if (Health& mine = health.value[size_t(i)]; present[i])
+                mine = mine == Health::undetermined ? step[i] : worse(mine, step[i]);
     }
     /// The numbers of `count` filters in a row, NaN behind the last.
     static pack loaded(number const* from, Index count) {
@@ -151,7 +156,8 @@ private:
         return out;
     }
 
-    Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
+    Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
+                       Index first, Index last) {
         detail::NumbersOfLanes<pack> before;  // of a filter of which some lanes stay as they were
         std::vector<pack> numbers_of_row(size_t(size_), pack{});
         Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);

@@ -1,5 +1,5 @@
-// Batch least squares on all cores, for rows in memory or in a file that is larger than memory. Parts are processed separately and merged
-// in order.
+// Batch least squares on all cores, for rows in memory or in a file that is larger than memory. Parts are processed
+// separately and merged in order.
 #pragma once
 
 #include <rlslab/many/threads.hpp>
@@ -24,7 +24,8 @@ concept RowSource = requires(S const s, Index first, Matrix<double> block) {
     s.read(first, block);
 };
 
-/// Records as a source. The records must outlive it. Throws std::invalid_argument unless they have as many outputs as rows.
+/// Records as a source. The records must outlive it. Throws std::invalid_argument unless they have as many outputs as
+/// rows.
 class RowsInMemory {
     Records const* records_;
 
@@ -40,21 +41,25 @@ public:
     }
 };
 
-/// Rows of a part: 1.3 MB at 40 parameters. Merging the d rows of a part's triangle then costs a hundredth of processing the part.
+/// Rows of a part: 1.3 MB at 40 parameters. Merging the d rows of a part's triangle then costs a hundredth of
+/// processing the part.
 inline constexpr Index rows_a_part = 4096;
 
-/// The filter F(problem) after all rows of the source, in order. Rows (i B, (i + 1) B], B = part, are processed by a filter that starts
-/// without prior. These filters are merged into F(problem) in order of i, each by the thread that made it:
+/// The filter F(problem) after all rows of the source, in order. Rows (i B, (i + 1) B], B = part, are processed by a
+/// filter that starts without prior. These filters are merged into F(problem) in order of i, each by the thread that
+/// made it:
 ///
 ///   ((F(problem) + part 0) + part 1) + ...
 ///
-/// The bits depend on B, not on the number of threads (0: one for each core), also if the arithmetic takes a length or a random stream from
-/// the calling thread (ThreadState). Memory: one part and two filters for each thread, for any N. Throws what the source and F throw;
-/// std::invalid_argument if the source does not have the problem's size, or if B < 1.
-/// Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
+/// The bits depend on B, not on the number of threads (0: one for each core), also if the arithmetic takes a length or
+/// a random stream from the calling thread (ThreadState). Memory: one part and two filters for each thread, for any N.
+/// Throws what the source and F throw; std::invalid_argument if the source does not have the problem's size, or if B <
+/// 1. Source: Demmel, Grigori, Hoemmen & Langou 2012 (TSQR).
 template <Merges F, RowSource Source>
-F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0, Index part = rows_a_part) {
-    expects(problem.size == source.size() && source.rows() >= 0 && part >= 1, "rows of the problem's size, in parts of at least one");
+F fold_all(Problem<typename F::scalar> const& problem, Source const& source, unsigned threads = 0,
+           Index part = rows_a_part) {
+    expects(problem.size == source.size() && source.rows() >= 0 && part >= 1,
+            "rows of the problem's size, in parts of at least one");
     F whole(problem);
     Problem<typename F::scalar> without_prior = problem;
     without_prior.prior.reset();
@@ -74,7 +79,8 @@ F fold_all(Problem<typename F::scalar> const& problem, Source const& source, uns
                 F newer(without_prior);
                 Index const here = std::min(part, rows - i * part);
                 source.read(i * part, block.leftCols(here));
-                process(newer, block.topRows(source.size()).leftCols(here), block.row(source.size()).head(here).transpose());
+                process(newer, block.topRows(source.size()).leftCols(here),
+                        block.row(source.size()).head(here).transpose());
                 std::unique_lock lock(mutex);
                 turn.wait(lock, [&] { return merged == i || failure; });
                 if (failure) return;

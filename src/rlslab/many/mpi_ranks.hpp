@@ -8,7 +8,8 @@
 
 namespace rlslab {
 
-/// MPI_COMM_WORLD between MPI_Init and MPI_Finalize. Messages of up to 2 GiB; errors end the job, as MPI does of itself.
+/// MPI_COMM_WORLD between MPI_Init and MPI_Finalize. Messages of up to 2 GiB; errors end the job, as MPI does of
+/// itself.
 class MpiRanks {
     static constexpr int tag = 0x725;
     int rank_ = 0, ranks_ = 1;

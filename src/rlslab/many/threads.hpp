@@ -9,8 +9,8 @@
 
 namespace rlslab::detail {
 
-/// work(0) ... work(n - 1), each in a thread, the first in this one; where the system gives no more threads, this one also does the rest
-/// in turn. work must not throw. Returns when all is done.
+/// work(0) ... work(n - 1), each in a thread, the first in this one; where the system gives no more threads, this one
+/// also does the rest in turn. work must not throw. Returns when all is done.
 template <class Work>
 void among_threads(Index n, Work const& work) {
     struct Joined {  // not std::jthread, which libc++ 14 does not have

@@ -71,8 +71,11 @@ DefaultPrior default_prior(Records const& records, double forgetting) {
         CertifiedSolution const with = minimiser();
         return Moved{relative_change(with, without.theta, out.s), largest_relative_change(with, without.theta, out.s)};
     };
-    auto const room = [&] { return largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff()); };  // for doublings of c
-    // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 + c^2 sigma_j).
+    auto const room = [&] {
+        return largest_exponent - std::ilogb(out.c) + std::ilogb(out.s.minCoeff());
+    };  // for doublings of c
+    // t times c divides the bias by t^2 at most: its part along an axis of the scaled data is proportional to 1 / (1 +
+    // c^2 sigma_j).
     for (Free const& without : free)
         for (;;) {
             double const bias = moved_by(without).theta;

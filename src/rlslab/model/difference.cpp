@@ -6,14 +6,16 @@
 
 namespace rlslab {
 
-DifferenceEquation DifferenceEquation::of(std::span<EquationTerm const> terms, Vector<double> const& theta, std::size_t inputs) {
+DifferenceEquation DifferenceEquation::of(std::span<EquationTerm const> terms, Vector<double> const& theta,
+                                          std::size_t inputs) {
     expects(Index(terms.size()) == theta.size(), "a parameter for each regressor");
     DifferenceEquation out;
     out.b.resize(inputs);
     out.delay = std::numeric_limits<int>::max();
     for (EquationTerm const& t : terms) {
-        expects(t.signal >= EquationTerm::constant && t.signal < int(inputs) && t.lag >= (t.signal == EquationTerm::output),
-                "terms of the inputs, of past outputs and the constant");
+        expects(
+            t.signal >= EquationTerm::constant && t.signal < int(inputs) && t.lag >= (t.signal == EquationTerm::output),
+            "terms of the inputs, of past outputs and the constant");
         if (t.signal >= 0) out.delay = std::min(out.delay, t.lag);
     }
     if (out.delay == std::numeric_limits<int>::max()) out.delay = 0;  // no input
@@ -69,7 +71,8 @@ Signal simulate(DifferenceEquation const& model, std::vector<Signal> const& inpu
 Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index lead) {
     expects(inputs.size() == model.b.size(), "an input for each b-polynomial");
     Signal out(y.size(), 0.0);
-    for (Index k = 0; k < Index(y.size()); ++k) out[size_t(k)] = k < lead ? y[size_t(k)] : predicted(model, inputs, out, k);
+    for (Index k = 0; k < Index(y.size()); ++k)
+        out[size_t(k)] = k < lead ? y[size_t(k)] : predicted(model, inputs, out, k);
     return out;
 }
 

@@ -15,35 +15,37 @@ struct EquationTerm {
     int lag = 0;  ///< at least 1 of the output
 };
 
-/// y_k + a_1 y_{k-1} + ... + a_na y_{k-na} = sum_j (b_{j,0} u_{j,k-delay} + ... + b_{j,nb} u_{j,k-delay-nb}) + c + xi_k.
+/// y_k + a_1 y_{k-1} + ... + a_na y_{k-na} = sum_j (b_{j,0} u_{j,k-delay} + ... + b_{j,nb} u_{j,k-delay-nb}) + c +
+/// xi_k.
 struct DifferenceEquation {
     std::vector<double> a;               ///< a_1 ... a_na
     std::vector<std::vector<double>> b;  ///< one polynomial b_0 ... b_nb for each input
     int delay = 0;
     double c = 0;
 
-    /// Parameter theta_i belongs to terms[i]; a coefficient without a term is 0. The delay is the shortest lag of any input, 0 without one.
-    /// Throws std::invalid_argument unless there is a term for each parameter, of one of the inputs.
+    /// Parameter theta_i belongs to terms[i]; a coefficient without a term is 0. The delay is the shortest lag of any
+    /// input, 0 without one. Throws std::invalid_argument unless there is a term for each parameter, of one of the
+    /// inputs.
     static DifferenceEquation of(std::span<EquationTerm const> terms, Vector<double> const& theta, std::size_t inputs);
     /// The equation of a model, theta in the order of its regressors.
     static DifferenceEquation of(Arx const& model, Vector<double> const& theta);
 };
 
-/// y from rest, as many samples as xi has; sums in the order written. Throws std::invalid_argument unless the inputs and xi are equally
-/// long.
+/// y from rest, as many samples as xi has; sums in the order written. Throws std::invalid_argument unless the inputs
+/// and xi are equally long.
 Signal simulate(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& xi);
 /// Without noise, from measured outputs instead of rest: the first `lead` numbers are those of y.
 Signal simulate_from(DifferenceEquation const& model, std::vector<Signal> const& inputs, Signal const& y, Index lead);
 
-/// The roots of z^n + p_1 z^{n-1} + ... + p_n for exactly these coefficients, the largest in magnitude first. Each part is rounded from 256
-/// bits. All are NaN if a coefficient is not finite.
+/// The roots of z^n + p_1 z^{n-1} + ... + p_n for exactly these coefficients, the largest in magnitude first. Each part
+/// is rounded from 256 bits. All are NaN if a coefficient is not finite.
 std::vector<std::complex<double>> roots(std::vector<double> const& p);
 /// The roots of the a-polynomial, and of the b-polynomial of one input without its leading zeros.
 std::vector<std::complex<double>> poles(DifferenceEquation const& model);
 std::vector<std::complex<double>> zeros(DifferenceEquation const& model, size_t input = 0);
 
-/// A random stable system of order n with one input: pairs of poles (and one real pole if n is odd) with 0.3 <= |z| <= 0.95, b uniform in
-/// [-1, 1) and not all small.
+/// A random stable system of order n with one input: pairs of poles (and one real pole if n is odd) with 0.3 <= |z| <=
+/// 0.95, b uniform in [-1, 1) and not all small.
 DifferenceEquation random_stable(int order, Seed seed);
 
 }  // namespace rlslab

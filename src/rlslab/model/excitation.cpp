@@ -74,7 +74,8 @@ double resolution_of(Signal const& x, double least) {
             continue;
         }
         Value value{size_t(next - at), int(std::floor(correctly::log10(std::abs(*at)))), decimals_of(*at)};
-        for (double unit = 10; value.decimals <= 0 && std::fmod(*at, unit) == 0; unit *= 10) --value.decimals;  // "1200" has -2
+        for (double unit = 10; value.decimals <= 0 && std::fmod(*at, unit) == 0; unit *= 10)
+            --value.decimals;  // "1200" has -2
         ++all[value.decimals], ++decades[value.decade][value.decimals];
         values.push_back(value);
     }
@@ -99,7 +100,8 @@ double resolution_of(Signal const& x, double least) {
 
 namespace {
 
-/// How many rows carry z'v_k, v_k less their mean if `centred`: 1 where it is 0 but in one row, all where its size is the same in all.
+/// How many rows carry z'v_k, v_k less their mean if `centred`: 1 where it is 0 but in one row, all where its size is
+/// the same in all.
 double rows_that_carry(Signal const& x, Vector<double> const& z, bool centred) {
     Index const n = z.size(), rows = Index(x.size()) - n + 1;
     double largest = 0;
@@ -123,7 +125,8 @@ double rows_that_carry(Signal const& x, Vector<double> const& z, bool centred) {
 
 Signal correlation(Signal const& x, Signal const& y, Index most) {
     Index const N = Index(x.size());
-    expects(x.size() == y.size() && 0 <= most && most < N, "two signals of equal length, and lags shorter than they are");
+    expects(x.size() == y.size() && 0 <= most && most < N,
+            "two signals of equal length, and lags shorter than they are");
     Signal out(size_t(most + 1), 0.0);
     for (Index lag = 0; lag <= most; ++lag) {
         double sum = 0;
@@ -168,7 +171,8 @@ Excitation excitation(Signal const& u, Index most, ExcitationOptions const& opti
             out.exact_order = n;
             if (at.resolved && out.order == n - 1) out.order = n;
             double const rows = double(Index(u.size()) - n + 1);
-            if (out.order == n && out.persistent == n - 1 && at.carried >= std::min(2 * double(n), rows / 8)) out.persistent = n;
+            if (out.order == n && out.persistent == n - 1 && at.carried >= std::min(2 * double(n), rows / 8))
+                out.persistent = n;
         }
         out.orders.push_back(at);
         if (options.progress && n < most) options.progress(double(n) / double(most) * (double(n) / double(most)));

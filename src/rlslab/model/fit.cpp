@@ -14,8 +14,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Powers of two that scale every column of Phi, and Y, to entries below 1. This scaling is exact. Except for overflow and underflow it
-/// commutes with all later operations, so that a fit does not depend on the units of the data.
+/// Powers of two that scale every column of Phi, and Y, to entries below 1. This scaling is exact. Except for overflow
+/// and underflow it commutes with all later operations, so that a fit does not depend on the units of the data.
 struct Units {
     std::vector<int> psi;  // e_j
     int largest = 0, y;
@@ -40,9 +40,11 @@ struct Units {
 
 /// The records in these units.
 Records scaled(Records const& records, Units const& units) {
-    Records out{.psi = Matrix<double>(records.parameters(), records.rows()), .y = Vector<double>(records.rows()), .names = {}};
+    Records out{
+        .psi = Matrix<double>(records.parameters(), records.rows()), .y = Vector<double>(records.rows()), .names = {}};
     for (Index k = 0; k < records.rows(); ++k) {
-        for (Index j = 0; j < records.parameters(); ++j) out.psi(j, k) = std::scalbn(records.psi(j, k), -units.psi[size_t(j)]);
+        for (Index j = 0; j < records.parameters(); ++j)
+            out.psi(j, k) = std::scalbn(records.psi(j, k), -units.psi[size_t(j)]);
         out.y[k] = std::scalbn(records.y[k], -units.y);
     }
     return out;
@@ -82,10 +84,11 @@ Matrix<double> inverse_gram(StateMatrix<double> const& L) {
 
 /// W = V S by plane rotations of the columns of W = R' Q': one-sided Jacobi. Then R' = W U', singular values |w_j|.
 ///
-/// W's rows are scaled so that the largest is about 1. Numbers below 2^-480 are set to zero, and pairs with a column shorter than 2^-450
-/// are not rotated: all squares are then normal numbers, and c is accurate where it is compared. (With one such column the rotations did
-/// not end.) About ten sweeps are usual. After fifteen, a pair counts as orthogonal if rounding alone may cause its product: otherwise one
-/// in some thousands of problems of lower rank did not end, at any scale.
+/// W's rows are scaled so that the largest is about 1. Numbers below 2^-480 are set to zero, and pairs with a column
+/// shorter than 2^-450 are not rotated: all squares are then normal numbers, and c is accurate where it is compared.
+/// (With one such column the rotations did not end.) About ten sweeps are usual. After fifteen, a pair counts as
+/// orthogonal if rounding alone may cause its product: otherwise one in some thousands of problems of lower rank did
+/// not end, at any scale.
 struct Singular {
     static constexpr double least = 0x1p-440;  // of the largest singular value: smaller ones are not known to any digit
     static constexpr int most_sweeps = 60;
@@ -116,9 +119,11 @@ struct Singular {
             for (Index p = 0; p < d; ++p)
                 for (Index q = p + 1; q < d; ++q) {
                     double const a = inner(p, p), b = inner(q, q), c = inner(p, q);
-                    if (std::min(a, b) < 0x1p-900 || !(std::abs(c) > rounding * std::sqrt(a) * std::sqrt(b))) continue;  // NaN ends it
+                    if (std::min(a, b) < 0x1p-900 || !(std::abs(c) > rounding * std::sqrt(a) * std::sqrt(b)))
+                        continue;  // NaN ends it
                     orthogonal = false;
-                    double const tau = (b - a) / (2 * c), t = (tau >= 0 ? 1 : -1) / (std::abs(tau) + std::sqrt(1 + tau * tau));
+                    double const tau = (b - a) / (2 * c),
+                                 t = (tau >= 0 ? 1 : -1) / (std::abs(tau) + std::sqrt(1 + tau * tau));
                     double const cosine = 1 / std::sqrt(1 + t * t);
                     turn(W.col(p), W.col(q), cosine, cosine * t);
                     turn(U.col(p), U.col(q), cosine, cosine * t);
@@ -132,7 +137,8 @@ void solve_by_qr(Triangle const& triangle, Fit& out) {
     bool const regular = nonsingular(triangle.L);
     out.rank = 0;
     for (Index i = 0; i < triangle.z.size(); ++i) out.rank += triangle.L(i, i) != 0;
-    out.theta = regular ? solved_lower_transposed(triangle.L, triangle.z) : Vector<double>::Constant(triangle.z.size(), nan);
+    out.theta =
+        regular ? solved_lower_transposed(triangle.L, triangle.z) : Vector<double>::Constant(triangle.z.size(), nan);
     out.covariance = inverse_gram(triangle.L);
 }
 
@@ -184,7 +190,8 @@ void solve_by_svd(Triangle const& triangle, Units const& units, Index rows, doub
         double const along = dot(s.U.col(j).data(), triangle.z.data(), d) / sigma / sigma;
         for (Index i = 0; i < d; ++i) {
             out.theta[i] += s.W(i, j) * along;
-            for (Index k = 0; k < d; ++k) out.covariance(i, k) += (s.W(i, j) / sigma) * (s.W(k, j) / sigma) / sigma / sigma;
+            for (Index k = 0; k < d; ++k)
+                out.covariance(i, k) += (s.W(i, j) / sigma) * (s.W(k, j) / sigma) / sigma / sigma;
         }
     }
 }
@@ -193,7 +200,8 @@ void solve_by_svd(Triangle const& triangle, Units const& units, Index rows, doub
 
 double fit_percent(Vector<double> const& y, Vector<double> const& predicted) {
     Index const N = y.size();
-    int const unit = Units::above(std::max(Units::size_of(y), Units::size_of(predicted)));  // squares neither overflow nor vanish
+    int const unit =
+        Units::above(std::max(Units::size_of(y), Units::size_of(predicted)));  // squares neither overflow nor vanish
     auto const at = [unit](Vector<double> const& x, Index k) { return std::scalbn(x[k], -unit); };
     double mean = 0, missed = 0, spread = 0;
     for (Index k = 0; k < N; ++k) mean += at(y, k) / double(N);
@@ -244,7 +252,8 @@ Fit fit(Records const& given, FitBy by, double confidence, double tolerance) {
         out.theta[i] = std::scalbn(out.theta[i], unit);
     }
     for (Index j = 0; j < d; ++j)
-        for (Index i = 0; i < d; ++i) out.covariance(i, j) = std::scalbn(out.covariance(i, j), 2 * units.y - f[size_t(i)] - f[size_t(j)]);
+        for (Index i = 0; i < d; ++i)
+            out.covariance(i, j) = std::scalbn(out.covariance(i, j), 2 * units.y - f[size_t(i)] - f[size_t(j)]);
     for (double& residual : out.residuals) residual = std::scalbn(residual, units.y);
     out.J = std::scalbn(out.J, 2 * units.y);
     out.sigma2 = std::scalbn(out.sigma2, 2 * units.y);

@@ -27,9 +27,10 @@ inline constexpr int most_regressors = 2000;
 ///   u[k-3]       u, three samples ago          u[k]    u now
 ///   y[k-1..k-4]  y[k-1],y[k-2],y[k-3],y[k-4]   u       as u[k]
 ///
-/// A column whose name ends in brackets is followed by a second pair. Throws InputError whose message begins with `option`, for a word that
-/// is none of these, a value from the future, the output at the same sample or without a lag, a regressor named twice, more than
-/// most_regressors, or a lag above largest_lag.
-std::vector<Lagged> lagged_of(std::string const& option, std::vector<std::string> const& words, std::string const& output);
+/// A column whose name ends in brackets is followed by a second pair. Throws InputError whose message begins with
+/// `option`, for a word that is none of these, a value from the future, the output at the same sample or without a lag,
+/// a regressor named twice, more than most_regressors, or a lag above largest_lag.
+std::vector<Lagged> lagged_of(std::string const& option, std::vector<std::string> const& words,
+                              std::string const& output);
 
 }  // namespace rlslab

@@ -1,4 +1,5 @@
-// Recursion in model order: the estimates of all orders 0 ... n in one pass, by bordering the inverse of the Gram matrix.
+// Recursion in model order: the estimates of all orders 0 ... n in one pass, by bordering the inverse of the Gram
+// matrix.
 #pragma once
 
 #include <rlslab/core/family.hpp>
@@ -6,25 +7,27 @@
 
 namespace rlslab {
 
-/// The result of appending one column x. The pivot is the squared residual of x on the columns before it; relative to x'x it shows how much
-/// of x these columns do not contain.
+/// The result of appending one column x. The pivot is the squared residual of x on the columns before it; relative to
+/// x'x it shows how much of x these columns do not contain.
 template <Field T>
 struct AppendedColumn {
     T pivot, relative;  ///< 1/beta and (1/beta) / x'x
-    Health health;      ///< sound; indefinite: pivot <= 0, which only rounding can cause if x is no combination of the others; nonfinite
+    Health health;      ///< sound; indefinite: pivot <= 0, which only rounding can cause if x is no combination of the
+                        ///< others; nonfinite
 };
 
-/// For Y = Phi theta + xi, with columns X_1 ... X_d of Phi appended one after another, propagates P_d = (Phi'Phi)^-1, theta_d and J_d. An
-/// ARX order takes two columns: the y-column gives P~_n, the u-column P_{n+1}. A column x borders P:
+/// For Y = Phi theta + xi, with columns X_1 ... X_d of Phi appended one after another, propagates P_d = (Phi'Phi)^-1,
+/// theta_d and J_d. An ARX order takes two columns: the y-column gives P~_n, the u-column P_{n+1}. A column x borders
+/// P:
 ///
 ///   (1) c = Phi'x,  g = P c                     (2) 1/beta = x'x - c'g
 ///   (3) P = [ P + beta g g'   -beta g ]         (4) t = beta x'(Y - Phi theta),  theta = [theta - t g; t]
 ///           [    -beta g'       beta  ]         (5) J = J - t^2 / beta
 ///
-/// (4) uses the residual of the order before: x'Y - g'Phi'Y is the same number, with cancellation. After a border that is not sound theta
-/// and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications for a column, N d^2 for a new fit.
-/// Loses digits as a power from 2 to 4 of the condition number of the columns, scaled to length 1 (docs/theory.md 46);
-/// OrderRecursiveQr as the first.
+/// (4) uses the residual of the order before: x'Y - g'Phi'Y is the same number, with cancellation. After a border that
+/// is not sound theta and P are NaN. Storage N d + d^2; 2 N d + 3 d^2 + O(N + d) multiplications for a column, N d^2
+/// for a new fit. Loses digits as a power from 2 to 4 of the condition number of the columns, scaled to length 1
+/// (docs/theory.md 46); OrderRecursiveQr as the first.
 /// Source: bordering (Frobenius); Söderström & Stoica 1989, complement C4; docs/theory.md 10.
 template <Field T>
 class OrderRecursive {
@@ -33,7 +36,9 @@ class OrderRecursive {
     T J_;
     Index size_ = 0;
 
-    static T inner(Eigen::Ref<Vector<T> const> a, Eigen::Ref<Vector<T> const> b) { return dot(a.data(), b.data(), a.size()); }
+    static T inner(Eigen::Ref<Vector<T> const> a, Eigen::Ref<Vector<T> const> b) {
+        return dot(a.data(), b.data(), a.size());
+    }
 
 public:
     using scalar = T;
@@ -70,7 +75,10 @@ public:
             for (Index i = 0; i < size_; ++i) sum -= Phi_(k, i) * theta_[i];
             residual_[k] = sum;
         }
-        return {pivot, pivot / square, sound ? Health::sound : is_finite(pivot) ? Health::indefinite : Health::nonfinite};
+        return {pivot, pivot / square,
+                sound              ? Health::sound
+                : is_finite(pivot) ? Health::indefinite
+                                   : Health::nonfinite};
     }
 
     Index size() const { return size_; }  ///< columns so far

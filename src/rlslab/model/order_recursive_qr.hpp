@@ -1,4 +1,5 @@
-// Recursion in model order by appending columns to a QR factorisation: does what bordering does without squaring the condition number.
+// Recursion in model order by appending columns to a QR factorisation: does what bordering does without squaring the
+// condition number.
 #pragma once
 
 #include <rlslab/linalg/triangles.hpp>
@@ -6,13 +7,14 @@
 
 namespace rlslab {
 
-/// For Y = Phi theta + xi, with columns of Phi appended one after another, propagates Q'[Phi Y] = [R z; 0 w], Q a product of reflections:
+/// For Y = Phi theta + xi, with columns of Phi appended one after another, propagates Q'[Phi Y] = [R z; 0 w], Q a
+/// product of reflections:
 ///
 ///   (1) x = Q'x,  R_{1..d, d+1} = x_{1..d}          (2) one reflection of x_{d+1..N}: R_{d+1,d+1} = +-|x_{d+1..N}|
 ///   (3) z_{d+1} and w by the same reflection        (4) R theta = z on request,  J = |w|^2
 ///
-/// R_{d+1,d+1}^2 is the pivot that bordering computes as a difference. Storage N d; 2 N d + O(N) multiplications for a column.
-/// Source: Golub 1965; Golub & Van Loan 2013, 6.5.2 (appending a column); docs/theory.md 11.
+/// R_{d+1,d+1}^2 is the pivot that bordering computes as a difference. Storage N d; 2 N d + O(N) multiplications for a
+/// column. Source: Golub 1965; Golub & Van Loan 2013, 6.5.2 (appending a column); docs/theory.md 11.
 template <Real T>
 class OrderRecursiveQr {
     Matrix<T> V_, L_;  // reflections I - tau v v' with v_d = 1; R'
@@ -32,11 +34,13 @@ public:
     OrderRecursiveQr(Vector<T> Y, Index most)
         : V_(Matrix<T>::Zero(Y.size(), most)), L_(Matrix<T>::Zero(most, most)), tau_(most), w_(std::move(Y)) {}
 
-    /// Appends column x (N numbers). Throws std::invalid_argument for a column of another length, one too many, or more columns than rows.
-    /// A column that is a combination of those before it (pivot 0) gives health indefinite: theta is then not determined.
+    /// Appends column x (N numbers). Throws std::invalid_argument for a column of another length, one too many, or more
+    /// columns than rows. A column that is a combination of those before it (pivot 0) gives health indefinite: theta is
+    /// then not determined.
     AppendedColumn<T> append(Vector<T> x) {
         Index const d = size_, N = w_.size();
-        expects(x.size() == N && d < tau_.size() && d < N, "a column of Y's length, no more than were announced or fit");
+        expects(x.size() == N && d < tau_.size() && d < N,
+                "a column of Y's length, no more than were announced or fit");
         T const square = dot(x.data(), x.data(), N);
         for (Index j = 0; j < d; ++j) reflect(x, j);  // (1)
         for (Index j = 0; j < d; ++j) L_(d, j) = x[j];
@@ -49,7 +53,10 @@ public:
         for (Index k = d + 1; k < N; ++k) V_(k, d) = sound ? x[k] / (x[d] - r) : T(0);
         reflect(w_, d);  // (3)
         ++size_;
-        return {pivot, pivot / square, sound ? Health::sound : is_finite(pivot) ? Health::indefinite : Health::nonfinite};
+        return {pivot, pivot / square,
+                sound              ? Health::sound
+                : is_finite(pivot) ? Health::indefinite
+                                   : Health::nonfinite};
     }
 
     Index size() const { return size_; }

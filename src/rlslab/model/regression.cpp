@@ -17,13 +17,15 @@ std::string counted(Index n, std::string_view what) { return fmt::format("{} {}{
 
 void expect_rows(std::string const& file, Index size, Index rows) {
     if (rows < size)
-        fail(file,
-             fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), rows));
+        fail(file, fmt::format("{} need{} at least {}, found {}", counted(size, "parameter"), size == 1 ? "s" : "",
+                               counted(size, "row"), rows));
 }
 
-/// The rows from `first` on of y = psi'theta. write(k, psi) writes the regressor of row k, with NaN for a missing value.
+/// The rows from `first` on of y = psi'theta. write(k, psi) writes the regressor of row k, with NaN for a missing
+/// value.
 template <class Write>
-Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first, Write const& write) {
+Records collected(std::string const& file, std::span<double const> y, std::vector<std::string> names, Index first,
+                  Write const& write) {
     Index const size = Index(names.size()), rows = Index(y.size());
     expect_rows(file, size, rows);
     Index const most = std::max(Index(0), rows - first);
@@ -37,9 +39,11 @@ Records collected(std::string const& file, std::span<double const> y, std::vecto
     records.skipped = most - used;
     records.presample = rows - most;
     if (used < size) {
-        std::string const history = records.presample > 0 ? fmt::format(" a presample of {} and", records.presample) : "";
-        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values", counted(size, "parameter"),
-                               size == 1 ? "s" : "", counted(size, "row"), used, history, records.skipped));
+        std::string const history =
+            records.presample > 0 ? fmt::format(" a presample of {} and", records.presample) : "";
+        fail(file, fmt::format("{} need{} at least {}, found {} after{} skipping {} with missing values",
+                               counted(size, "parameter"), size == 1 ? "s" : "", counted(size, "row"), used, history,
+                               records.skipped));
     }
     if (used < most) {
         records.psi.conservativeResize(Eigen::NoChange, used);
@@ -55,7 +59,8 @@ Arx arx_of_order(int order) {
     return {.na = order, .nb = order};
 }
 
-Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept) {
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept) {
     if (regressors.empty()) fail(data.file, "expected the name of a regressor at least");
     std::vector<Lagged> now;
     for (auto const& name : regressors) {
@@ -67,7 +72,8 @@ Records linear_records(Columns const& data, std::vector<std::string> const& regr
     return lagged_records(data, now, output, intercept);
 }
 
-Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept) {
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output,
+                       bool intercept) {
     expects(!regressors.empty(), "at least one regressor");
     struct Source {
         double const* column;
@@ -78,7 +84,8 @@ Records lagged_records(Columns const& data, std::vector<Lagged> const& regressor
     std::vector<Source> sources;
     Index first = 0;
     for (Lagged const& r : regressors) {
-        expects(0 <= r.lag && (r.column != output || r.lag > 0), "regressors of the present and the past, outputs of the past");
+        expects(0 <= r.lag && (r.column != output || r.lag > 0),
+                "regressors of the present and the past, outputs of the past");
         std::string const name = r.plain ? r.column : text_of(r);
         names.push_back(data.header ? name : "column " + name);  // a column "1" is not the intercept
         sources.push_back({data[r.column].data(), r.lag});

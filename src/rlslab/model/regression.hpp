@@ -12,7 +12,8 @@
 
 namespace rlslab {
 
-/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only with `intercept`.
+/// y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay] + ... + b_nb u[k-delay-nb] + c + xi[k], c only with
+/// `intercept`.
 ///   psi = [-y[k-1] ... -y[k-na], u[k-delay] ... u[k-delay-nb], 1],   theta = [a1 ... a_na, b0 ... b_nb, c]
 /// Several inputs have a polynomial b each, one after another.
 struct Arx {
@@ -30,17 +31,21 @@ Arx arx_of_order(int order);
 /// y = psi'theta, one row for each row of the data without a missing value. With an intercept psi begins with a 1.
 /// psi is d x N, d = regressors.size() + intercept. Throws InputError for no regressor, one named twice or as output,
 /// fewer than d usable rows; std::invalid_argument for a column that was not read.
-Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output, bool intercept = false);
+Records linear_records(Columns const& data, std::vector<std::string> const& regressors, std::string const& output,
+                       bool intercept = false);
 
-/// The same with present and past values u[k-lag], y[k-lag]: a past output with its own sign, not with that of Arx. The first row is that
-/// at which the longest lag has a value. Names are "y[k-1]", "u[k-3]"; a plain regressor has its column's name. Throws InputError for fewer
-/// than d usable rows; std::invalid_argument for no regressor, a negative lag, the output without a lag, a column that was not read.
-Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output, bool intercept = false);
+/// The same with present and past values u[k-lag], y[k-lag]: a past output with its own sign, not with that of Arx. The
+/// first row is that at which the longest lag has a value. Names are "y[k-1]", "u[k-3]"; a plain regressor has its
+/// column's name. Throws InputError for fewer than d usable rows; std::invalid_argument for no regressor, a negative
+/// lag, the output without a lag, a column that was not read.
+Records lagged_records(Columns const& data, std::vector<Lagged> const& regressors, std::string const& output,
+                       bool intercept = false);
 
-/// One row of the model's equation for each k at which u and y (equally long; NaN: missing) have all values that it needs. psi is d x N,
-/// d = model.size(). Throws InputError for negative na, nb or delay and for fewer than d usable rows; messages about rows begin with
-/// `file`.
-Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model, std::string const& file = "");
+/// One row of the model's equation for each k at which u and y (equally long; NaN: missing) have all values that it
+/// needs. psi is d x N, d = model.size(). Throws InputError for negative na, nb or delay and for fewer than d usable
+/// rows; messages about rows begin with `file`.
+Records arx_records(std::span<double const> u, std::span<double const> y, Arx const& model,
+                    std::string const& file = "");
 
 /// The same for several inputs, each with a name; the parameters of input "u2" are then named "b0[u2]" ...
 Records arx_records(std::vector<std::span<double const>> const& inputs, std::vector<std::string> const& input_names,

@@ -1,5 +1,5 @@
-// Roots of a polynomial by FLINT and Arb: what is multiple is divided out exactly, the rest isolated in discs. The same bits on
-// every machine, as an eigenvalue solver in double would not give them.
+// Roots of a polynomial by FLINT and Arb: what is multiple is divided out exactly, the rest isolated in discs. The same
+// bits on every machine, as an eigenvalue solver in double would not give them.
 #include <rlslab/model/difference.hpp>
 
 #include <rlslab/arithmetic/elementary.hpp>
@@ -77,8 +77,8 @@ public:
     operator acb_ptr() { return z_; }
 };
 
-/// The edges of the Newton polygon, the upper hull of (i, log2 |c_i|): as many roots as an edge is long lie near its radius,
-/// however far apart these are. Logarithms to a bit are enough for a start.
+/// The edges of the Newton polygon, the upper hull of (i, log2 |c_i|): as many roots as an edge is long lie near its
+/// radius, however far apart these are. Logarithms to a bit are enough for a start.
 void start(acb_ptr z, fmpz_poly_struct const* p) {
     struct Corner {
         long i, log;
@@ -114,7 +114,8 @@ bool sharp(acb_srcptr z, long n) {
     return true;
 }
 
-/// Simultaneous iteration until discs isolate all roots, and those on the real axis are proven to be: after 2^14 bits as they are.
+/// Simultaneous iteration until discs isolate all roots, and those on the real axis are proven to be: after 2^14 bits
+/// as they are.
 void enclose(acb_ptr z, fmpz_poly_struct const* p) {
     long const n = fmpz_poly_degree(p);
     acb_poly_t q;
@@ -122,7 +123,8 @@ void enclose(acb_ptr z, fmpz_poly_struct const* p) {
     start(z, p);
     for (long bits = 256; bits <= 1 << 14; bits *= 2) {
         acb_poly_set_fmpz_poly(q, p, bits);
-        if (acb_poly_find_roots(z, q, z, 0, bits) == n && sharp(z, n) && acb_poly_validate_real_roots(z, q, bits)) break;
+        if (acb_poly_find_roots(z, q, z, 0, bits) == n && sharp(z, n) && acb_poly_validate_real_roots(z, q, bits))
+            break;
         for (long k = 0; k < n; ++k) acb_get_mid(z + k, z + k);
     }
     acb_poly_clear(q);
@@ -134,7 +136,8 @@ double nearest(arb_srcptr x) { return arb_contains_zero(x) ? 0.0 : arf_get_d(arb
 
 std::vector<std::complex<double>> roots(std::vector<double> const& p) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    if (!std::ranges::all_of(p, [](double x) { return std::isfinite(x); })) return std::vector(p.size(), std::complex(nan, nan));
+    if (!std::ranges::all_of(p, [](double x) { return std::isfinite(x); }))
+        return std::vector(p.size(), std::complex(nan, nan));
     std::vector<double> ascending(p.rbegin(), p.rend());
     ascending.push_back(1);
     Factors const factors{IntegerPolynomial(ascending)};
@@ -146,7 +149,9 @@ std::vector<std::complex<double>> roots(std::vector<double> const& p) {
         for (long k = 0; k < n * factors.multiplicity(i); ++k)
             out.emplace_back(nearest(acb_realref(z + k % n)), nearest(acb_imagref(z + k % n)));
     }
-    auto const key = [](std::complex<double> z) { return std::tuple(correctly::hypot(z.real(), z.imag()), z.imag(), z.real()); };
+    auto const key = [](std::complex<double> z) {
+        return std::tuple(correctly::hypot(z.real(), z.imag()), z.imag(), z.real());
+    };
     std::ranges::sort(out, std::greater(), key);
     return out;
 }

@@ -29,10 +29,27 @@ Signal prbs(int m, Index n, Index hold) {
     expects(2 <= m && m <= 20, "a register of 2 to 20 cells");
     expects(n >= 0 && hold >= 1, "a number of samples, and at least one to hold a level");
     // The cells whose sum is shifted in: a primitive polynomial for each m (tests count the periods).
-    constexpr std::array<std::array<int, 4>, 21> taps{
-        {{},      {},      {2, 1},        {3, 2},        {4, 3},        {5, 3},   {6, 5},          {7, 6},   {8, 6, 5, 4}, {9, 5},
-         {10, 7}, {11, 9}, {12, 6, 4, 1}, {13, 4, 3, 1}, {14, 5, 3, 1}, {15, 14}, {16, 15, 13, 4}, {17, 14}, {18, 11},     {19, 6, 2, 1},
-         {20, 17}}};
+    constexpr std::array<std::array<int, 4>, 21> taps{{{},
+                                                       {},
+                                                       {2, 1},
+                                                       {3, 2},
+                                                       {4, 3},
+                                                       {5, 3},
+                                                       {6, 5},
+                                                       {7, 6},
+                                                       {8, 6, 5, 4},
+                                                       {9, 5},
+                                                       {10, 7},
+                                                       {11, 9},
+                                                       {12, 6, 4, 1},
+                                                       {13, 4, 3, 1},
+                                                       {14, 5, 3, 1},
+                                                       {15, 14},
+                                                       {16, 15, 13, 4},
+                                                       {17, 14},
+                                                       {18, 11},
+                                                       {19, 6, 2, 1},
+                                                       {20, 17}}};
     unsigned cells = (1u << m) - 1;  // cell i is bit i - 1
     Signal out(size_t(n), 0.0);
     for (Index k = 0; k < n; ++k) {
@@ -61,7 +78,8 @@ Signal multisine(Index n, int harmonics) {
 }
 
 Signal random_steps(Index n, Index shortest, Index longest, Seed seed) {
-    expects(n >= 0 && 1 <= shortest && shortest <= longest, "steps of at least one sample, the shortest no longer than the longest");
+    expects(n >= 0 && 1 <= shortest && shortest <= longest,
+            "steps of at least one sample, the shortest no longer than the longest");
     Signal out(size_t(n), 0.0);
     Index left = 0;
     double level = 0;

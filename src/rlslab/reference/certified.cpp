@@ -58,7 +58,8 @@ bool solve(CertifiedSolution::Enclosure& to, BallMatrix const& normal) {
 }
 
 /// More precision cannot make the relative radius of zero small: whether theta is zero is decided exactly.
-bool theta_is_zero(CertifiedSolution::Enclosure const& x, Problem<double> const& problem, Records const& data, Index k) {
+bool theta_is_zero(CertifiedSolution::Enclosure const& x, Problem<double> const& problem, Records const& data,
+                   Index k) {
     for (Index i = 0; i < x.theta.rows(); ++i)
         if (!arb_contains_zero(x.theta(i, 0))) return false;
     return surely_vanishes(problem, data, k);
@@ -85,14 +86,16 @@ void check(Problem<double> const& problem, Records const& data, std::vector<Inde
     expects(!problem.prior || !problem.prior->stored, "a prior given as P0, not as a filter stores it");
     expects(data.parameters() == problem.size && data.y.size() == data.rows(), "data of the problem's size");
     expects(digits >= 1, "digits >= 1");
-    expects(std::is_sorted(steps.begin(), steps.end()) && (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),
+    expects(std::is_sorted(steps.begin(), steps.end()) &&
+                (steps.empty() || (steps.front() >= 1 && steps.back() <= data.rows())),
             "ascending steps between 1 and the number of rows");
     expects(!problem.prior || !problem.prior->covariance || !problem.prior->covariance->allFinite() ||
                 *problem.prior->covariance == problem.prior->covariance->transpose(),
             "a symmetric prior covariance");
 }
 
-/// The upper triangle of [M b], prior included, at any working precision; the prior's part is computed once for each precision.
+/// The upper triangle of [M b], prior included, at any working precision; the prior's part is computed once for each
+/// precision.
 class Normal {
     Problem<double> const& problem_;
     Records const& data_;
@@ -141,14 +144,16 @@ bool covariance_is_accurate(CertifiedSolution::Enclosure const& x) {
     return mag_cmp(radius, allowed) <= 0;
 }
 
-std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data, std::vector<Index> const& steps, int digits) {
+std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records const& data,
+                                         std::vector<Index> const& steps, int digits) {
     check(problem, data, steps, digits);
     Index const d = problem.size;
     Index const known = defined(problem) ? finite_rows(data) : 0;
     std::vector<Index> defined_steps;
     for (Index const k : steps)
         if (k <= known) defined_steps.push_back(k);
-    std::vector<Index> const ranks = problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
+    std::vector<Index> const ranks =
+        problem.prior ? std::vector<Index>(defined_steps.size(), d) : proven_ranks(data, defined_steps);
 
     std::vector<CertifiedSolution> answers;
     std::vector<size_t> pending;
@@ -167,7 +172,8 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
     // Doubled, and the last one is `most` itself; then 0.
     auto const after = [most](long bits) { return bits == most ? 0 : std::min(2 * bits, most); };
     auto settled = [&](size_t s, BallMatrix const& normal, long bits) {
-        auto enclosure = std::make_shared<CertifiedSolution::Enclosure>(CertifiedSolution::Enclosure{{}, {}, bits, digits});
+        auto enclosure =
+            std::make_shared<CertifiedSolution::Enclosure>(CertifiedSolution::Enclosure{{}, {}, bits, digits});
         if (!solve(*enclosure, normal) || !covariance_is_accurate(*enclosure)) return false;
         if (!theta_is_accurate(*enclosure)) {
             if (bits < most || !theta_is_zero(*enclosure, problem, data, steps[s])) return false;

@@ -42,8 +42,8 @@ BallMatrix gram_of(Records const& data, double forgetting, long bits) {
 //
 //   (1)  A_(i+1) = (A_i / t_i)^2        log2 trace(A^m)^(1/m),  m = 2^i,  is  sum_(l<=i) log2(t_l) / 2^l
 //
-// and lambda_max <= trace(A^m)^(1/m) <= d^(1/m) lambda_max. Rounding at stage i enters divided by 2^i. A_i / t_i tends to the projection on
-// the eigenvectors of lambda_max: its longest column is one of them.
+// and lambda_max <= trace(A^m)^(1/m) <= d^(1/m) lambda_max. Rounding at stage i enters divided by 2^i. A_i / t_i tends
+// to the projection on the eigenvectors of lambda_max: its longest column is one of them.
 Dominant balls::dominant(BallMatrix const& A) {
     Index const d = A.rows();
     constexpr int stages = 40;
@@ -77,7 +77,8 @@ Dominant balls::dominant(BallMatrix const& A) {
     for (Index j = 1; j < d; ++j)
         if (X(j, j) > X(longest, longest)) longest = j;
     double squares = 0;
-    for (Index i = 0; i < d; ++i) squares += X(i, longest) / X(longest, longest) * (X(i, longest) / X(longest, longest));
+    for (Index i = 0; i < d; ++i)
+        squares += X(i, longest) / X(longest, longest) * (X(i, longest) / X(longest, longest));
     return {sum, X.col(longest) / X(longest, longest) / std::sqrt(squares)};
 }
 
@@ -136,7 +137,8 @@ double ratio(Ball change, Ball const& size, long bits) {
 
 double relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
     auto const x = scaled(theta, from, s);
-    return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits) : std::numeric_limits<double>::quiet_NaN();
+    return x ? ratio(norm(x->change, x->bits), norm(x->size, x->bits), x->bits)
+             : std::numeric_limits<double>::quiet_NaN();
 }
 
 double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution const& from, Vector<double> const& s) {
@@ -149,7 +151,8 @@ double largest_relative_change(CertifiedSolution const& theta, CertifiedSolution
         arb_mul_2exp_si(least, all, arb_contains_zero(x->size(i, 0)) ? -20 : -40);
         arb_abs(size, x->size(i, 0));
         arb_set(change, x->change(i, 0));
-        if (arf_cmp(arb_midref(static_cast<arb_srcptr>(size)), arb_midref(static_cast<arb_srcptr>(least))) < 0) size = least;
+        if (arf_cmp(arb_midref(static_cast<arb_srcptr>(size)), arb_midref(static_cast<arb_srcptr>(least))) < 0)
+            size = least;
         out = std::max(out, ratio(change, size, x->bits));
     }
     return out;

@@ -1,5 +1,5 @@
-// The distributions that tests of hypotheses need. Each result is the double nearest to the exact number: the precision of Arb's balls
-// rises until only one double is left.
+// The distributions that tests of hypotheses need. Each result is the double nearest to the exact number: the precision
+// of Arb's balls rises until only one double is left.
 #pragma once
 
 namespace rlslab::correctly {

@@ -150,11 +150,14 @@ CertifiedSolution::CertifiedSolution(Index step, Index size, Index rank, Status 
     : step_(step), size_(size), rank_(rank), status_(status) {}
 
 CertifiedSolution::CertifiedSolution(Index step, Index rank, std::shared_ptr<Enclosure const> enclosure)
-    : step_(step), size_(enclosure->theta.rows()), rank_(rank), status_(Status::certified), enclosure_(std::move(enclosure)) {}
+    : step_(step), size_(enclosure->theta.rows()), rank_(rank), status_(Status::certified),
+      enclosure_(std::move(enclosure)) {}
 
 int CertifiedSolution::bits() const { return enclosure_ ? int(enclosure_->bits) : 0; }
 double CertifiedSolution::radius() const { return enclosure_ ? relative_radius(enclosure_->theta) : nan; }
-double CertifiedSolution::covariance_radius() const { return enclosure_ ? relative_radius(enclosure_->covariance) : nan; }
+double CertifiedSolution::covariance_radius() const {
+    return enclosure_ ? relative_radius(enclosure_->covariance) : nan;
+}
 
 Vector<Reference> CertifiedSolution::theta() const {
     Vector<Reference> x = Vector<Reference>::Constant(size_, Reference(nan));
@@ -172,7 +175,8 @@ Matrix<Reference> CertifiedSolution::covariance() const {
 std::vector<std::string> CertifiedSolution::theta_strings(int digits) const {
     expects(digits >= 1, "digits >= 1");
     std::vector<std::string> texts(size_t(size_), "nan");
-    for (Index i = 0; enclosure_ && i < size_; ++i) texts[size_t(i)] = decimal(enclosure_->theta(i, 0), digits, enclosure_->bits);
+    for (Index i = 0; enclosure_ && i < size_; ++i)
+        texts[size_t(i)] = decimal(enclosure_->theta(i, 0), digits, enclosure_->bits);
     return texts;
 }
 
@@ -201,9 +205,11 @@ double CertifiedSolution::theta_digits_worst(Vector<Reference> const& estimate) 
 
 double CertifiedSolution::covariance_digits(Stored<Reference> const& estimate) const {
     auto const& [of, kind, F, D] = estimate;
-    expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_), "an estimate of the solution's size");
+    expects(F.rows() == size_ && F.cols() == size_ && (D.size() == 0 || D.size() == size_),
+            "an estimate of the solution's size");
     if (!enclosure_ || !all_finite(F) || !all_finite(D)) return nan;
-    // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called with.
+    // As precise as the solution itself: relative to its largest entry, three digits more than `certified` was called
+    // with.
     long const needed = bits_for(enclosure_->digits + 3);
     bool known_regular = of == Stored<Reference>::Quantity::covariance;
     BallMatrix P;

@@ -27,7 +27,8 @@ IntegerGram::IntegerGram(Records const& data, Index last)
       sum_(data.parameters() + 1, data.parameters() + 1) {
     for (Index k = 0; k < last; ++k)
         for (Index j = 0; j <= data.parameters(); ++j)
-            if (auto const x = dyadic(entry_of(data, j, k)); x.mantissa != 0) unit_[size_t(j)] = std::min(unit_[size_t(j)], x.exponent);
+            if (auto const x = dyadic(entry_of(data, j, k)); x.mantissa != 0)
+                unit_[size_t(j)] = std::min(unit_[size_t(j)], x.exponent);
     for (int& e : unit_)
         if (e == std::numeric_limits<int>::max()) e = 0;  // a column of zeros
 }
@@ -59,8 +60,8 @@ void IntegerGram::entry(arb_ptr ball, Index i, Index j, long bits) const {
 }
 
 ForgettingGram::ForgettingGram(Records const& data, double forgetting, BallMatrix M0, long bits, unsigned power)
-    : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)), a_(data.parameters() + 1, block),
-      wa_(data.parameters() + 1, block) {
+    : data_(data), bits_(bits), power_(size_t(block + 1), Ball(1.0)), sum_(std::move(M0)),
+      a_(data.parameters() + 1, block), wa_(data.parameters() + 1, block) {
     Ball lambda(forgetting);
     arb_pow_ui(lambda, lambda, power, bits_);
     for (Index i = 1; i <= block; ++i) arb_mul(power_[size_t(i)], power_[size_t(i - 1)], lambda, bits_);

@@ -9,8 +9,9 @@
 
 namespace rlslab::balls {
 
-/// G = sum_i a_i a_i', a_i = (psi_i, y_i), (d + 1) x (d + 1), in integers. Every column j has its own unit 2^e_j, the largest power of two
-/// that divides all its entries, so that columns of very different scale do not make each other's integers longer.
+/// G = sum_i a_i a_i', a_i = (psi_i, y_i), (d + 1) x (d + 1), in integers. Every column j has its own unit 2^e_j, the
+/// largest power of two that divides all its entries, so that columns of very different scale do not make each other's
+/// integers longer.
 ///
 ///   G_ij = 2^(e_i + e_j) sum_k m_ki m_kj
 ///
@@ -36,8 +37,8 @@ public:
 ///
 ///   (1)  M <- lambda^B M + A' W A,    W = diag(lambda^(B-1), ..., lambda, 1)
 ///
-/// With power = p, lambda^p (a ball) takes the place of lambda. The entries of A are exact and short, which makes Arb's dot products cheap.
-/// Memory O(d^2 + B d).
+/// With power = p, lambda^p (a ball) takes the place of lambda. The entries of A are exact and short, which makes Arb's
+/// dot products cheap. Memory O(d^2 + B d).
 class ForgettingGram {
     Records const& data_;
     long bits_;
@@ -56,12 +57,13 @@ public:
     BallMatrix const& matrix() const { return sum_; }
 };
 
-/// True proves theta_k = 0: theta_k of M_k theta_k = b_k is zero where P0 b_k is, which is a sum of products of given numbers. False: it is
-/// not zero, or the proof needs numbers of more than 2^20 bits. Called when the balls of all components of theta contain zero.
+/// True proves theta_k = 0: theta_k of M_k theta_k = b_k is zero where P0 b_k is, which is a sum of products of given
+/// numbers. False: it is not zero, or the proof needs numbers of more than 2^20 bits. Called when the balls of all
+/// components of theta contain zero.
 bool surely_vanishes(Problem<double> const& problem, Records const& data, Index k);
 
-/// The proven rank of the first k regressors, for each k of `steps` (ascending). Elimination modulo the prime 2^61 - 1 bounds it from
-/// below, k and d from above. Where these differ, exact integer elimination decides.
+/// The proven rank of the first k regressors, for each k of `steps` (ascending). Elimination modulo the prime 2^61 - 1
+/// bounds it from below, k and d from above. Where these differ, exact integer elimination decides.
 std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& steps);
 
 /// Whether a finite square matrix is nonsingular, decided exactly: modulo a prime first, then in integers.

@@ -106,7 +106,8 @@ std::vector<Index> proven_ranks(Records const& data, std::vector<Index> const& s
         lower.push_back(echelon.rank());
         upper.push_back(std::min(k, d));
     }
-    // The rank never falls with k, so that one exact rank bounds every earlier one, and decides those whose lower bound reaches it.
+    // The rank never falls with k, so that one exact rank bounds every earlier one, and decides those whose lower bound
+    // reaches it.
     Index ceiling = d;
     for (size_t s = steps.size(); s-- > 0;) {
         upper[s] = std::min(upper[s], ceiling);

@@ -84,7 +84,8 @@ double residual_sum(BallMatrix const& gram, BallMatrix const& theta, long bits, 
 }
 
 Scatter without(Index d, bool last) {
-    return {nan, nan, nan, Vector<double>::Constant(d, nan), last ? Matrix<double>(Matrix<double>::Constant(d, d, nan)) : Matrix<double>()};
+    return {nan, nan, nan, Vector<double>::Constant(d, nan),
+            last ? Matrix<double>(Matrix<double>::Constant(d, d, nan)) : Matrix<double>()};
 }
 
 /// tr A B.
@@ -120,7 +121,9 @@ Scatter scatter(BallMatrix const& theta, BallMatrix const& P, Weighted const& w,
     arb_add(variance, variance, trace_of_product(QM, QM, bits), bits);
     arb_mul(student, freedom, freedom, bits);
     arb_div(student, student, variance, bits);  // (4)
-    auto const settled = [](Ball const& x) { return mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(x)), -sharp_bits) <= 0; };
+    auto const settled = [](Ball const& x) {
+        return mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(x)), -sharp_bits) <= 0;
+    };
     good = good && settled(freedom);
     out.freedom = rounded(freedom);
     if (out.freedom > 0x1p-30) {  // none are left: neither has a quantile
@@ -128,7 +131,9 @@ Scatter scatter(BallMatrix const& theta, BallMatrix const& P, Weighted const& w,
         out.student = rounded(student);
     }
     Ball entry;
-    auto const PMP = [&](Index i, Index j) { arb_dot(entry, nullptr, 0, PM(i, 0), 1, P(j, 0), 1, d, bits); };  // (1), P is symmetric
+    auto const PMP = [&](Index i, Index j) {
+        arb_dot(entry, nullptr, 0, PM(i, 0), 1, P(j, 0), 1, d, bits);
+    };  // (1), P is symmetric
     std::vector<Ball> sd(static_cast<size_t>(d));
     for (Index i = 0; i < d; ++i) {
         PMP(i, i);
@@ -165,17 +170,21 @@ std::vector<Scattered> scattered(Problem<double> const& problem, Records const& 
         double const lambda = problem.forgetting;
         WeightedGram gram(data, lambda, steps.back(), 1, bits);
         std::optional<WeightedGram> squared, cubed;  // where lambda = 1 they are gram
-        if (lambda != 1) squared.emplace(data, lambda, steps.back(), 2, bits), cubed.emplace(data, lambda, steps.back(), 3, bits);
+        if (lambda != 1)
+            squared.emplace(data, lambda, steps.back(), 2, bits), cubed.emplace(data, lambda, steps.back(), 3, bits);
         bool all = true;
         for (Scattered& s : out) {
             if (!s.exact.enclosure()) continue;
             Index const k = s.exact.step();
             bool good = true;
             BallMatrix const G = gram.at(k, d + 1);
-            BallMatrix const M = squared ? squared->at(k, d + 1) : BallMatrix(), C = cubed ? cubed->at(k, d + 1) : BallMatrix();
+            BallMatrix const M = squared ? squared->at(k, d + 1) : BallMatrix(),
+                             C = cubed ? cubed->at(k, d + 1) : BallMatrix();
             bool const last = &s == &out.back();
-            Weighted const weighted{G, squared ? M : G, cubed ? C : G, weight(lambda, 1, k, bits), weight(lambda, 2, k, bits)};
-            s.scatter = scatter(s.exact.enclosure()->theta, s.exact.enclosure()->covariance, weighted, last, bits, good);
+            Weighted const weighted{G, squared ? M : G, cubed ? C : G, weight(lambda, 1, k, bits),
+                                    weight(lambda, 2, k, bits)};
+            s.scatter =
+                scatter(s.exact.enclosure()->theta, s.exact.enclosure()->covariance, weighted, last, bits, good);
             if (!good) s.scatter = without(d, last), all = false;
         }
         if (all || digits >= most_digits) return out;

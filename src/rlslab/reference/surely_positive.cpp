@@ -17,8 +17,8 @@ namespace {
 // (2d + 4) 2^-1074 to an entry. R'R is semidefinite, so with B = A - cI up to the rounding of the diagonal and the true
 // matrix within e_ij of A,
 //   (2)  least eigenvalue > 0  if  c > g/(1-g) trace(B) + u max a_ii + max_i sum_j e_ij + underflow.
-// A is scaled by powers of two to a diagonal in [1/2, 2). This is exact, keeps a positive definite matrix positive definite, and makes c
-// small when the columns differ in scale.
+// A is scaled by powers of two to a diagonal in [1/2, 2). This is exact, keeps a positive definite matrix positive
+// definite, and makes c small when the columns differ in scale.
 //
 // Every bound below is itself evaluated in floating point: sums of at most a million positive terms, well within the
 // factor 1 + 2^-10 they are enlarged by. 2^-160 covers underflow: with diagonals in 2^+-900 an absolute error

@@ -60,7 +60,8 @@ WindowSpectrum spectrum_of(IntegerMatrix const& G, long unit, double divisor) {
     if (!nonsingular(G)) return {.condition = std::numeric_limits<double>::infinity()};
     Index const n = G.rows();
     Integer const exponent(2 * unit);
-    CertifiedSolution::Enclosure inverse{{}, BallMatrix(n, n), 0, 20};  // more than doubles, in which the eigenvalues are found, can hold
+    CertifiedSolution::Enclosure inverse{
+        {}, BallMatrix(n, n), 0, 20};  // more than doubles, in which the eigenvalues are found, can hold
     BallMatrix M(n, n), L(n, n);
     for (long bits = 192;; bits *= 2) {
         for (Index i = 0; i < n; ++i)
@@ -78,7 +79,8 @@ WindowSpectrum spectrum_of(IntegerMatrix const& G, long unit, double divisor) {
 
 }  // namespace
 
-void window_spectra(std::vector<double> const& x, Index most, bool centred, std::function<bool(Index, WindowSpectrum const&)> const& each) {
+void window_spectra(std::vector<double> const& x, Index most, bool centred,
+                    std::function<bool(Index, WindowSpectrum const&)> const& each) {
     Index const N = Index(x.size());
     Samples const samples(x);
     most = std::min(most, (N + !centred) / 2);  // N - n + 1 >= n, or n + 1
@@ -87,7 +89,8 @@ void window_spectra(std::vector<double> const& x, Index most, bool centred, std:
     for (auto const& m : samples.m) fmpz_add(sum, sum, m);
     for (Index n = 1; n <= most; ++n) {
         // The sums begin at k = n-1, where the new lag has its first product.
-        for (Index lag = 0; lag < n - 1; ++lag) fmpz_submul(lags[size_t(lag)], samples.m[size_t(n - 2)], samples.m[size_t(n - 2 - lag)]);
+        for (Index lag = 0; lag < n - 1; ++lag)
+            fmpz_submul(lags[size_t(lag)], samples.m[size_t(n - 2)], samples.m[size_t(n - 2 - lag)]);
         if (n > 1) fmpz_sub(sum, sum, samples.m[size_t(n - 2)]);
         Integer& newest = lags.emplace_back();
         for (Index k = n - 1; k < N; ++k) fmpz_addmul(newest, samples.m[size_t(k)], samples.m[size_t(k - n + 1)]);

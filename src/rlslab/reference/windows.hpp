@@ -16,9 +16,10 @@ struct WindowSpectrum {
     Vector<double> direction = {};  ///< of length 1, its eigenvector; empty when singular
 };
 
-/// Calls each(n, spectrum) for n = 1 ... most, as long as the v_k are n at least (centred: n + 1) and `each` returns true.
-/// Method: the sum over k of x_k x_{k-lag} is taken once for each lag, in integers; the matrix of each order is that less its ends.
-/// Time grows as most N + most^4.
-void window_spectra(std::vector<double> const& x, Index most, bool centred, std::function<bool(Index, WindowSpectrum const&)> const& each);
+/// Calls each(n, spectrum) for n = 1 ... most, as long as the v_k are n at least (centred: n + 1) and `each` returns
+/// true. Method: the sum over k of x_k x_{k-lag} is taken once for each lag, in integers; the matrix of each order is
+/// that less its ends. Time grows as most N + most^4.
+void window_spectra(std::vector<double> const& x, Index most, bool centred,
+                    std::function<bool(Index, WindowSpectrum const&)> const& each);
 
 }  // namespace rlslab

@@ -14,7 +14,8 @@ To number_as(From const& x) {
                            { widen(x) } -> std::same_as<To>;
                        })
         return widen(x);
-    else if constexpr (requires { To(x.backend().data()); } && ArithmeticTraits<To>::digits > 53) return To(x.backend().data());
+    else if constexpr (requires { To(x.backend().data()); } && ArithmeticTraits<To>::digits > 53)
+        return To(x.backend().data());
     else if constexpr (std::constructible_from<To, From const&>) return static_cast<To>(x);
     else return To(static_cast<double>(x));
 }
@@ -78,8 +79,8 @@ Stored<T> stored_as(Stored<T> const& pattern, Triangle<W>& factor) {
     return out;
 }
 
-/// The problem of a filter that starts as one that stores `from` and answers theta; stored as `pattern` is. One text for all pairs of
-/// variants.
+/// The problem of a filter that starts as one that stores `from` and answers theta; stored as `pattern` is. One text
+/// for all pairs of variants.
 template <class T, class S>
 Health hand_over(Stored<S> const& from, Vector<S> const& theta, Stored<T> const& pattern, Problem<T>& problem) {
     using W = std::conditional_t<(ArithmeticTraits<T>::digits > ArithmeticTraits<S>::digits), T, S>;
@@ -87,26 +88,31 @@ Health hand_over(Stored<S> const& from, Vector<S> const& theta, Stored<T> const&
     for (Index i = 0; i < theta.size(); ++i) start[i] = number_as<T>(theta[i]);
     Triangle<W> factor(from.template mapped<W>(&number_as<W, S>));
     // Looked at before it is turned, which may divide by a pivot that is not there.
-    if (Health const before = health_of(factor.turn_into(factor.covariance, by_unit_triangle(from))); before != Health::sound)
+    if (Health const before = health_of(factor.turn_into(factor.covariance, by_unit_triangle(from)));
+        before != Health::sound)
         return before;
-    bool const same_plain = from.form == Stored<S>::Form::plain && pattern.form == Stored<T>::Form::plain && factor.covariance &&
-                            pattern.quantity == Stored<T>::Quantity::covariance;
+    bool const same_plain = from.form == Stored<S>::Form::plain && pattern.form == Stored<T>::Form::plain &&
+                            factor.covariance && pattern.quantity == Stored<T>::Quantity::covariance;
     problem.prior->stored = same_plain ? from.template mapped<T>(&number_as<T, S>) : stored_as(pattern, factor);
     Triangle<T> rounded(*problem.prior->stored);
-    bool const held = health_of(rounded.turn_into(rounded.covariance, by_unit_triangle(*problem.prior->stored))) == Health::sound;
+    bool const held =
+        health_of(rounded.turn_into(rounded.covariance, by_unit_triangle(*problem.prior->stored))) == Health::sound;
     return held && is_finite_vector(start) ? Health::sound : Health::nonfinite;
 }
 
 }  // namespace detail
 
-/// A filter of type To that stands where `from` stands: the same P (and its factor, where both hold the same one) and theta, the next
-/// row discounted by `forgetting`. lambda is asked for, since a form may hold only a rounding of its root.
+/// A filter of type To that stands where `from` stands: the same P (and its factor, where both hold the same one) and
+/// theta, the next row discounted by `forgetting`. lambda is asked for, since a form may hold only a rounding of its
+/// root.
 ///
 ///   theta as `from` answers it: bit for bit where both store it in one arithmetic
-///   P by docs/state.md's table, from factor to factor, in the longer of the two arithmetics; then each number is rounded once
+///   P by docs/state.md's table, from factor to factor, in the longer of the two arithmetics; then each number is
+///   rounded once
 ///
-/// From any variant to any dense one. A walk (Kalman's Q) does not go along; gain() is zero until the next row. Allocates; d^3 operations.
-/// Throws std::invalid_argument for a forgetting outside (0, 1], or a fixed size that is another. Source: Bierman 1977.
+/// From any variant to any dense one. A walk (Kalman's Q) does not go along; gain() is zero until the next row.
+/// Allocates; d^3 operations. Throws std::invalid_argument for a forgetting outside (0, 1], or a fixed size that is
+/// another. Source: Bierman 1977.
 template <OverOrderedField To, OverOrderedField From>
     requires(std::same_as<Truth<typename To::scalar>, bool> && std::same_as<Truth<typename From::scalar>, bool>)
 Converted<To> convert(From const& from, typename To::scalar const& forgetting = typename To::scalar(1)) {

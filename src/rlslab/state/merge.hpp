@@ -72,14 +72,15 @@ struct InformationRows {
 
 /// The prior of the filter that took both; `prior` alone is taken out unless it is null.
 template <Field T>
-Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, InformationRows<T> const* prior, T const& mu,
-                  Problem<T>& start) {
+Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, InformationRows<T> const* prior,
+                  T const& mu, Problem<T>& start) {
     if (Health const health = worse(sum.health, added.health); health != Health::sound) return health;
     expects(sum.D.size() == start.size && added.D.size() == start.size, "parts of the problem's size");
     for (Index i = 0; i < start.size; ++i) sum.D[i] *= mu;
     if (!sum.add(added, T(1)) || (prior && !sum.add(*prior, T(-mu)))) return Health::indefinite;
     start.prior = Prior<T>{.theta = solved_lower_transposed(sum.L, sum.z)};
-    start.prior->stored = Stored<T>{Stored<T>::Quantity::information, Stored<T>::Form::factor, sum.L.view(), sum.D.view()};
+    start.prior->stored =
+        Stored<T>{Stored<T>::Quantity::information, Stored<T>::Form::factor, sum.L.view(), sum.D.view()};
     Health const health = health_of(Triangle<T>(*start.prior->stored).turn_into(false, true));
     return worse(health, is_finite_vector(*start.prior->theta) ? Health::sound : Health::nonfinite);
 }
@@ -89,13 +90,15 @@ Health merge_rows(InformationRows<T>& sum, InformationRows<T> const& added, Info
 /// The filter that took older's rows and then newer's, where both started from the problem's prior, which counts once:
 ///
 ///   (1) X = mu X_a + X_b - mu X_0,   X theta alike,   X = P^-1,  mu = lambda^n,  n the rows of `newer`
-///   (2) as rows: R_a's with weight mu, then R_b's rotated in, then R_0's out (square-root-free rotations), so that no X is made
+///   (2) as rows: R_a's with weight mu, then R_b's rotated in, then R_0's out (square-root-free rotations), so that no
+///     X is made
 ///
-/// For every dense variant; without a prior nothing is taken out, and each part needs rows that determine its theta (QrBlock::merge does
-/// not, and is cheaper). Associative but for rounding; a part without rows changes no bit of the other. The prior's rows leave at least
-/// lambda^n / (1 + lambda^n) of the information in every direction, n the rows of `older`: (2) loses few digits until lambda^n is small.
-/// Not for parts whose lambda or weights were chosen from the data, nor for a walk. Health as convert reports it; gain() is
-/// zero until the next row. Throws std::invalid_argument for parts of another size. d^3 operations. Source: Bierman 1977.
+/// For every dense variant; without a prior nothing is taken out, and each part needs rows that determine its theta
+/// (QrBlock::merge does not, and is cheaper). Associative but for rounding; a part without rows changes no bit of the
+/// other. The prior's rows leave at least lambda^n / (1 + lambda^n) of the information in every direction, n the rows
+/// of `older`: (2) loses few digits until lambda^n is small. Not for parts whose lambda or weights were chosen from the
+/// data, nor for a walk. Health as convert reports it; gain() is zero until the next row. Throws std::invalid_argument
+/// for parts of another size. d^3 operations. Source: Bierman 1977.
 template <OverOrderedField F>
     requires(std::same_as<Truth<typename F::scalar>, bool>)
 Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<typename F::scalar> const& problem) {
@@ -111,7 +114,8 @@ Converted<Part<F>> merged(Part<F> const& older, Part<F> const& newer, Problem<ty
         F const before(problem);
         prior.emplace(before.stored(), before.theta());
     }
-    Problem<T> start{.size = detail::size_of<F> == Dynamic ? problem.size : detail::size_of<F>, .forgetting = problem.forgetting};
+    Problem<T> start{.size = detail::size_of<F> == Dynamic ? problem.size : detail::size_of<F>,
+                     .forgetting = problem.forgetting};
     T const mu = detail::power(problem.forgetting, newer.rows);
     Health const health = detail::merge_rows(sum, added, prior ? &*prior : nullptr, mu, start);  // (2)
     if (health != Health::sound) return {.health = health};

@@ -68,9 +68,13 @@ constexpr std::size_t entries_of() {
     if constexpr (NamesItsState<X>) {
         using Members = decltype(X::state(std::declval<X const&>()));
         if constexpr (requires { X::name; }) ++out;
-        if constexpr (requires(X const& x) { X::options(x); }) out += std::tuple_size_v<decltype(X::options(std::declval<X const&>()))>;
+        if constexpr (requires(X const& x) { X::options(x); })
+            out += std::tuple_size_v<decltype(X::options(std::declval<X const&>()))>;
         [&]<std::size_t... i>(std::index_sequence<i...>) {
-            ((out += is_first_of_its_type<Members, i>() ? entries_of<std::remove_cvref_t<std::tuple_element_t<i, Members>>>() : 0), ...);
+            ((out += is_first_of_its_type<Members, i>()
+                         ? entries_of<std::remove_cvref_t<std::tuple_element_t<i, Members>>>()
+                         : 0),
+             ...);
         }(std::make_index_sequence<std::tuple_size_v<Members>>());
     }
     return out;
@@ -223,8 +227,8 @@ struct KnownOf<StateVector<T, N>> {
 };
 template <class T, int N>
 struct KnownOf<StateMatrix<T, N>> {
-    static constexpr Known value =
-        N == Dynamic ? Known{.exact = false, .square = true} : Known{.bytes = std::size_t(N * N) * Encoding<T>::size, .size = N};
+    static constexpr Known value = N == Dynamic ? Known{.exact = false, .square = true}
+                                                : Known{.bytes = std::size_t(N * N) * Encoding<T>::size, .size = N};
 };
 template <class E, std::size_t n>
 struct KnownOf<std::array<E, n>> {
@@ -286,10 +290,11 @@ std::size_t state_size(F const& f) {
 /// The same where every length is fixed by the type: for a buffer of a microcontroller.
 template <NamesItsState F>
     requires(detail::known<F>().exact)
-inline constexpr std::size_t state_bytes = StateHeader::size + detail::entry_bytes<F> + detail::known<F>().bytes + StateHeader::checksum;
+inline constexpr std::size_t state_bytes =
+    StateHeader::size + detail::entry_bytes<F> + detail::known<F>().bytes + StateHeader::checksum;
 
-/// Writes f's state and returns how many bytes it took. `to` may be longer; throws std::invalid_argument where it is shorter. Allocates
-/// nothing; d^2 operations.
+/// Writes f's state and returns how many bytes it took. `to` may be longer; throws std::invalid_argument where it is
+/// shorter. Allocates nothing; d^2 operations.
 template <NamesItsState F>
 std::size_t save(F const& f, std::span<std::byte> to) {
     StateHeader const header = state_header(f);
@@ -326,8 +331,8 @@ auto state_of(F const& f) {
     }
 }
 
-/// Which edition of the algorithm a state may be of: `any` takes the numbers of another one. What follows then differs by rounding from
-/// what the saved filter would have given.
+/// Which edition of the algorithm a state may be of: `any` takes the numbers of another one. What follows then differs
+/// by rounding from what the saved filter would have given.
 enum class Edition { same, any };
 
 namespace detail {
@@ -358,9 +363,9 @@ StateFault compared_with_version_1(F const& f, Edition accepted) {
 }
 }  // namespace detail
 
-/// f becomes the filter that was saved, bit for bit; f was made with the same size and the same options, its forgetting and prior may be
-/// others. Anything but StateFault::none leaves f as it was. Neither allocates nor throws (sparse variants allocate). A checksum is no
-/// signature: who can write a file can also make its checksum right.
+/// f becomes the filter that was saved, bit for bit; f was made with the same size and the same options, its forgetting
+/// and prior may be others. Anything but StateFault::none leaves f as it was. Neither allocates nor throws (sparse
+/// variants allocate). A checksum is no signature: who can write a file can also make its checksum right.
 template <NamesItsState F>
 StateFault load(F& f, std::span<std::byte const> from, Edition accepted = Edition::same) {
     StateHeader found;
@@ -370,7 +375,8 @@ StateFault load(F& f, std::span<std::byte const> from, Edition accepted = Editio
     if (!same_arithmetic(found, expected)) return StateFault::arithmetic;
     if (found.parameters != expected.parameters) return StateFault::size;
     auto const entries = entries_in(found, from);
-    StateFault const fault = found.version == 1 ? detail::compared_with_version_1(f, accepted) : detail::compared(f, entries, accepted);
+    StateFault const fault =
+        found.version == 1 ? detail::compared_with_version_1(f, accepted) : detail::compared(f, entries, accepted);
     if (fault != StateFault::none) return fault;
     if (found.layout != detail::layout_of(f, found.version)) return StateFault::layout;
     std::size_t const first = StateHeader::size + entries.size();

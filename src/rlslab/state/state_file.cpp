@@ -10,10 +10,11 @@ namespace rlslab {
 namespace {
 
 std::string described(StateHeader const& header) {
-    std::string out =
-        fmt::format("{} in {}", printable(StateHeader::text(header.variant)), printable(StateHeader::text(header.arithmetic)));
+    std::string out = fmt::format("{} in {}", printable(StateHeader::text(header.variant)),
+                                  printable(StateHeader::text(header.arithmetic)));
     if (header.lanes > 1) out += fmt::format(" of {} lanes", header.lanes);
-    if (header.parameters > 0) out += fmt::format(" with {} parameter{}", header.parameters, header.parameters == 1 ? "" : "s");
+    if (header.parameters > 0)
+        out += fmt::format(" with {} parameter{}", header.parameters, header.parameters == 1 ? "" : "s");
     return out;
 }
 
@@ -35,7 +36,8 @@ std::string value_of(StateEntry const& entry) {
     return double(single) == entry.value ? fmt::format("{}", single) : fmt::format("{}", entry.value);
 }
 /// Where the two begin to differ: ", its guard has innovation 4, expected 6".
-std::string difference(StateFault fault, std::vector<StateEntry> const& found, std::vector<StateEntry> const& expected) {
+std::string difference(StateFault fault, std::vector<StateEntry> const& found,
+                       std::vector<StateEntry> const& expected) {
     if (found.empty() || fault == StateFault::value) return fmt::format(", {}", name_of(fault));
     if (layers(found) != layers(expected)) return fmt::format(", {}, expected {}", layers(found), layers(expected));
     std::string layer;
@@ -43,8 +45,9 @@ std::string difference(StateFault fault, std::vector<StateEntry> const& found, s
         if (found[i].kind == 'f') layer = name_of(found[i]);
         bool const looked_at = found[i].kind == (fault == StateFault::edition ? 'f' : 'o');
         if (!looked_at || found[i].same_value(expected[i])) continue;
-        return fmt::format(", its {} has {} {}, expected {}", layer, fault == StateFault::edition ? "edition" : name_of(found[i]),
-                           value_of(found[i]), value_of(expected[i]));
+        return fmt::format(", its {} has {} {}, expected {}", layer,
+                           fault == StateFault::edition ? "edition" : name_of(found[i]), value_of(found[i]),
+                           value_of(expected[i]));
     }
     return fmt::format(", {}", name_of(fault));
 }
@@ -52,7 +55,8 @@ std::string difference(StateFault fault, std::vector<StateEntry> const& found, s
 std::string unreadable(StateFault fault, StateHeader const& header, std::size_t bytes) {
     if (fault == StateFault::later_version)
         return fmt::format("one of format {}, this program reads formats up to {}", header.version, state_version);
-    return fmt::format("{} bytes that are {}{}", bytes, fault == StateFault::no_state ? "" : "a state ", name_of(fault));
+    return fmt::format("{} bytes that are {}{}", bytes, fault == StateFault::no_state ? "" : "a state ",
+                       name_of(fault));
 }
 
 }  // namespace
@@ -73,7 +77,8 @@ std::string refusal(StateFault fault, StateHeader const& expected, std::vector<S
 std::vector<StateEntry> state_entries(StateHeader const& header, std::span<std::byte const> whole) {
     std::vector<StateEntry> out;
     auto const bytes = entries_in(header, whole);
-    for (std::size_t at = 4; at < bytes.size(); at += StateEntry::size) out.push_back(StateEntry::read(bytes.data() + at));
+    for (std::size_t at = 4; at < bytes.size(); at += StateEntry::size)
+        out.push_back(StateEntry::read(bytes.data() + at));
     return out;
 }
 
@@ -81,11 +86,14 @@ std::string described_state(std::span<std::byte const> bytes) {
     StateHeader header;
     if (StateFault const fault = StateHeader::read(bytes, header); fault != StateFault::none)
         throw InputError("expected a state, found " + unreadable(fault, header, bytes.size()));
-    std::string out = fmt::format("a state of {}: format {}, {} bytes\n", described(header), header.version, bytes.size());
+    std::string out =
+        fmt::format("a state of {}: format {}, {} bytes\n", described(header), header.version, bytes.size());
     if (header.version == 1) return out + "format 1 does not say by name what is around the variant, nor its options\n";
     for (StateEntry const& entry : state_entries(header, bytes)) {
         if (entry.kind == 'f') out += fmt::format("{}, edition {}\n", name_of(entry), value_of(entry));
-        else out += fmt::format("  {:<16} {}{}\n", name_of(entry), value_of(entry), entry.kind == 'c' ? "  (counted)" : "");
+        else
+            out +=
+                fmt::format("  {:<16} {}{}\n", name_of(entry), value_of(entry), entry.kind == 'c' ? "  (counted)" : "");
     }
     return out;
 }
@@ -93,7 +101,8 @@ std::string described_state(std::span<std::byte const> bytes) {
 namespace detail {
 
 std::vector<std::byte> bytes_of(std::filesystem::path const& path) {
-    if (std::error_code none; std::filesystem::is_directory(path, none)) refuse_state(path, "cannot read: it is a folder");
+    if (std::error_code none; std::filesystem::is_directory(path, none))
+        refuse_state(path, "cannot read: it is a folder");
     std::ifstream file(path, std::ios::binary);
     std::vector<char> const text{std::istreambuf_iterator<char>(file), {}};
     if (!file.is_open() || file.bad()) refuse_state(path, fmt::format("cannot read: {}", std::strerror(errno)));

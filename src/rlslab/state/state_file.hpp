@@ -7,8 +7,8 @@
 
 namespace rlslab {
 
-/// "expected a state of ud in float with 5 parameters, found one of qr in double with 3": one printable line. parameters 0: any.
-/// `entries`: what the filter says by name.
+/// "expected a state of ud in float with 5 parameters, found one of qr in double with 3": one printable line.
+/// parameters 0: any. `entries`: what the filter says by name.
 std::string refusal(StateFault fault, StateHeader const& expected, std::vector<StateEntry> const& entries,
                     std::span<std::byte const> found);
 
@@ -22,8 +22,8 @@ std::vector<StateEntry> state_entries(F const& f) {
 }
 /// What a whole state says by name; nothing in version 1.
 std::vector<StateEntry> state_entries(StateHeader const& header, std::span<std::byte const> whole);
-/// What a state says of itself, a line each: the variant, its arithmetic and size, what is around it, editions, options, counts. Throws
-/// InputError for bytes that are no whole state.
+/// What a state says of itself, a line each: the variant, its arithmetic and size, what is around it, editions,
+/// options, counts. Throws InputError for bytes that are no whole state.
 std::string described_state(std::span<std::byte const> bytes);
 
 namespace detail {
@@ -32,8 +32,8 @@ std::vector<std::byte> bytes_of(std::filesystem::path const& path);
 [[noreturn]] void refuse_state(std::filesystem::path const& path, std::string const& why);
 }  // namespace detail
 
-/// The filter that was saved. Throws InputError for bytes that are no state of an F. Members around a filter that need more than a
-/// Problem to be made are made first, and loaded into.
+/// The filter that was saved. Throws InputError for bytes that are no state of an F. Members around a filter that need
+/// more than a Problem to be made are made first, and loaded into.
 template <NamesItsState F>
 F loaded(std::span<std::byte const> from) {
     using T = typename F::scalar;
@@ -45,8 +45,10 @@ F loaded(std::span<std::byte const> from) {
     if (fault == StateFault::none && found.variant != expected.variant) fault = StateFault::variant;
     if (fault == StateFault::none && !same_arithmetic(found, expected)) fault = StateFault::arithmetic;
     // Each number takes a byte: no file makes us allocate more than a multiple of its own size.
-    std::uint64_t const d = found.parameters, most = types.square ? from.size() / std::max<std::uint64_t>(d, 1) : from.size();
-    if (fault == StateFault::none && (d < 1 || d > most || (types.size > 0 && d != expected.parameters))) fault = StateFault::size;
+    std::uint64_t const d = found.parameters,
+                        most = types.square ? from.size() / std::max<std::uint64_t>(d, 1) : from.size();
+    if (fault == StateFault::none && (d < 1 || d > most || (types.size > 0 && d != expected.parameters)))
+        fault = StateFault::size;
     if (fault == StateFault::none) {
         F f(Problem<T>{.size = Index(d)});
         fault = load(f, from);
@@ -63,8 +65,8 @@ void save(F const& f, std::filesystem::path const& path, bool on_disk = true) {
     replace_file(path, {reinterpret_cast<char const*>(bytes.data()), bytes.size()}, on_disk);
 }
 
-/// f becomes the filter that was saved there. Throws InputError, naming the file, what was expected and what was found; f is then as it
-/// was.
+/// f becomes the filter that was saved there. Throws InputError, naming the file, what was expected and what was found;
+/// f is then as it was.
 template <NamesItsState F>
 void load(F& f, std::filesystem::path const& path, Edition accepted = Edition::same) {
     std::vector<std::byte> const bytes = detail::bytes_of(path);

@@ -12,16 +12,19 @@ namespace rlslab {
 //    0  magic: 89 52 4c 53 0d 0a 1a 0a               16  smallest and largest exponent of the arithmetic, 4 + 4 bytes
 //    8  version, 2 bytes                             24  d, 4 bytes           28  checksum of the layout, 4 bytes
 //   10  lanes of the arithmetic, 2 bytes             32  bytes in all, 8 bytes
-//   12  bits p of its significand, 4 bytes           40  the variant's name, 32 bytes       72  the arithmetic's name, 24 bytes
+//   12  bits p of its significand, 4 bytes           40  the variant's name, 32 bytes
+//   72  the arithmetic's name, 24 bytes
 //   96  how many entries follow, 4 bytes; then each, 32 bytes: kind, name (23 bytes, zeros behind), a binary64
-//       'f'  a filter, or what is around one, from outside in; its edition        'o'  an option of it        'c'  a count of it
-//       the members that F::state names, in their order, numbers as Encoding has them, matrices by columns, whole squares
-//       (kernels read the half of a triangle that is zero)
+//       'f'  a filter, or what is around one, from outside in; its edition
+//       'o'  an option of it        'c'  a count of it
+//       the members that F::state names, in their order, numbers as Encoding has them, matrices by columns, whole
+//       squares (kernels read the half of a triangle that is zero)
 //  end  CRC-32 of all before, 4 bytes
 //
-// The layout is the sequence of members, their kinds and lengths. Magic, version, length and checksum stay where they are in every
-// version, so that each tells damage from another version. Version 1 has no entries: it does not tell rules, policies and options apart,
-// and its editions are 1. A version after this one reads both: when a page's list changes, the page keeps its old list as state_1.
+// The layout is the sequence of members, their kinds and lengths. Magic, version, length and checksum stay where they
+// are in every version, so that each tells damage from another version. Version 1 has no entries: it does not tell
+// rules, policies and options apart, and its editions are 1. A version after this one reads both: when a page's list
+// changes, the page keeps its old list as state_1.
 inline constexpr std::uint16_t state_version = 2;
 
 /// Why bytes were refused.
@@ -65,7 +68,8 @@ struct StateHeader {
     template <int n>
     using Name = std::array<char, n>;  ///< zeros behind
 
-    std::uint64_t version = state_version, lanes = 1, digits = 0, min_exp = 0, max_exp = 0, parameters = 0, layout = 0, bytes = 0;
+    std::uint64_t version = state_version, lanes = 1, digits = 0, min_exp = 0, max_exp = 0, parameters = 0, layout = 0,
+                  bytes = 0;
     Name<32> variant{};
     Name<24> arithmetic{};
 
@@ -95,16 +99,22 @@ struct StateHeader {
         for (std::size_t i = 0; i < magic.size(); ++i) to[i] = std::byte(magic[i]);
         fields(
             *this, [to](std::uint64_t n, int at, int length) { detail::write_low(n, std::size_t(length), to + at); },
-            [to](auto const& text, int at) { std::transform(text.begin(), text.end(), to + at, [](char c) { return std::byte(c); }); });
+            [to](auto const& text, int at) {
+                std::transform(text.begin(), text.end(), to + at, [](char c) { return std::byte(c); });
+            });
     }
     /// The header of a whole and undamaged state; or the first thing that the bytes are not.
     static StateFault read(std::span<std::byte const> from, StateHeader& out) {
         auto const is = [](std::byte b, unsigned char c) { return b == std::byte(c); };
-        if (from.size() < magic.size() || !std::equal(magic.begin(), magic.end(), from.begin(), [&](auto c, auto b) { return is(b, c); }))
+        if (from.size() < magic.size() ||
+            !std::equal(magic.begin(), magic.end(), from.begin(), [&](auto c, auto b) { return is(b, c); }))
             return StateFault::no_state;
         if (from.size() < size + checksum) return StateFault::cut_short;
         fields(
-            out, [from](std::uint64_t& n, int at, int length) { n = detail::read_low(from.data() + at, std::size_t(length)); },
+            out,
+            [from](std::uint64_t& n, int at, int length) {
+                n = detail::read_low(from.data() + at, std::size_t(length));
+            },
             [from](auto& text, int at) {
                 std::transform(from.begin() + at, from.begin() + at + std::ptrdiff_t(text.size()), text.begin(),
                                [](std::byte b) { return char(b); });
@@ -114,7 +124,8 @@ struct StateHeader {
         std::size_t const end = from.size() - checksum;
         Checksum sum;
         sum.add(from.first(end));
-        if (out.version == 0 || detail::read_low(from.data() + end, checksum) != sum.value()) return StateFault::damaged;
+        if (out.version == 0 || detail::read_low(from.data() + end, checksum) != sum.value())
+            return StateFault::damaged;
         return out.version > state_version ? StateFault::later_version : StateFault::none;
     }
 };

@@ -27,17 +27,20 @@ class Unpacker {
     }
     /// Behind a part: another, zeros that fill up a tape's block, or the end.
     bool another() {
-        if (!gzip_ && (stream_.avail_in > 0 || refill())) fail("expected compressed data to end, found something behind them");
+        if (!gzip_ && (stream_.avail_in > 0 || refill()))
+            fail("expected compressed data to end, found something behind them");
         while (stream_.avail_in > 0 || refill()) {
             if (*stream_.next_in == 0x1f) return true;
-            if (*stream_.next_in != 0) fail("expected the compressed data to end the file, found something behind them");
+            if (*stream_.next_in != 0)
+                fail("expected the compressed data to end the file, found something behind them");
             ++stream_.next_in, --stream_.avail_in;
         }
         return false;
     }
 
 public:
-    Unpacker(ByteSource packed, std::string name, bool gzip) : packed_(std::move(packed)), name_(std::move(name)), gzip_(gzip) {
+    Unpacker(ByteSource packed, std::string name, bool gzip)
+        : packed_(std::move(packed)), name_(std::move(name)), gzip_(gzip) {
         constexpr int gzip_alone = 16;
         if (inflateInit2(&stream_, (gzip ? gzip_alone : 0) + MAX_WBITS) != Z_OK) throw std::bad_alloc();
     }
@@ -58,7 +61,8 @@ public:
             if (code == Z_MEM_ERROR) throw std::bad_alloc();
             if (code == Z_STREAM_END) at_ = At::behind;
             else if (code != Z_OK && code != Z_BUF_ERROR)
-                fail(std::string("the compressed data are damaged") + (stream_.msg ? std::string(" (") + stream_.msg + ')' : ""));
+                fail(std::string("the compressed data are damaged") +
+                     (stream_.msg ? std::string(" (") + stream_.msg + ')' : ""));
         }
         return most - stream_.avail_out;
     }

@@ -1,8 +1,8 @@
 // Version 5, read without matio: for a file that was cut short, matio 1.5.23 returns numbers that are not in it.
 //
-// The format (MAT-File Format, MathWorks): 128 bytes of header; then elements, each a tag (type, bytes) and so many bytes, one
-// for each variable. A compressed element holds another in zlib's form. A matrix holds elements padded to 8 bytes: flags,
-// dimensions, name, numbers (of any type that keeps them), imaginary parts.
+// The format (MAT-File Format, MathWorks): 128 bytes of header; then elements, each a tag (type, bytes) and so many
+// bytes, one for each variable. A compressed element holds another in zlib's form. A matrix holds elements padded to 8
+// bytes: flags, dimensions, name, numbers (of any type that keeps them), imaginary parts.
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/mat.hpp>
 #include <rlslab/input/formats/mat_variables.hpp>
@@ -58,7 +58,9 @@ public:
 
     Reader(ByteSource bytes, std::string const& file, bool other_end, std::size_t count)
         : bytes_(std::move(bytes)), file_(file), swapped(other_end), left(count) {}
-    [[noreturn]] void fail(std::string const& what) const { throw InputError(fmt::format("{}: {}: the file is damaged", file_, what)); }
+    [[noreturn]] void fail(std::string const& what) const {
+        throw InputError(fmt::format("{}: {}: the file is damaged", file_, what));
+    }
     std::size_t some(std::span<char> to) {
         std::size_t const got = bytes_(to.first(std::min(to.size(), left)));
         left -= got;
@@ -76,7 +78,8 @@ public:
     }
     void skip(std::size_t count) {
         std::array<char, 4096> waste;
-        for (; count > 0; count -= std::min(count, waste.size())) need(std::span(waste).first(std::min(count, waste.size())));
+        for (; count > 0; count -= std::min(count, waste.size()))
+            need(std::span(waste).first(std::min(count, waste.size())));
     }
     /// The number that begins there, from either end.
     template <class T>
@@ -99,7 +102,8 @@ struct Tag {
 std::optional<Tag> next_tag(Reader& r) {
     std::array<char, 8> raw;
     if (!r.fill(raw)) return std::nullopt;
-    std::uint32_t const first = r.number<std::uint32_t>(raw), second = r.number<std::uint32_t>(std::span(raw).subspan(4));
+    std::uint32_t const first = r.number<std::uint32_t>(raw),
+                        second = r.number<std::uint32_t>(std::span(raw).subspan(4));
     if (first >> 16 == 0) return Tag{Type(first), second};
     Tag tag{Type(first & 0xffff), first >> 16};
     if (tag.bytes > 4) r.fail("a short element says it is long");
@@ -155,7 +159,8 @@ void read_numbers(Reader& r, MatVariable& v, std::vector<std::string> const& req
             std::span<char> const raw = std::span(chunk).first(count * size);
             if (tag.small) std::copy_n(tag.here.begin() + long((j * v.rows + i) * size), raw.size(), raw.begin());
             else r.need(raw);
-            for (std::size_t k = 0; k < count && !skipped; ++k) v.values[j].push_back(widened(r, tag.type, raw.subspan(k * size)));
+            for (std::size_t k = 0; k < count && !skipped; ++k)
+                v.values[j].push_back(widened(r, tag.type, raw.subspan(k * size)));
         }
     }
 }
@@ -214,7 +219,8 @@ Columns read_mat5(ByteSource bytes, std::string const& file, std::vector<std::st
         if (type == Type::matrix && !tag->small && inner > 0) variables.push_back(read_matrix(element, requested));
         element.skip(element.left);
         std::array<char, 1> more;
-        if (compressed && part(more) > 0) r.fail("a compressed variable is longer than it says");  // with a correct checksum
+        if (compressed && part(more) > 0)
+            r.fail("a compressed variable is longer than it says");  // with a correct checksum
         if (!compressed && !tag->small) r.skip(tag->padding());
     }
     return columns_of(variables, file, requested);

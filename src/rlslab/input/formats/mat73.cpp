@@ -1,4 +1,5 @@
-// Version 7.3, by matio. The kind of a variable is read first; its numbers are read only for the columns that are needed.
+// Version 7.3, by matio. The kind of a variable is read first; its numbers are read only for the columns that are
+// needed.
 #include <rlslab/input/formats/mat.hpp>
 #include <rlslab/input/formats/mat_variables.hpp>
 
@@ -44,7 +45,8 @@ Columns read_mat73(std::string const& path, std::vector<std::string> const& requ
     Mat_LogInitFunc("rlslab", [](int, char*) {});  // matio's own would print, and abort
     if (!std::filesystem::is_regular_file(path)) fail("a MATLAB file of version 7.3 is read from a regular file alone");
     std::unique_ptr<mat_t, Close> const mat(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
-    if (!mat) fail("a MATLAB file of version 7.3 that matio cannot open: damaged, or matio has no HDF5 (save it with -v7)");
+    if (!mat)
+        fail("a MATLAB file of version 7.3 that matio cannot open: damaged, or matio has no HDF5 (save it with -v7)");
     std::vector<MatVariable> variables;
     while (Variable const v{Mat_VarReadNextInfo(mat.get())}) {
         std::vector<std::size_t> sizes;
@@ -56,10 +58,12 @@ Columns read_mat73(std::string const& path, std::vector<std::string> const& requ
         if (requested_columns.empty()) continue;
         Variable const v{Mat_VarRead(mat.get(), variable.name.c_str())};
         auto const read = v ? reading(v->data_type) : nullptr;
-        if (!read || !v->data || v->data_size < 1 || v->nbytes / std::size_t(v->data_size) < variable.rows * variable.cols)
+        if (!read || !v->data || v->data_size < 1 ||
+            v->nbytes / std::size_t(v->data_size) < variable.rows * variable.cols)
             fail(printable(variable.name) + ": its numbers cannot be read: the file is damaged");
         for (std::size_t const j : requested_columns)
-            for (std::size_t i = 0; i < variable.rows; ++i) variable.values[j].push_back(read(v->data, j * variable.rows + i));
+            for (std::size_t i = 0; i < variable.rows; ++i)
+                variable.values[j].push_back(read(v->data, j * variable.rows + i));
     }
     return columns_of(variables, file, requested);
 }

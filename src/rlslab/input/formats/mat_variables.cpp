@@ -20,7 +20,10 @@ std::string_view text_of(MatClass is, bool complex) {
         case MatClass::function: return "a function";
         case MatClass::text: return "text";
         case MatClass::sparse: return "a sparse matrix";
-        default: return is < MatClass::binary64 || is > MatClass::opaque ? "something unknown" : complex ? "complex numbers" : "";
+        default:
+            return is < MatClass::binary64 || is > MatClass::opaque ? "something unknown"
+                   : complex                                        ? "complex numbers"
+                                                                    : "";
     }
 }
 
@@ -41,7 +44,9 @@ MatVariable::MatVariable(std::string called, MatClass is, bool complex, std::vec
     if (!why.empty()) rows = cols = 0;
 }
 
-std::string MatVariable::column_name(std::size_t j) const { return cols == 1 ? name : fmt::format("{}_{}", name, j + 1); }
+std::string MatVariable::column_name(std::size_t j) const {
+    return cols == 1 ? name : fmt::format("{}_{}", name, j + 1);
+}
 
 bool MatVariable::is_column(std::size_t j, std::string const& requested) const {
     if (requested == column_name(j)) return true;
@@ -53,11 +58,13 @@ bool MatVariable::is_column(std::size_t j, std::string const& requested) const {
 std::vector<std::size_t> columns_requested(MatVariable const& variable, std::vector<std::string> const& requested) {
     std::vector<std::size_t> out;
     for (std::size_t j = 0; j < variable.cols; ++j)
-        if (std::ranges::any_of(requested, [&](auto const& name) { return variable.is_column(j, name); })) out.push_back(j);
+        if (std::ranges::any_of(requested, [&](auto const& name) { return variable.is_column(j, name); }))
+            out.push_back(j);
     return out;
 }
 
-Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& requested) {
+Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file,
+                   std::vector<std::string> const& requested) {
     expects(!requested.empty(), "the name of a column at least");
     auto const fail = [&](std::string const& what) { throw InputError(file + ": " + what); };
     if (variables.empty()) fail("expected variables, found none");
@@ -83,13 +90,13 @@ Columns columns_of(std::vector<MatVariable> const& variables, std::string const&
         std::vector<double> const& column = *values[column_called(called, names, true, file, file)];
         for (std::size_t i = 0; i < column.size(); ++i)
             if (std::abs(column[i]) > largest_value)
-                fail(fmt::format("{}, row {}: expected 0 or a size up to 2^500 (squares must stay finite), found {}", shown, i + 1,
-                                 column[i]));
+                fail(fmt::format("{}, row {}: expected 0 or a size up to 2^500 (squares must stay finite), found {}",
+                                 shown, i + 1, column[i]));
         data.values.push_back(column);
         std::size_t const rows = data.values.front().size();
         if (column.size() != rows)
-            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows, printable(requested.front()),
-                             column.size(), shown));
+            fail(fmt::format("expected columns of equal length, found {} numbers in {} and {} in {}", rows,
+                             printable(requested.front()), column.size(), shown));
     }
     data.lines.resize(data.values.front().size());
     std::iota(data.lines.begin(), data.lines.end(), 1L);

@@ -44,6 +44,7 @@ struct MatVariable {
 std::vector<std::size_t> columns_requested(MatVariable const& variable, std::vector<std::string> const& requested);
 
 /// The columns named in `requested`, from variables that hold their values. Throws InputError as read_mat5.
-Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file, std::vector<std::string> const& requested);
+Columns columns_of(std::vector<MatVariable> const& variables, std::string const& file,
+                   std::vector<std::string> const& requested);
 
 }  // namespace rlslab

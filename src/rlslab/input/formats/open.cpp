@@ -19,7 +19,8 @@ Columns read_data(DataFile const& file, std::vector<std::string> const& requeste
     if (file.format.separator != 0 || file.format.decimal != 0)
         throw InputError(name + ": a MATLAB file has no separators and decimal marks");
     if (!is_mat73(begin)) return read_mat5(std::move(bytes), name, requested);
-    if (compressed || file.path == "-") throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
+    if (compressed || file.path == "-")
+        throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
     return read_mat73(file.path, requested);
 }
 

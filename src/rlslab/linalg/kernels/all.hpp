@@ -14,14 +14,16 @@
 
 #include <rlslab/linalg/kernels/reflect.hpp>
 
-/// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes` bytes.
+/// The type of a block of rows in a kernel's text: Any for every arithmetic, InRegisters for registers of `bytes`
+/// bytes.
 template <class K, class T>
 using Any = std::conditional_t<OnColumns<K>, Lane<T>, ScalarRow<T>>;
 template <class K, class T, int bytes>
 using InRegisters = std::conditional_t<OnColumns<K>, Packed<T, bytes>, SimdBlock<T, bytes>>;
 
 template <class B, class K>
-[[gnu::noinline, gnu::aligned(64)]] void run_outlined(K const& kernel) {  // on a cache line, whatever is linked beside it
-    K const copy = kernel;                                                // whose address nobody has: its fields stay in registers
+[[gnu::noinline, gnu::aligned(64)]] void run_outlined(
+    K const& kernel) {      // on a cache line, whatever is linked beside it
+    K const copy = kernel;  // whose address nobody has: its fields stay in registers
     evaluate<B>(copy);
 }

@@ -1,8 +1,9 @@
-// The two types in which the texts of the kernels are written: one row (ScalarRow), or a block of eight (SimdBlock; four for the smallest
-// fixed sizes). Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+// The two types in which the texts of the kernels are written: one row (ScalarRow), or a block of eight (SimdBlock;
+// four for the smallest fixed sizes). Included by dispatch.hpp once for each instruction set, each time in a namespace
+// of its own: no #pragma once.
 //
-// ScalarRow works in every arithmetic. SimdBlock holds whole registers. Rows that do not exist are padding, which may hold any number; sums
-// mask it out. Both types have the same members, so that one text serves both.
+// ScalarRow works in every arithmetic. SimdBlock holds whole registers. Rows that do not exist are padding, which may
+// hold any number; sums mask it out. Both types have the same members, so that one text serves both.
 
 template <class T>
 struct ScalarRow {
@@ -28,7 +29,8 @@ struct ScalarRow {
     [[gnu::always_inline]] void subtract_product(ScalarRow const& a, T const& b) { x -= a.x * b; }
 };
 
-/// The row of a complex matrix: the factors are complex or real. A product with a complex factor is not conjugated here.
+/// The row of a complex matrix: the factors are complex or real. A product with a complex factor is not conjugated
+/// here.
 template <class F>
 struct ScalarRow<Complex<F>> {
     using scalar = Complex<F>;
@@ -151,8 +153,8 @@ struct SimdBlock {
 #pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = v[m] + a.v[m];
     }
-    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}, s = the last after. The vectors are built in registers, because narrow
-    /// stores do not forward to the wide loads that follow.
+    /// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1}, s = the last after. The vectors are built in registers,
+    /// because narrow stores do not forward to the wide loads that follow.
     [[gnu::always_inline]] void accumulate(T& s, SimdBlock& before, SimdBlock& after, RowRange p) const {
         T here[Rows + 1];
         here[0] = T(0);
@@ -214,8 +216,8 @@ struct SimdBlock {
         for (int i = 0; i < W; ++i) out = out && zero[i] != 0;
         return out;
     }
-    /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The functions "_all" are for
-    /// blocks without padding.
+    /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The
+    /// functions "_all" are for blocks without padding.
     [[gnu::always_inline]] void start_sum_all(SimdBlock const& a, SimdBlock const& b) {
 #pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) v[m] = a.v[m] * b.v[m];
@@ -254,8 +256,8 @@ struct SimdBlock {
             }
 #pragma GCC unroll 16
             for (int c = 0; c < 4; c += 2)
-                *reinterpret_cast<Anywhere*>(out + c) =
-                    __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) + __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
+                *reinterpret_cast<Anywhere*>(out + c) = __builtin_shufflevector(pair[c], pair[c + 1], 0, 2) +
+                                                        __builtin_shufflevector(pair[c], pair[c + 1], 1, 3);
         } else {
             typedef T Four __attribute__((vector_size(4 * sizeof(T))));
             typedef T FourAnywhere __attribute__((vector_size(4 * sizeof(T)), aligned(alignof(T)), may_alias));
@@ -264,13 +266,17 @@ struct SimdBlock {
             for (int c = 0; c < 4; ++c) {
                 V const* const r = a[c].v;
                 if constexpr (W == 8)
-                    h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) + __builtin_shufflevector(r[0], r[0], 4, 5, 6, 7);
+                    h[c] = __builtin_shufflevector(r[0], r[0], 0, 1, 2, 3) +
+                           __builtin_shufflevector(r[0], r[0], 4, 5, 6, 7);
                 else if constexpr (Rows == 8) h[c] = r[0] + r[1];
                 else h[c] = r[0];
             }
-            Four const p = __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
-            Four const q = __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
-            Four const even = __builtin_shufflevector(p, q, 0, 2, 4, 6), odd = __builtin_shufflevector(p, q, 1, 3, 5, 7);
+            Four const p =
+                __builtin_shufflevector(h[0], h[1], 0, 1, 4, 5) + __builtin_shufflevector(h[0], h[1], 2, 3, 6, 7);
+            Four const q =
+                __builtin_shufflevector(h[2], h[3], 0, 1, 4, 5) + __builtin_shufflevector(h[2], h[3], 2, 3, 6, 7);
+            Four const even = __builtin_shufflevector(p, q, 0, 2, 4, 6),
+                       odd = __builtin_shufflevector(p, q, 1, 3, 5, 7);
             *reinterpret_cast<FourAnywhere*>(out) = even + odd;
         }
     }
@@ -292,7 +298,8 @@ private:
         (subtract_either_in<first - m * W>(v[m], a.v[m], b, c.v[m], d), ...);
     }
     template <int count, int... m>
-    [[gnu::always_inline]] void sum_first_in_each(SimdBlock const& a, SimdBlock const& b, std::integer_sequence<int, m...>) {
+    [[gnu::always_inline]] void sum_first_in_each(SimdBlock const& a, SimdBlock const& b,
+                                                  std::integer_sequence<int, m...>) {
         (sum_first_in<count - m * W>(v[m], a.v[m], b.v[m]), ...);
     }
     template <int count>

@@ -1,12 +1,13 @@
-// The sweeps of sweep.hpp with their loops exchanged: a few columns side by side, from the first block of rows to the last. Included by
-// dispatch.hpp once for each instruction set: no #pragma once.
+// The sweeps of sweep.hpp with their loops exchanged: a few columns side by side, from the first block of rows to the
+// last. Included by dispatch.hpp once for each instruction set: no #pragma once.
 //
-// Memory is read in its order, which pays where A is larger than the caches. Vectors along the rows (w, and the product with A) pass
-// through registers once for each group of columns; the dot product of a column stays in them, so that a triangle is changed and
-// multiplied in one pass. Each number takes part in the operations of sweep.hpp in their order. Sums start from -0 here, too.
+// Memory is read in its order, which pays where A is larger than the caches. Vectors along the rows (w, and the product
+// with A) pass through registers once for each group of columns; the dot product of a column stays in them, so that a
+// triangle is changed and multiplied in one pass. Each number takes part in the operations of sweep.hpp in their order.
+// Sums start from -0 here, too.
 
-// What is done besides with the block that is left in column c of a group, at rows i0: NothingElse, or one of these. Between begin and end
-// c goes from 0 to C - 1.
+// What is done besides with the block that is left in column c of a group, at rows i0: NothingElse, or one of these.
+// Between begin and end c goes from 0 to C - 1.
 /// out_i += A_ij x_j over the columns of the group.
 template <class B, int C>
 struct SumAcross {
@@ -32,7 +33,8 @@ struct SumsDown {
     [[gnu::always_inline]] void add(int c, B const& t) { sum[c].sum_all(t, here); }
     void end(Index) {}
 };
-/// The same in the block with the diagonals: row `diagonal` has that of the first column. Below its diagonal a column has no rows.
+/// The same in the block with the diagonals: row `diagonal` has that of the first column. Below its diagonal a column
+/// has no rows.
 template <class B>
 struct SumsToDiagonal {
     B (&sum)[4];
@@ -60,7 +62,8 @@ struct Columns {
 
 /// The blocks of rows from i0 to i1 of a group.
 template <class B, class S, int C, class Also>
-[[gnu::always_inline]] inline void side_by_side(S const& s, Columns<C, S> const& group, Index i0, Index i1, Also& also) {
+[[gnu::always_inline]] inline void side_by_side(S const& s, Columns<C, S> const& group, Index i0, Index i1,
+                                                Also& also) {
     for (; i0 < i1; i0 += B::rows) {
         B w = block_of<B>(s.w, i0);
         also.begin(i0);
@@ -77,7 +80,8 @@ template <class B, class S, int C, class Also>
     }
 }
 
-// --- groups of C columns from j0 on ----------------------------------------------------------------------------------------
+// --- groups of C columns from j0 on
+// ----------------------------------------------------------------------------------------
 
 // The rows [i0, i1) of a square.
 template <class B, int C, class S, class Also>
@@ -142,7 +146,9 @@ template <class B, int C, class S>
     side_by_side<B>(sweep, columns, 0, corner, above);
     SumsToDiagonal<B> rest{sum, {}, j0 - corner};
     if (corner + B::rows <= s.d) rest.here.load(s.x + corner);
-    else rest.here.load_unpadded(s.x + corner, rows_of<B>(corner, s.d));  // x belongs to the caller: nothing behind its end is read
+    else
+        rest.here.load_unpadded(s.x + corner,
+                                rows_of<B>(corner, s.d));  // x belongs to the caller: nothing behind its end is read
     side_by_side<B>(sweep, columns, corner, corner + B::rows, rest);
     typename B::scalar products[4];
     B::sums(sum, products);
@@ -178,7 +184,8 @@ template <class B, int C, class S>
     for (; j0 < s.d; ++j0) group<B, 1>(s, j0);
 }
 
-// --- which of the two ways --------------------------------------------------------------------------------------------------
+// --- which of the two ways
+// --------------------------------------------------------------------------------------------------
 
 template <class B, class S>
 constexpr Index columns_from = B::rows == 1 ? never

@@ -14,7 +14,8 @@ template <class B, class T>
     return out;
 }
 
-// --- elementwise, in one pass over a column ---------------------------------------------------------------------------
+// --- elementwise, in one pass over a column
+// ---------------------------------------------------------------------------
 
 // One line, one operation.
 // clang-format off
@@ -27,7 +28,9 @@ template <class B, class T>
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) { x.add_product(block_of<B>(k.y, i0), k.a); }
+[[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) {
+    x.add_product(block_of<B>(k.y, i0), k.a);
+}
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(ScaleByOne<T> const& k, Index, B& x) { x.scale(k.a); }
 template <class B, class T>
@@ -55,8 +58,8 @@ template <class B, Elementwise K>
     }
 }
 
-/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} within blocks of eight: from one block to the next only one addition waits for
-/// another. This is the text for single rows; it adds in the order of SimdBlock::accumulate.
+/// after_i = s + (x_0 + ... + x_i), before_i = after_{i-1} within blocks of eight: from one block to the next only one
+/// addition waits for another. This is the text for single rows; it adds in the order of SimdBlock::accumulate.
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(PrefixSums<T> const& k) {
@@ -90,7 +93,8 @@ template <class B, class T>
     *k.finite = differences.all_zero();
 }
 
-// --- dot products, four columns at once -------------------------------------------------------------------------------
+// --- dot products, four columns at once
+// -------------------------------------------------------------------------------
 
 /// out_j = A_j'x; for an upper triangle only the rows down to the diagonal.
 template <class B, class T, Shape shape>
@@ -101,7 +105,8 @@ template <class B, class T, Shape shape>
         k.out[j] = dot(k.A + j * k.ld, k.x, n);
     }
 }
-/// Adds the products in the block at i0, where row `first` holds the diagonal of column 0. Below its diagonal a column has no rows.
+/// Adds the products in the block at i0, where row `first` holds the diagonal of column 0. Below its diagonal a column
+/// has no rows.
 template <int first, class B, class T, int... c>
 [[gnu::always_inline]] inline void to_diagonal(B (&sum)[4], T const* const (&column)[4], Index i0, B const& x,
                                                std::integer_sequence<int, c...>) {
@@ -140,7 +145,8 @@ template <class B, class T, Shape shape>
         }
         x = x_tail;
         if (last < tail) x.load(k.x + last);
-        if (upper && B::rows == 8 && count == 4) {  // the rows that count are known when this is compiled: no masks from memory
+        if (upper && B::rows == 8 &&
+            count == 4) {  // the rows that count are known when this is compiled: no masks from memory
             if (last == 0)
 #pragma GCC unroll 16
                 for (int c = 0; c < 4; ++c) sum[c].empty_sum();
@@ -159,7 +165,8 @@ template <class B, class T, Shape shape>
     }
 }
 
-// --- products of squares ----------------------------------------------------------------------------------------------
+// --- products of squares
+// ----------------------------------------------------------------------------------------------
 
 /// out = A B, a few blocks of rows in registers, summed over the columns of A in their order.
 template <class B, int K, class T>

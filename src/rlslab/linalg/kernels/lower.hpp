@@ -1,8 +1,9 @@
-// Kernels on a lower triangle L = R', a row of R in each column. Eight rows of R are finished one after another within their corner on the
-// diagonal, then applied to the columns behind it. Included by dispatch.hpp once for each instruction set: no #pragma once.
+// Kernels on a lower triangle L = R', a row of R in each column. Eight rows of R are finished one after another within
+// their corner on the diagonal, then applied to the columns behind it. Included by dispatch.hpp once for each
+// instruction set: no #pragma once.
 
-/// Applies the columns of L from i0 on to the rows of block j0 below them: t is a block of column i, x the block of the row that is folded
-/// in.
+/// Applies the columns of L from i0 on to the rows of block j0 below them: t is a block of column i, x the block of the
+/// row that is folded in.
 template <class B, class S>
 [[gnu::always_inline]] inline void panel(S const& s, Index i0, Index j0) {
     B x;
@@ -48,8 +49,8 @@ template <class B, class T>
     rotate(t, x, s.root_lambda, s.c[i], s.s[i]);
 }
 
-// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i' x_j). Without a reflection (tau_i = 0) a is set to 0: the
-// product of 0 and an infinity would be NaN.
+// L_ji = weight L_ji - a,  x_j -= a v_i,  where a = tau_i (weight L_ji + v_i' x_j). Without a reflection (tau_i = 0) a
+// is set to 0: the product of 0 and an infinity would be NaN.
 template <class B, class T>
 [[gnu::always_inline]] inline void step(ReflectIn<T> const& s, Index i, B& t, B& x) {
     t.scale(s.weight);
@@ -102,7 +103,8 @@ template <class T>
 }
 /// The step of ReflectIn for one pair: above = weight L_ji or z_i, below = x_j or eta.
 template <class T>
-[[gnu::always_inline]] inline void reflect(RealOf<T> const& tau, T const& v, RealOf<T> const& weight, T& above, T& below) {
+[[gnu::always_inline]] inline void reflect(RealOf<T> const& tau, T const& v, RealOf<T> const& weight, T& above,
+                                           T& below) {
     above *= weight;
     T t = tau * (above + conjugate(v) * below);
     if constexpr (!std::same_as<Truth<T>, bool>) t = select(tau == RealOf<T>(0), T(0), t);
@@ -156,7 +158,8 @@ template <class B, ByPanels S>
     }
 }
 
-/// Gentleman's rows: all coefficients are known, so the corner needs no separate pass. Its part above the diagonal stays unchanged.
+/// Gentleman's rows: all coefficients are known, so the corner needs no separate pass. Its part above the diagonal
+/// stays unchanged.
 template <class B, class T>
 [[gnu::always_inline]] inline void evaluate(SweepGentleman<T> const& s) {
     for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
@@ -177,7 +180,8 @@ template <class B, class T>
     }
 }
 
-/// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are turned into zeros.
+/// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are
+/// turned into zeros.
 template <class B, class T>
 [[gnu::always_inline]] inline void evaluate(RotateOut<T> const& s) {
     for (Index j0 = 0; j0 < s.d; j0 += B::rows) {

@@ -1,5 +1,5 @@
-// The loops of a Householder reflection on columns of any length, with one order of evaluation for registers of any width.
-// Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
+// The loops of a Householder reflection on columns of any length, with one order of evaluation for registers of any
+// width. Included by dispatch.hpp once for each instruction set, each time in a namespace of its own: no #pragma once.
 
 /// A register that is one number, for every arithmetic: eight of them are the running lanes.
 template <class T>
@@ -18,7 +18,8 @@ struct Lane {
     }
 };
 
-/// Registers of `bytes` bytes, which together hold the eight running lanes. `columns` columns at once keep eight registers busy.
+/// Registers of `bytes` bytes, which together hold the eight running lanes. `columns` columns at once keep eight
+/// registers busy.
 template <class T, int bytes>
 struct Packed {
     using scalar = T;
@@ -129,7 +130,8 @@ template <class P, class T>
 
 /// One pass over C columns of whole blocks of eight: with `change` a -= t v, with `sum` then s = next'a.
 template <class P, int C, bool change, bool sum, class T = typename P::scalar>
-[[gnu::always_inline]] inline void pass_over(T const* v, T const* next, Index n, T* const (&a)[C], T const (&t)[C], T (&s)[4]) {
+[[gnu::always_inline]] inline void pass_over(T const* v, T const* next, Index n, T* const (&a)[C], T const (&t)[C],
+                                             T (&s)[4]) {
     using B = SimdBlock<T, P::width* int(sizeof(T))>;
     constexpr int registers = 8 / P::width;
     B lanes[4];
@@ -182,7 +184,8 @@ template <class P, int C, int groups, class T = typename P::scalar>
             pass_over<P, C, true, true>(h.v + q * h.rows, h.v + (q + 1) * h.rows, h.rows, a[g], t[g], s);
             turn_above(h, q + 1, j + g * C, s, t[g]);
         }
-    for (int g = 0; g < groups; ++g) pass_over<P, C, true, false>(h.v + (h.count - 1) * h.rows, h.v, h.rows, a[g], t[g], s);
+    for (int g = 0; g < groups; ++g)
+        pass_over<P, C, true, false>(h.v + (h.count - 1) * h.rows, h.v, h.rows, a[g], t[g], s);
 }
 
 template <class P, class T>
@@ -201,7 +204,8 @@ template <class P, class T>
     }
     for (Index q = 0; q < h.count; ++q)
         if (!all(h.tau[q] == T(0)))
-            evaluate<P>(Reflection<T>{h.rows, h.columns, h.v + q * h.rows, h.tau[q], h.A, h.above + q * h.ld, h.last + q});
+            evaluate<P>(
+                Reflection<T>{h.rows, h.columns, h.v + q * h.rows, h.tau[q], h.A, h.above + q * h.ld, h.last + q});
 }
 
 /// v'v.

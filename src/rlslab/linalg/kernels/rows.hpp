@@ -1,7 +1,9 @@
-// Rotations of several rows that are in flight at the same time. Included by dispatch.hpp once for each instruction set: no #pragma once.
+// Rotations of several rows that are in flight at the same time. Included by dispatch.hpp once for each instruction
+// set: no #pragma once.
 //
-// Rotation i of row r needs what rotation i of row r - 1 left of L, and what rotation i - 1 of row r left of x. So step n does rotation
-// n - r of every row r. These need nothing of one another, and each finds the operands that it finds when one row follows another.
+// Rotation i of row r needs what rotation i of row r - 1 left of L, and what rotation i - 1 of row r left of x. So step
+// n does rotation n - r of every row r. These need nothing of one another, and each finds the operands that it finds
+// when one row follows another.
 
 /// One number of each row in flight: row r in lane r.
 template <class T, int Bytes>
@@ -19,11 +21,12 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
         for (int m = 0; m < registers; ++m) v[m] = v[m] - a.v[m] * b.v[m];
     }
     [[gnu::always_inline]] friend Abreast const& conjugate(Abreast const& a) { return a; }  // of real numbers
-    /// Row r takes number q - r of the `count` numbers at x + r ld, or 0 where there is none; put together in registers: narrow stores do
-    /// not forward to a wide load.
+    /// Row r takes number q - r of the `count` numbers at x + r ld, or 0 where there is none; put together in
+    /// registers: narrow stores do not forward to a wide load.
     [[gnu::always_inline]] void gather(T const* x, Index ld, int q, int count) {
 #pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
+        for (int m = 0; m < registers; ++m)
+            v[m] = gathered(x, ld, q, count, m * W, std::make_integer_sequence<int, W>());
     }
     /// Row r takes row r - 1's number, the first row takes `first`.
     [[gnu::always_inline]] void pass_on(T first) {
@@ -95,7 +98,8 @@ private:
         return 0 <= q - r && q - r < count ? x[r * ld + q - r] : T(0);
     }
     template <int... i>
-    [[gnu::always_inline]] static V gathered(T const* x, Index ld, int q, int count, int r, std::integer_sequence<int, i...>) {
+    [[gnu::always_inline]] static V gathered(T const* x, Index ld, int q, int count, int r,
+                                             std::integer_sequence<int, i...>) {
         return V{number(x, ld, q, count, r + i)...};
     }
     template <int... i>
@@ -137,8 +141,8 @@ template <class R>
     r.replace(nothing, a);
 }
 
-/// The corner of L on the diagonal at i0. A column of it goes from memory to the first row in flight, from row to row with each step, and
-/// from the last row back to memory.
+/// The corner of L on the diagonal at i0. A column of it goes from memory to the first row in flight, from row to row
+/// with each step, and from the last row back to memory.
 template <class B>
 struct Corner {
     using T = typename B::scalar;
@@ -151,12 +155,13 @@ struct Corner {
     T const& cosine(Index r, Index i) const { return c[i + r][r]; }
     T const& sine(Index r, Index i) const { return s[i + r][r]; }
 
-    /// m: columns of the corner. A row that has not begun, or is through, turns by nothing and keeps its numbers: 0 times an infinity would
-    /// not. What is computed beside the corner's numbers reaches padding at most.
+    /// m: columns of the corner. A row that has not begun, or is through, turns by nothing and keeps its numbers: 0
+    /// times an infinity would not. What is computed beside the corner's numbers reaches padding at most.
     template <int n>
     [[gnu::always_inline]] void advance(RotateInRows<T> const& k, Index i0, Index m) {
         constexpr int numbers = std::min(B::rows, steps - n);
-        T* const from = k.L + (i0 + std::min<Index>(n, m - 1)) * k.ld + i0 + n;  // behind the last column it is no matter what is read
+        T* const from = k.L + (i0 + std::min<Index>(n, m - 1)) * k.ld + i0 +
+                        n;  // behind the last column it is no matter what is read
 #pragma GCC unroll 16
         for (int j = 0; j < numbers; ++j) column[j].pass_on(n + j < B::rows ? from[j] : T(0));
         z.pass_on(n < B::rows ? k.z[i0 + n] : T(0));

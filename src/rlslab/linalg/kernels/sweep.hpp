@@ -1,9 +1,9 @@
-// Sweeps over the columns of a square matrix. The outer loop goes over a few blocks of rows, the inner one over columns, so that the vector
-// w, which runs along the rows (a partial product, a gain), stays in registers. Included by dispatch.hpp once for each instruction set: no
-// #pragma once.
+// Sweeps over the columns of a square matrix. The outer loop goes over a few blocks of rows, the inner one over
+// columns, so that the vector w, which runs along the rows (a partial product, a gain), stays in registers. Included by
+// dispatch.hpp once for each instruction set: no #pragma once.
 //
-// Each sweep is one or two lines of formula for t, a block of column j of A, and w, the running block. at(j) reads the scalars of step j
-// once.
+// Each sweep is one or two lines of formula for t, a block of column j of A, and w, the running block. at(j) reads the
+// scalars of step j once.
 
 // w = A x
 template <class B, class T>
@@ -44,7 +44,8 @@ template <class B, class T>
 
 // [w t/sqrt(lambda)] times the rotation j
 template <class B, class T>
-[[gnu::always_inline]] inline void step(SweepRotations<T> const& k, typename SweepRotations<T>::At const& at, B& t, B& w) {
+[[gnu::always_inline]] inline void step(SweepRotations<T> const& k, typename SweepRotations<T>::At const& at, B& t,
+                                        B& w) {
     t.add_product(t, k.correction);
     B turned = t;
     turned.scale(at.s);
@@ -102,8 +103,8 @@ template <class B, int K, Sweep S>
         for (int m = 0; m < K; ++m) w[m].store(s.w + i0 + m * B::rows);
 }
 
-// What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that ThenMultiply asks for.
-// The sums start from -0, to which the first product is added without a change.
+// What a pass does besides with the block m of column j that it leaves: nothing, or the sum over the columns that
+// ThenMultiply asks for. The sums start from -0, to which the first product is added without a change.
 struct NothingElse {
     void begin(Index) {}
     template <class B>
@@ -167,9 +168,11 @@ template <int c, class B, class T>
 [[gnu::always_inline]] inline void update_diagonal(SubtractMirrored<T> const& s, B const& f, Index i, Index j, B& t) {
     t.template subtract_either<c + 1>(block_of<B>(s.w, i), s.f[j], f, s.w[j]);
 }
-/// The blocks from m on of column j, whose diagonal is in column c of block p; p = -1: before all blocks, p = K: behind them.
+/// The blocks from m on of column j, whose diagonal is in column c of block p; p = -1: before all blocks, p = K: behind
+/// them.
 template <int m, int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_column(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0, Index j) {
+[[gnu::always_inline]] inline void update_column(SubtractMirrored<T> const& s, B const (&running)[K], Also& also,
+                                                 Index i0, Index j) {
     Index const i = i0 + m * B::rows;
     T* const here = s.A + j * s.ld + i;
     B t;
@@ -184,7 +187,8 @@ template <int m, int p, int c, class B, int K, class T, class Also>
 }
 /// The columns whose diagonal is in block p, from its column c on.
 template <int p, int c, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_columns_of_block(SubtractMirrored<T> const& s, B const (&running)[K], Also& also, Index i0) {
+[[gnu::always_inline]] inline void update_columns_of_block(SubtractMirrored<T> const& s, B const (&running)[K],
+                                                           Also& also, Index i0) {
     Index const j = i0 + p * B::rows + c;
     update_column<0, p, c>(s, running, also, i0, j);
     if constexpr (c + 1 < B::rows)
@@ -192,7 +196,8 @@ template <int p, int c, class B, int K, class T, class Also>
 }
 /// The columns whose diagonal is in block p, then those of the next blocks, and last the columns behind all blocks.
 template <int p, class B, int K, class T, class Also>
-[[gnu::always_inline]] inline void update_columns_from_block(SubtractMirrored<T> const& s, B (&running)[K], Also& also, Index i0) {
+[[gnu::always_inline]] inline void update_columns_from_block(SubtractMirrored<T> const& s, B (&running)[K], Also& also,
+                                                             Index i0) {
     Index const j0 = i0 + p * B::rows;
     if constexpr (p < K) {
         update_columns_of_block<p, 0>(s, running, also, i0);
@@ -262,18 +267,20 @@ template <class B, class T>
         for (Index i = 0; i <= j; ++i) {
             T const t = s.A[j * s.ld + i] - s.w[i] * conjugate(s.f[j]);
             s.A[i * s.ld + j] = s.A[j * s.ld + i] = t + t * s.correction;
-            if constexpr (ComplexScalar<T>) s.A[i * s.ld + j] = i == j ? T(t.re + t.re * s.correction) : conjugate(s.A[j * s.ld + i]);
+            if constexpr (ComplexScalar<T>)
+                s.A[i * s.ld + j] = i == j ? T(t.re + t.re * s.correction) : conjugate(s.A[j * s.ld + i]);
         }
 }
 
-/// One product for both triangles, and where their numbers are the same, one sum: stochastic rounding keeps A symmetric. (A sum with a
-/// zero is exact, and the zeros of the two triangles may differ in sign.)
+/// One product for both triangles, and where their numbers are the same, one sum: stochastic rounding keeps A
+/// symmetric. (A sum with a zero is exact, and the zeros of the two triangles may differ in sign.)
 template <class B, class T>
     requires(B::rows == 1)
 [[gnu::always_inline]] inline void evaluate(AddSquare<T> const& s) {
     for (Index j = 0; j < s.d; ++j)
         for (Index i = 0; i <= j; ++i) {
-            T const product = s.w[i] * s.w[j], above = s.A[j * s.ld + i], below = s.A[i * s.ld + j], sum = above + product;
+            T const product = s.w[i] * s.w[j], above = s.A[j * s.ld + i], below = s.A[i * s.ld + j],
+                    sum = above + product;
             s.A[i * s.ld + j] = select(below == above && !(below == T(0)), sum, T(below + product));
             s.A[j * s.ld + i] = sum;
         }
