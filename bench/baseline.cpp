@@ -34,8 +34,8 @@ Times times_of(std::string const& run_json) { return times_in(parsed_results(run
 Baseline baseline_of(std::string const& run_json) {
     Json const run = parsed_results(run_json);
     Times times = times_in(run);
-    auto const scale = times.find(yardstick);
-    if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", yardstick));
+    auto const scale = times.find(unit_row);
+    if (scale == times.end()) throw std::runtime_error(fmt::format("expected the row {} in the run", unit_row));
     Baseline out{fmt::format("{}, {}", run.at("context").value("cpu", "unknown processor"),
                              run.at("context").value("compiler", "unknown compiler")),
                  int(scale->second.size()),
@@ -50,9 +50,8 @@ Baseline baseline_of(std::string const& run_json) {
 }
 
 std::string written(Baseline const& baseline) {
-    std::string out =
-        fmt::format("{{\n \"machine\": {},\n \"yardstick\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
-                    Json(baseline.machine).dump(), yardstick, baseline.repetitions);
+    std::string out = fmt::format("{{\n \"machine\": {},\n \"unit_row\": \"{}\",\n \"repetitions\": {},\n \"rows\": {{",
+                                  Json(baseline.machine).dump(), unit_row, baseline.repetitions);
     char const* between = "\n";
     for (auto const& [name, ratio] : baseline.rows) {
         Json const three{rounded(ratio.least), rounded(ratio.middle), rounded(ratio.greatest)};
@@ -64,7 +63,7 @@ std::string written(Baseline const& baseline) {
 
 Baseline read_baseline(std::string const& text) {
     Json const all = Json::parse(text);
-    if (all.at("yardstick") != yardstick) throw std::runtime_error(fmt::format("expected times over {}", yardstick));
+    if (all.at("unit_row") != unit_row) throw std::runtime_error(fmt::format("expected times over {}", unit_row));
     Baseline out{all.at("machine"), all.at("repetitions"), {}};
     for (auto const& [name, three] : all.at("rows").items()) {
         if (three.size() != 3) throw std::runtime_error(fmt::format("{}: expected three numbers", name));
@@ -78,9 +77,9 @@ std::vector<Moved> moved(Baseline const& before, Baseline const& now) {
     for (auto const& [name, ratio] : now.rows) {
         auto const old = before.rows.find(name);
         if (old == before.rows.end()) continue;
-        bool const apart = ratio.greatest < old->second.least || old->second.greatest < ratio.least;
+        bool const disjoint = ratio.greatest < old->second.least || old->second.greatest < ratio.least;
         double const factor = ratio.middle / old->second.middle;
-        if (apart && (factor > 1.05 || factor < 1 / 1.05)) out.push_back({name, old->second, ratio});
+        if (disjoint && (factor > 1.05 || factor < 1 / 1.05)) out.push_back({name, old->second, ratio});
     }
     return out;
 }

@@ -1,4 +1,4 @@
-// What a run of the benchmarks leaves for later ones: each row's time over a yardstick's, and what moved since.
+// What a run of the benchmarks leaves for later ones: each row's time over that of the unit row, and what moved since.
 #pragma once
 
 #include <map>
@@ -8,9 +8,9 @@
 namespace rlslab::bench {
 
 /// One pass that reads and writes 8192 bytes: a row's time over it is what a faster clock leaves as it is.
-inline constexpr char yardstick[] = "limit/read_modify_write/8192";
+inline constexpr char unit_row[] = "limit/read_modify_write/8192";
 
-/// A row's times over the median of the yardstick's in the same run: interleaved at random, repetitions of two rows are
+/// A row's times over the median of the unit row's in the same run: interleaved at random, repetitions of two rows are
 /// no pairs.
 struct Ratio {
     double least, middle, greatest;
@@ -27,7 +27,7 @@ using Times = std::map<std::string, std::vector<double>>;
 /// Of the JSON that Google Benchmark wrote. Throws nlohmann::json::exception for another.
 Times times_of(std::string const& run_json);
 
-/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the yardstick's row, or where a row has
+/// Of the JSON that Google Benchmark wrote. Throws std::runtime_error without the unit row, or where a row has
 /// fewer than five repetitions.
 Baseline baseline_of(std::string const& run_json);
 

@@ -1,5 +1,5 @@
 // limit/read/BYTES and limit/read_modify_write/BYTES: one pass over the size^2 doubles of a full P, as fast as this
-// machine can in a plain loop: a yardstick, and in the caches a bound, for updates that read P or change it.
+// machine can in a plain loop: the unit of times, and in the caches a bound, for updates that read P or change it.
 #include "bench/rows.hpp"
 
 namespace rlslab::bench {

@@ -32,8 +32,7 @@ std::vector<std::vector<double>> drawn_again(std::vector<std::vector<double>> ro
     return rows;
 }
 
-// --- the rows, by size
-// --------------------------------------------------------------------------------------------------
+// --- the rows, by size -----------------------------------------------------------------------------------------------
 
 NamesAt row(std::string const& group, std::string const& name, std::string const& arithmetic = "double") {
     return [=](int size) { return Names{fmt::format("{}/{}/{}/{}", group, name, arithmetic, size)}; };

@@ -1,5 +1,5 @@
-// A filter of a variant that is named while the program runs, in one arithmetic, with all that windows, guards and
-// rules ask of a filter.
+// A filter of a variant that is named while the program runs, in one arithmetic, with all operations that windows,
+// guards and rules need.
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
@@ -238,8 +238,7 @@ template <>
 std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view,
                                                                                  Problem<Reference> const&);
 
-// --- a form that only the run knows
-// -------------------------------------------------------------------------------------------------
+// --- a form that only the run knows ----------------------------------------------------------------------------------
 
 template <Real T>
 void set_forgetting(AnyForm<T> f, T const& lambda) {

@@ -57,7 +57,7 @@ std::string obstacle(Composition const& composition, std::string_view variant);
 /// Whether one of its numbers is not given and follows from the noise.
 bool needs_noise_variance(Composition const& composition);
 /// The composition with the numbers that follow from the data: fortescue's VARIANCE is the noise's, reset's the
-/// prior's, the largest of its P. Throws InputError where one of its numbers is not to be had.
+/// prior's, the largest of its P. Throws InputError where one of its numbers is missing and does not follow.
 Composition completed(Composition composition, Problem<double> const& problem, double noise_variance);
 
 /// What is odd about it on a record of so many rows and parameters.

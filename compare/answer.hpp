@@ -8,8 +8,8 @@ namespace rlslab::compare {
 /// "Ud" for "ud", "InverseQr" for "inverse_qr".
 std::string class_of(std::string_view variant);
 
-/// For each arithmetic that has a recommendation what it keeps, and what it and others lose; one line for all others
-/// that have the same reason. Lines are broken at `width`.
+/// For each arithmetic with a recommendation the digits it keeps, and the digits that it and others lose; one line for
+/// all arithmetics with the same reason against one. Lines are broken at `width`.
 std::string verdict(Comparison const& comparison, size_t width = std::string::npos);
 
 /// The recommendation for which code is printed: that in the shortest hardware arithmetic which has one. null: none.

@@ -157,8 +157,7 @@ Composition as_stored(Composition composition, double (*round)(double)) {
     return composition;
 }
 
-// --- the steps of a comparison
-// --------------------------------------------------------------------------------------------------
+// --- the steps of a comparison ---------------------------------------------------------------------------------------
 
 /// The ways in which the chosen arithmetics round the data: those that hold binary64 share one.
 std::string_view rounding_of(Arithmetic const& a) { return a.digits >= 53 ? std::string_view("double") : a.name; }

@@ -40,8 +40,7 @@ std::vector<Arithmetic const*> arithmetics_of(CompareOptions const& options) {
     return out;
 }
 
-// --- (3)
-// ---------------------------------------------------------------------------------------------------------------------
+// --- (3) -------------------------------------------------------------------------------------------------------------
 
 int exponent(double largest) { return largest > 0 ? std::ilogb(largest) : 0; }
 
@@ -66,8 +65,7 @@ Records scaled(Records records, ArithmeticTrial const& t) {
     return records;
 }
 
-// --- (4)
-// ---------------------------------------------------------------------------------------------------------------------
+// --- (4) -------------------------------------------------------------------------------------------------------------
 
 Comparison compared(Records const& records, CompareOptions options, Arithmetic const& arithmetic, int doublings) {
     options.prior_times = std::ldexp(1.0, doublings);
@@ -101,8 +99,7 @@ Comparison with_a_prior_that_leaves_digits(Records const& records, std::vector<b
     return out;
 }
 
-// --- (1), (2), (5)
-// --------------------------------------------------------------------------------------------------------------
+// --- (1), (2), (5) ---------------------------------------------------------------------------------------------------
 
 /// Which parameters are zero, as far as the certificate tells: below 1e-38 of the largest, each in units of its
 /// regressor.

@@ -36,7 +36,7 @@ RoundedProblem rounded_problem(Records const& records, Problem<double> const& pr
                                std::vector<std::vector<Index>> const& orders, int digits,
                                std::function<void()> const& solved = {});
 
-/// These rows of the record, in this order; all of them where none are named.
+/// These rows of the record, in this order; all rows where none are named.
 Records in_order(Records const& records, std::vector<Index> const& rows);
 
 }  // namespace rlslab::compare

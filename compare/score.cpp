@@ -15,8 +15,8 @@ constexpr int least_draws = 4;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Rows first ... last-1 of the problem in this order, one by one or as a block.
-Health take_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last,
-                 Index block) {
+Health process_rows(AnyFilter& filter, Records const& records, std::vector<Index> const& order, Index first, Index last,
+                    Index block) {
     if (block > 1)
         return order.empty() ? filter.update_block(records, first, last).health
                              : filter
@@ -77,7 +77,7 @@ Run run(AnyFilter& filter, Arithmetic const& arithmetic, Index block, RoundedPro
     for (size_t c = 0; c < checkpoints.size(); ++c) {
         while (first < checkpoints[c]) {
             Index const last = std::min(checkpoints[c], first + block);
-            Health const health = take_rows(filter, rounded.records, order, first, last, block);
+            Health const health = process_rows(filter, rounded.records, order, first, last, block);
             first = last;
             if (out.breakdown) continue;
             if (Health const kind = breakdown(filter, arithmetic, health); kind != Health::sound)

@@ -27,8 +27,7 @@ namespace {
 using Rank = Remark::Rank;
 using Point = std::complex<double>;
 
-// --- words
-// ------------------------------------------------------------------------------------------------------------
+// --- words -----------------------------------------------------------------------------------------------------------
 
 std::string text(Point z) {
     return z.imag() == 0 ? fmt::format("{:.4g}", z.real())
@@ -53,8 +52,7 @@ std::string more_terms(Identified const& m) {
                                  : fmt::format("--max-order {}", std::min(200, 2 * o.max_order));
 }
 
-// --- one remark at most of each table
-// -----------------------------------------------------------------------------------
+// --- one remark at most of each table --------------------------------------------------------------------------------
 
 using Model = Identified const&;
 /// A remark, and the condition under which it is made.
@@ -182,8 +180,7 @@ void add(std::vector<Remark>& out, std::span<Rule const> rules, Model m) {
     if (rule != rules.end()) out.push_back({rule->rank, rule->sentence(m), rule->next(m), rule->hint});
 }
 
-// --- one remark for each object
-// -----------------------------------------------------------------------------------------
+// --- one remark for each object --------------------------------------------------------------------------------------
 
 Remark remark_on(Outlier const& o, Model m) {
     std::string const row = o.line == o.row ? fmt::format("row {}", o.row)

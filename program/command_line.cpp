@@ -29,17 +29,17 @@ struct CommandLine {
         app.require_subcommand(0, 1);  // a file may be called "list"
         app.formatter_fn(
             [](CLI::App const* asked, std::string const&, CLI::AppFormatMode) { return help_text(*asked); });
-        take_manners(app);
+        define_output_options(app);
         for (Command const& command : commands) {
             command.app->formatter(app.get_formatter());
-            take_manners(*command.app);
+            define_output_options(*command.app);
             for (CLI::Option* option : command.app->get_options())
                 if (takes_nothing(*option))
                     option->disable_flag_override();  // --json=false would be no JSON: too clever
         }
     }
     /// Anywhere on the line: before the command and behind it.
-    void take_manners(CLI::App& taker) {
+    void define_output_options(CLI::App& taker) {
         std::string const everywhere = "With every command";
         taker.set_help_flag("-h,--help", "this help")->group(everywhere);
         taker.add_flag("--quiet", output_options.quiet, "no progress on standard error: answers and errors alone")

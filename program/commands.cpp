@@ -38,20 +38,20 @@ CLI::Validator real(char const* expected, bool (*holds)(double)) {
             ""};
 }
 
-void take_forgetting(CLI::App& command, double& forgetting) {
+void define_forgetting(CLI::App& command, double& forgetting) {
     command.add_option("--forgetting", forgetting, "forgetting factor, in (0, 1]; default 1")
         ->check(real("a number in (0, 1]", [](double x) { return is_forgetting_factor(x); }))
         ->type_name("LAMBDA");
 }
 
-void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help) {
+void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help) {
     command.add_option(name, into, help)->check(whole(least, most))->type_name("N");
 }
-void take_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
+void define_seed(CLI::App& command, std::uint64_t& seed, char const* help) {
     command.add_option("--seed", seed, help)->check(whole(0, std::numeric_limits<long>::max()))->type_name("N");
 }
-CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
-                        char const* type) {
+CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
+                          char const* type) {
     return command.add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
 }
 
@@ -80,7 +80,7 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts) {
     return out;
 }
 
-void take_format(CLI::App& command, CsvFormat& format) {
+void define_format(CLI::App& command, CsvFormat& format) {
     using Words = std::vector<std::pair<std::string_view, char>>;
     auto const take = [&](char const* name, char& into, Words const& known, char const* choices, char const* help,
                           char const* expected) {

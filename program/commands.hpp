@@ -16,7 +16,7 @@ CLI::Validator whole(long least, long most);
 /// A check for a finite number for which `holds` is true; its message is one line that says what was expected.
 CLI::Validator real(char const* expected, bool (*holds)(double));
 /// --forgetting of the commands that estimate.
-void take_forgetting(CLI::App& command, double& forgetting);
+void define_forgetting(CLI::App& command, double& forgetting);
 
 /// A check for a name that is not empty; its message is one line that says what was expected.
 CLI::Validator named(char const* expected);
@@ -26,13 +26,13 @@ std::vector<std::string> unquoted(std::vector<std::string> const& parts);
 
 /// An option for a whole number in [least, most]; --seed; an option for a list of names in one word: it must not
 /// swallow FILE behind it.
-void take_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
-void take_seed(CLI::App& command, std::uint64_t& seed, char const* help);
-CLI::Option* take_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
-                        char const* type = "A,B");
+void define_count(CLI::App& command, char const* name, int& into, long least, long most, char const* help);
+void define_seed(CLI::App& command, std::uint64_t& seed, char const* help);
+CLI::Option* define_names(CLI::App& command, char const* name, std::vector<std::string>& into, char const* help,
+                          char const* type = "A,B");
 
 /// --separator and --decimal, of every command that reads a file.
-void take_format(CLI::App& command, CsvFormat& format);
+void define_format(CLI::App& command, CsvFormat& format);
 
 /// Writes the whole answer to standard output. Throws InputError when it cannot be written; a closed pipe ends the
 /// program instead.

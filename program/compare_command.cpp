@@ -99,15 +99,15 @@ Command compare_command(CLI::App& app) {
         "Exit code: 0 an arithmetic keeps three digits (--digits: N) of every parameter at nine tenths of the "
         "checkpoints; 1 none of those "
         "shown does; 2 no answer: wrong input, or it could not be written.");
-    take_record(*comparing, a->record);
-    take_forgetting(*comparing, a->options.forgetting);
+    define_record(*comparing, a->record);
+    define_forgetting(*comparing, a->options.forgetting);
     comparing
         ->add_option("--p0", a->options.p0,
                      "c^2 of the prior covariance P0 = c^2 I; default: a diagonal P0 scaled to the data")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
         ->type_name("C2");
-    take_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
-    take_arithmetics(
+    define_names(*comparing, "--variants", a->options.variants, "only these (rlslab list)");
+    define_arithmetics(
         *comparing, a->options.arithmetics,
         "only these (rlslab list; also half, single, fp32, fp64); in this order for --digits; default float,double");
     comparing->add_flag("--all", a->all, "every arithmetic");
@@ -116,9 +116,9 @@ Command compare_command(CLI::App& app) {
                      "what keeps so many digits of every parameter, from 0.5 to 30, with the C++ for it")
         ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
         ->type_name("D");
-    take_composition(*comparing, a->composition);
-    take_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
-    take_count(*comparing, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
+    define_composition(*comparing, a->composition);
+    define_seed(*comparing, a->options.seed, "of stochastic rounding and of the orders of rows; default 1");
+    define_count(*comparing, "--threads", a->options.threads, 1, 4096, "default: all cores; the results are the same");
     comparing->add_flag("--json", a->json, "JSON instead of the table");
     comparing->add_option("--out", a->out, "folder for compare.html, compare.json, compare.csv and filter.cpp")
         ->check(named("the name of a folder"))

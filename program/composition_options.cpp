@@ -45,7 +45,7 @@ double number_of(Control const& control, ControlParameter const& p, std::string 
 
 }  // namespace
 
-void take_composition(CLI::App& command, CompositionArguments& a) {
+void define_composition(CLI::App& command, CompositionArguments& a) {
     std::vector<std::string> names;
     for (Control const& control : controls()) names.push_back(usage(control));
     command
@@ -53,8 +53,8 @@ void take_composition(CLI::App& command, CompositionArguments& a) {
                     fmt::format("a rule of forgetting around the variant: {}", fmt::join(names, ", ")))
         ->check(named("the name of a control"))
         ->type_name("NAME");
-    take_count(command, "--window", a.window, 1, 1000000000,
-               "the variant over its last N rows: older ones are taken back");
+    define_count(command, "--window", a.window, 1, 1000000000,
+                 "the variant over its last N rows: older ones are taken back");
     std::vector<std::string> policies;
     for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
     command

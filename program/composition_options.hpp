@@ -12,7 +12,7 @@ struct CompositionArguments {
 };
 
 /// --control, --window and --guard. `arguments` outlives the command's run.
-void take_composition(CLI::App& command, CompositionArguments& arguments);
+void define_composition(CLI::App& command, CompositionArguments& arguments);
 
 /// The controls and what their numbers are, a line each, for the end of a help page.
 std::string control_notes();

@@ -246,7 +246,7 @@ Command identify_command(CLI::App& app) {
                   "CSV file (-: standard input), plain or by gzip, or MATLAB's; rows that miss a value are skipped")
         ->required()
         ->type_name("");
-    take_format(*c, a->format);
+    define_format(*c, a->format);
     auto const list = [&](char const* name, auto& into, char const* type, char const* help) {
         return c->add_option(name, into, help)->delimiter(',')->allow_extra_args(false)->type_name(type);
     };
@@ -267,8 +267,8 @@ Command identify_command(CLI::App& app) {
          "a list of regressors instead: y[k-1], u[k-3], u[k-3..k-5]; inputs are what it names");
     c->add_option("--variant", a->options.variant, "of recursive least squares, in double; default ud")
         ->type_name("NAME");
-    take_forgetting(*c, a->options.forgetting);
-    take_composition(*c, a->composition);
+    define_forgetting(*c, a->options.forgetting);
+    define_composition(*c, a->composition);
     c->add_option("--p0", a->options.p0,
                   "c^2 of a prior covariance P0 = c^2 I; default: scaled to the data, and printed")
         ->check(real("a positive, finite number", [](double x) { return 0 < x; }))
@@ -316,7 +316,7 @@ Command simulate_command(CLI::App& app) {
         ->type_name("SD");
     c->add_option("--noise-colour", s->noise_colour, "colours e: it becomes the output of 1 / (1 + a1 z^-1 + ...)")
         ->type_name("A1,...");
-    take_seed(*c, s->seed, "of the random input and noise; default 1");
+    define_seed(*c, s->seed, "of the random input and noise; default 1");
     return {c, [s] { return run_simulate(*s); }};
 }
 
@@ -330,7 +330,7 @@ Command excitation_command(CLI::App& app) {
     c->add_option("FILE", a->file, "CSV file (-: standard input), plain or by gzip, or MATLAB's")
         ->required()
         ->type_name("");
-    take_format(*c, a->format);
+    define_format(*c, a->format);
     c->add_option("--input", a->input, "column of the input")->required()->type_name("COLUMN");
     c->add_option("--max-order", a->most, "the largest order that is tried; default 20")
         ->check(whole(1, 200))

@@ -16,7 +16,7 @@ using namespace report;
 namespace {
 
 /// Takes the mean of what is there off each column.
-std::vector<std::pair<std::string, double>> take_means(Columns& columns) {
+std::vector<std::pair<std::string, double>> subtract_means(Columns& columns) {
     std::vector<std::pair<std::string, double>> out;
     for (size_t j = 0; j < columns.names.size(); ++j) {
         std::vector<double>& x = columns.values[j];
@@ -32,34 +32,34 @@ std::vector<std::pair<std::string, double>> take_means(Columns& columns) {
 
 }  // namespace
 
-void take_record(CLI::App& command, RecordArguments& a) {
+void define_record(CLI::App& command, RecordArguments& a) {
     command
         .add_option("FILE", a.file,
                     "CSV file (-: standard input), plain or by gzip, or MATLAB's; empty, NA, N/A, NaN, null, . and ? "
                     "are missing values")
         ->required()
         ->type_name("");
-    take_format(command, a.format);
-    take_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
+    define_format(command, a.format);
+    define_names(command, "--input", a.inputs, "column of the input u of an ARX model, or several", "U[,V]");
     command.add_option("--output", a.output, "column of the output y")->required()->type_name("COLUMN");
-    take_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
-    take_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
-    take_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
-    take_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
-    take_names(command, "--regressors", a.regressors,
-               "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
-               "whose past outputs have a "
-               "minus: these have none");
+    define_count(command, "--order", a.order, 1, 1000, "ARX order: na = nb = N");
+    define_count(command, "--na", a.na, 0, 1000, "past outputs in the ARX model");
+    define_count(command, "--nb", a.nb, 0, 1000, "past inputs besides the first, u[k-delay] ... u[k-delay-nb]");
+    define_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
+    define_names(command, "--regressors", a.regressors,
+                 "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
+                 "whose past outputs have a "
+                 "minus: these have none");
     command.add_flag("--intercept", a.intercept, "a constant regressor besides");
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
 }
 
-void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
+void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help) {
     static constexpr std::pair<std::string_view, char const*> others[] = {
         {"half", "binary16"},    {"single", "float"},  {"fp32", "float"},   {"f32", "float"},
         {"binary32", "float"},   {"fp64", "double"},   {"f64", "double"},   {"binary64", "double"},
         {"float16", "binary16"}, {"fp16", "binary16"}, {"f16", "binary16"}, {"bf16", "bfloat16"}};
-    take_names(command, "--arithmetic", into, help)
+    define_names(command, "--arithmetic", into, help)
         ->transform(CLI::Validator(
             [](std::string& name) {
                 auto const known = std::ranges::find(others, name, &std::pair<std::string_view, char const*>::first);
@@ -157,7 +157,7 @@ Question question_of(RecordArguments a) {
     std::vector<std::string> regressors = model.columns;
     std::erase(regressors, a.output);
     out.model.warnings = counting_warnings(data, regressors);
-    if (a.detrend) out.model.means = take_means(data);
+    if (a.detrend) out.model.means = subtract_means(data);
     out.model.output = text_of({data.header ? a.output : "column " + a.output, 0});
     out.model.regressors = regressor_texts(data, a, model);
     out.records = records_of(data, a, model);

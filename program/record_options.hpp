@@ -15,11 +15,11 @@ struct RecordArguments {
 };
 
 /// FILE and the options that name columns and a model. `arguments` outlives the command's run.
-void take_record(CLI::App& command, RecordArguments& arguments);
+void define_record(CLI::App& command, RecordArguments& arguments);
 
 /// --arithmetic, a list: the names of the catalogue, and others that people use (half, single, fp32, f32, binary32,
 /// fp64, f64, binary64).
-void take_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help);
+void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char const* help);
 
 /// Records, and what their parameters multiply.
 struct Question {

@@ -148,7 +148,7 @@ int run_study(StudyArguments& a) {
     return a.part.whole() ? study_whole(a) : study_part(a);
 }
 
-/// What the parts of a run were asked for.
+/// The options of the parts of a run.
 StudyArguments arguments_of(std::string const& run, std::string const& folder, std::string const& out_folder) {
     StudyArguments out;
     out.out = out_folder;
@@ -216,7 +216,7 @@ Command study_command(CLI::App& app) {
         })
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
         ->type_name("quick|full");
-    take_seed(*studying, st->options.seed, "of all random data; default 1");
+    define_seed(*studying, st->options.seed, "of all random data; default 1");
     studying
         ->add_option("--threads", st->options.threads,
                      "how many run at once; default: all cores. No byte of a table depends on it")

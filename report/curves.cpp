@@ -15,7 +15,7 @@ namespace {
 using Run = std::vector<Point>;
 constexpr double far = 1e9;  // so far outside, a place and its difference from another are still finite
 
-/// The curve's points in the drawing, apart where one cannot be shown.
+/// The curve's points in the drawing, broken where one cannot be shown.
 template <class Y>
 std::vector<Run> runs(Curve const& curve, Axes const& axes, Y const& y_of) {
     std::vector<Run> out(1);
@@ -178,7 +178,7 @@ std::string stems(Curve const& curve, Axes const& axes) {
 /// Marks with tooltips. Along a line they keep a distance, and of very many only some are drawn; of the points of a
 /// cloud each place is drawn once.
 std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, Axes const& axes) {
-    constexpr double apart = 9;
+    constexpr double spacing = 9;
     constexpr size_t many = 120, enough = 40, cloud = 2000;
     std::vector<std::pair<size_t, Point>> all;
     for (size_t i = 0; i < std::min(curve.x.size(), curve.y.size()); ++i)
@@ -191,7 +191,8 @@ std::string marks(Figure const& figure, Panel const& panel, Curve const& curve, 
         for (size_t k = 0; k < all.size(); ++k) {
             auto const& [i, p] = all[k];
             bool const end = k == 0 || k + 1 == all.size();
-            if (!end && (k % stride || (std::abs(p.x - last.x) < apart && std::abs(p.y - last.y) < apart))) continue;
+            if (!end && (k % stride || (std::abs(p.x - last.x) < spacing && std::abs(p.y - last.y) < spacing)))
+                continue;
             last = p;
             out += fmt::format("<path d=\"{}\"><title>{}</title></path>", mark_path(curve.look.mark, p.x, p.y),
                                escaped_xml(says(figure, curve, i)));

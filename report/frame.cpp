@@ -17,8 +17,7 @@ std::string tspans(Tick const& tick) {
     return fmt::format("{}<tspan dy=\"-.45em\" font-size=\"75%\">{}</tspan>", escaped_xml(tick.text), tick.power);
 }
 
-// --- ranges
-// -----------------------------------------------------------------------------------------------------------
+// --- ranges ----------------------------------------------------------------------------------------------------------
 
 void add(Range& range, std::vector<double> const& values, bool logarithmic, double least = -INFINITY) {
     for (double const v : values)

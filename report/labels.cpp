@@ -63,7 +63,7 @@ std::string names_group(Panel const& panel, std::vector<Curve const*> const& leg
                                   {at->x - half, at->y - half, at->x + half, at->y + half},
                                   {at->x - 3, top, at->x + 3, bottom}});
             }
-    auto const apart = [](Box const& a, Box const& b) {
+    auto const disjoint = [](Box const& a, Box const& b) {
         return a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom;
     };
     std::string out;
@@ -81,9 +81,9 @@ std::string names_group(Panel const& panel, std::vector<Curve const*> const& leg
             double const distance = distance2(box, own.at.x, own.at.y);
             return box.left > axes.box.left && box.right < axes.box.right && box.top > axes.box.top &&
                    box.bottom < axes.box.bottom &&
-                   std::ranges::all_of(taken, [&](Box const& name) { return apart(box, name); }) &&
+                   std::ranges::all_of(taken, [&](Box const& name) { return disjoint(box, name); }) &&
                    std::ranges::all_of(points, [&](Named const& p) {
-                       return apart(box, p.mark) && apart(box, p.bar) &&
+                       return disjoint(box, p.mark) && disjoint(box, p.bar) &&
                               (p.curve == own.curve || distance < distance2(box, p.at.x, p.at.y));
                    });
         };

@@ -13,7 +13,7 @@ namespace {
 
 using rlslab::Vector;
 
-/// Any filter, behind what this program asks of one.
+/// Any filter, behind the operations that this program needs.
 struct AnyFilter {
     std::function<rlslab::Step<double>(rlslab::Regressor<double>, double)> update;
     std::function<Vector<double>()> theta;

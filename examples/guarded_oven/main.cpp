@@ -42,7 +42,7 @@ int main() {
     float last = 0;
     for (int k = 0; k < 60480; ++k) {  // a week, a row in ten seconds
         if (k % 60 == 0) power = 2 * seed.uniform();
-        if (k >= 20000 && k < 30000) power = 0;       // a day off: nothing is told of b
+        if (k >= 20000 && k < 30000) power = 0;       // a day off: no row carries information on b
         if (k == 40000) oven.a = 0.95, oven.b = 0.4;  // the door stays ajar
         float const psi[] = {last, float(power), 1};
         float const T = float(oven.step(power, 0.002 * seed.bell()));

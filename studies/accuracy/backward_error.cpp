@@ -19,8 +19,7 @@ constexpr double noise = 1e-3, u = 0x1p-53;
 std::vector<Cell> const spectra{"geometric", "one small", "one large"},
     special{"pair first", "pair last", "powers up", "powers down"};
 
-// --- data
-// ---------------------------------------------------------------------------------------------------------------------
+// --- data ------------------------------------------------------------------------------------------------------------
 
 /// The powers 1, t ... t^5 of t = 1/N, 2/N ... 1 in random order; or white rows in which two neighbouring columns
 /// differ by 1e-5 of one.
@@ -41,8 +40,7 @@ Matrix<double> special_rows(std::string const& data, Index rows, Seed& seed) {
     return psi;
 }
 
-// --- the runs
-// -------------------------------------------------------------------------------------------------------------------
+// --- the runs --------------------------------------------------------------------------------------------------------
 
 bool admits(Trial const& trial) {
     Cell const& data = trial.value("data");
@@ -81,8 +79,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims
-// ---------------------------------------------------------------------------------------------------------------------
+// --- claims ----------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph_rank_two"},
     sweeps{"carlson", "ud", "inverse_qr"}, rotations{"qr", "gentleman"};

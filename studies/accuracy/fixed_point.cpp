@@ -56,8 +56,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims
-// -----------------------------------------------------------------------------------------------------------------
+// --- claims ----------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const by_data{"variant", "d", "pole", "lambda", "shift"};
 std::vector<std::string> const P_forms{"conventional_two_sided", "symmetric", "joseph", "joseph_rank_two"};

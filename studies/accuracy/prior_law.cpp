@@ -55,8 +55,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims
-// ---------------------------------------------------------------------------------------------------------------------
+// --- claims ----------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const plain{"symmetric", "conventional_two_sided", "joseph_rank_two"}, potter{"potter"},
     joseph{"joseph"}, rooted{"carlson", "ud", "qr"};

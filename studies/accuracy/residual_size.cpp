@@ -79,8 +79,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims
-// ---------------------------------------------------------------------------------------------------------------------
+// --- claims ----------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const rooted = words(triangular_forms()), rotations{"qr", "gentleman"};
 std::vector<std::string> const by{"variant", "spectrum"};

@@ -63,7 +63,7 @@ class CorrectedDowndate {
             }
         }
     }
-    void take_back_oldest() {
+    void remove_oldest() {
         std::vector<T> q = kept_.front();
         solve_transposed(q);
         std::vector<T> t = q, r(size_t(d_) + kept_.size(), T(0));
@@ -99,7 +99,7 @@ public:
     void update(std::vector<T> const& psi) {
         rotate_in(psi);
         kept_.push_back(psi);
-        if (Index(kept_.size()) > rows_) take_back_oldest();
+        if (Index(kept_.size()) > rows_) remove_oldest();
     }
     /// P^-1 = R'R.
     Stored<T> stored() const {

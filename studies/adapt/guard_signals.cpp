@@ -21,8 +21,7 @@ constexpr double lambda = 0.98, noise = 0.1, memory = (1 + lambda) / (1 - lambda
 constexpr double root_of_relative_variance = 0.069;  // of s2: 1.9 / (2 200 - 1), 1.9 the variance of min(x^2, 9)
 constexpr Index warm = 1000, far = 10000;
 
-// --- predictions, docs/theory.md 86
-// ---------------------------------------------------------------------------------------------
+// --- predictions, docs/theory.md 86 ----------------------------------------------------------------------------------
 
 /// P(x > a), x normal.
 double upper_tail(double a) { return a < 0 ? 1 - upper_tail(-a) : correctly::chi_squared_tail(1, a * a) / 2; }
@@ -83,8 +82,7 @@ struct Predicted {
     }
 };
 
-// --- rows
-// ---------------------------------------------------------------------------------------------------------------------
+// --- rows ------------------------------------------------------------------------------------------------------------
 
 /// y = psi'1 + normal noise: Marsaglia's polar method. Seed::bell ends at 6 sigma, where false alarms begin.
 struct Rows {

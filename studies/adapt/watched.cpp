@@ -30,15 +30,15 @@ double operations_of_a_row(std::string_view variant, std::string_view policy, In
     auto const filter = make({.size = size, .forgetting = 0.98, .prior = Prior<double>{.variance = 100}}, 6);
     Seed seed{1};
     std::vector<double> psi(size_t(size), 0.0);
-    auto const take_rows = [&](Index rows) {
+    auto const process_rows = [&](Index rows) {
         for (Index k = 0; k < rows; ++k) {
             double y = 0.1 * seed.bell();
             for (double& x : psi) y += x = seed.bell();
             filter->update(psi.data(), y);
         }
     };
-    take_rows(20 * size + 200);  // armed after 10 d + 20
-    return double(rlslab::counted([&] { take_rows(20 * size); }).total()) / double(20 * size);
+    process_rows(20 * size + 200);  // armed after 10 d + 20
+    return double(rlslab::counted([&] { process_rows(20 * size); }).total()) / double(20 * size);
 }
 
 }  // namespace rlslab::studies

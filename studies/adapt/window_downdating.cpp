@@ -99,8 +99,7 @@ void slide(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- the search
-// -----------------------------------------------------------------------------------------------------------------
+// --- the search ------------------------------------------------------------------------------------------------------
 
 /// Rows that may be bad for an alarm. Column 0 loses information at each row as column 1 gains it, for `half` rows,
 /// then the other way round; so det X need not change. Beside it single rows are larger, and single columns are silent.
@@ -174,8 +173,7 @@ void search(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- what claims ask
-// ------------------------------------------------------------------------------------------------------------
+// --- what claims ask -------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const plain{"conventional", "symmetric"},
     factors{"potter", "carlson", "ud", "qr", "gentleman"}, triangular{"carlson", "ud", "qr", "gentleman"};

@@ -100,8 +100,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     out({counted, lost, early, lost / counted, hazard / looks, kappa / looks - p});
 }
 
-// --- rates
-// --------------------------------------------------------------------------------------------------------------
+// --- rates -----------------------------------------------------------------------------------------------------------
 
 /// Losses per step over all runs of a table, with limits at claim_risk: exact for a Poisson number of losses, and of
 /// fewer losses where they come in bursts: their number and the steps are divided by D, the variance over the mean of

@@ -7,10 +7,9 @@
 
 namespace rlslab::studies {
 
-// --- families of variants
-// --------------------------------------------------------------------------------------------- Dense variants that
-// take one row at a time, by what they store, in the order of the list: a new variant takes part in the studies of its
-// family. Without `kalman`: its random walk aside it is `conventional`.
+// --- families of variants --------------------------------------------------------------------------------------------
+// Dense variants that take one row at a time, by what they store, in the order of the list: a new variant takes part in
+// the studies of its family. Without `kalman`: its random walk aside it is `conventional`.
 
 /// The variants that propagate P itself.
 std::vector<Cell> covariance_forms();
@@ -40,9 +39,8 @@ std::vector<Cell> powers(double base, double first, double last, double step = 1
 /// 1 ... n: replicates, which only change the seed.
 std::vector<Cell> counted(int n);
 
-// --- data
-// ------------------------------------------------------------------------------------------------------------- y =
-// psi'theta + noise v, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell).
+// --- data ------------------------------------------------------------------------------------------------------------
+// y = psi'theta + noise v, theta = (1, ..., 1), v nearly normal of variance 1 (Seed::bell).
 
 /// Regressors of independent numbers of variance 1.
 Records white(Index size, Index rows, Seed seed, double noise = 1e-3);
@@ -53,8 +51,7 @@ Records delay_line(Index size, Index rows, double pole, Seed seed, double noise 
 /// rounding to double.
 Records graded(Index size, Index rows, double kappa, Seed seed, double noise = 1e-10);
 
-// --- answers
-// ----------------------------------------------------------------------------------------------------------
+// --- answers ---------------------------------------------------------------------------------------------------------
 
 /// Relative errors of theta in the 2-norm and of P in the Frobenius norm; infinity if the filter has an infinity or a
 /// NaN.

@@ -173,8 +173,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     }
 }
 
-// --- claims
-// -----------------------------------------------------------------------------------------------------------------
+// --- claims ----------------------------------------------------------------------------------------------------------
 
 /// Rows of an arrangement with a state of 24 bits.
 Table of(Table const& t, std::vector<std::string> const& variants, std::string_view in_short, double p_P = 24) {

@@ -19,8 +19,7 @@ using namespace adapt_laws;
 
 constexpr double sigma = 0.125, u = 0x1p-53;
 
-// --- psi'P psi
-// ---------------------------------------------------------------------------------------------------------------
+// --- psi'P psi -------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_along() {
@@ -55,8 +54,7 @@ TEST(VarianceAlong, IsPsiPPsi) {
     check_along<Information<double>>();
 }
 
-// --- coverage
-// ------------------------------------------------------------------------------------------------------------------
+// --- coverage --------------------------------------------------------------------------------------------------------
 
 struct Coverage {
     double theta = 0, next = 0, s2 = 0;  ///< shares of runs whose interval held the number; mean of s2 over sigma^2

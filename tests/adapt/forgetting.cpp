@@ -55,8 +55,7 @@ TEST(Forgetting, IsAFilterAndHandsOnItsAbilities) {
     EXPECT_THROW((Forgetting<Ud<double, 3>, RandomWalk<double>>({}, {.variance = -1})), std::invalid_argument);
 }
 
-// --- Fortescue
-// ------------------------------------------------------------------------------------------------------------------
+// --- Fortescue -------------------------------------------------------------------------------------------------------
 
 /// The lambda of each row, read off D beside a copy that was not discounted.
 template <class Rule>
@@ -159,8 +158,7 @@ TEST(Fortescue, KeepsTheTraceBelowItsBoundInSilence) {
     EXPECT_GT(largest(0), 1e6);  // without the bound
 }
 
-// --- directional
-// ----------------------------------------------------------------------------------------------------------------
+// --- directional -----------------------------------------------------------------------------------------------------
 
 /// u'X u before and after the loss along psi, for psi and for the direction in which the rule promises nothing is lost.
 template <class F>
@@ -243,8 +241,7 @@ TEST(Directional, WindsUpOnNoiseWithoutAFloorOfExcitation) {
     EXPECT_LT(trace_after(CaoSchwartz<double>{.forgetting = 0.95, .least_excitation = 1e-4}), 1);
 }
 
-// --- ridge, reset, walk
-// -----------------------------------------------------------------------------------------------------------
+// --- ridge, reset, walk ----------------------------------------------------------------------------------------------
 
 /// Without a prior: NaN until the rows determine theta, then theta; the bits of a rule that had waited for that.
 template <class F, class Rule>

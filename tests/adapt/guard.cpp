@@ -26,8 +26,7 @@ Guarded<F, policy> warm(int rows = 500, unsigned seed = 71) {
     return g;
 }
 
-// --- no signal
-// ------------------------------------------------------------------------------------------------------------------
+// --- no signal -------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_clean() {
@@ -79,8 +78,7 @@ TEST(Guarded, RefusesOptionsThatMakeNoSense) {
     static_assert(!GuardPolicy{.outlier = Action::reset}.valid() && !GuardPolicy{.breakdown = Action::skip}.valid());
 }
 
-// --- data that are not usable
-// -------------------------------------------------------------------------------------------------------
+// --- data that are not usable ----------------------------------------------------------------------------------------
 
 template <class F>
 void check_unusable() {
@@ -115,7 +113,7 @@ TEST(Guarded, SurvivesEveryScale) {
         EXPECT_NEAR(g.theta()[1], -2, 0.2) << e;
     }
 }
-/// The form whose asymmetry grows as lambda^-k (docs/theory.md 28): told of every thousand rows, and reset.
+/// The form whose asymmetry grows as lambda^-k (docs/theory.md 28): reported every thousand rows, and reset.
 TEST(Guarded, KeepsTheConventionalFormAlive) {
     Conventional<double, 4> bare(problem);
     run_rows(bare, 20000, Seed{72});
@@ -127,8 +125,7 @@ TEST(Guarded, KeepsTheConventionalFormAlive) {
     EXPECT_NEAR(g.theta()[1], -2, 0.2);
 }
 
-// --- the innovation test
-// --------------------------------------------------------------------------------------------------------
+// --- the innovation test ---------------------------------------------------------------------------------------------
 
 TEST(Guarded, SkipsOneOutlierAndSaysSo) {
     for (unsigned seed : {71, 72, 73}) {
@@ -192,8 +189,7 @@ TEST(Guarded, TakesAChangeForAChange) {
     }
 }
 
-// --- windup
-// ---------------------------------------------------------------------------------------------------------------------
+// --- windup ----------------------------------------------------------------------------------------------------------
 
 TEST(Guarded, CapsWindupAndMovesNoBitOfTheta) {
     auto g = warm<Ud<double, 4>>();
@@ -212,10 +208,9 @@ TEST(Guarded, CapsWindupAndMovesNoBitOfTheta) {
     EXPECT_GT(watched.counts().windups, 10000);
 }
 
-// --- breakdown
-// --------------------------------------------------------------------------------------------------------------------
+// --- breakdown -------------------------------------------------------------------------------------------------------
 
-/// Rows until a fault that is done to the state is told of, at most 100; whether theta is right again 200 rows later.
+/// Rows until a fault that is done to the state is reported, at most 100; whether theta is right again 200 rows later.
 template <class F, GuardPolicy policy, class Damage>
 std::pair<int, bool> told_after(Damage damage) {
     auto g = warm<F, policy>();
@@ -251,8 +246,7 @@ TEST(Guarded, TellsOfAStateThatBroke) {
     EXPECT_FALSE((told_after<Ud<double, 4>, reporting>(lose).second));
 }
 
-// --- compositions
-// -----------------------------------------------------------------------------------------------------------------
+// --- compositions ----------------------------------------------------------------------------------------------------
 
 TEST(Guarded, IsAFilterAroundAFilterWithARule) {
     using Ruled = Forgetting<Ud<float, 4>, RotatingRidge<float>>;
@@ -266,8 +260,7 @@ TEST(Guarded, IsAFilterAroundAFilterWithARule) {
     EXPECT_EQ(g.counts().unusable, 5000);
 }
 
-// --- what other libraries' guards do, and this one does not
-// -------------------------------------------------------------------------
+// --- what other libraries' guards do, and this one does not ----------------------------------------------------------
 
 /// A guard elsewhere limits how fast tr P falls by scaling P itself: from P0 = 100 I, lambda = 0.995, a first regressor
 /// with one entry leaves

@@ -16,8 +16,7 @@ using namespace adapt_laws;
 
 constexpr double lambda = 0.98, u = 0x1p-53;
 
-// --- the share
-// --------------------------------------------------------------------------------------------------------------
+// --- the share -------------------------------------------------------------------------------------------------------
 
 template <class F>
 F after_rows(double spread, unsigned seed, Vector<double> const& units = Vector<double>::Ones(4)) {
@@ -85,8 +84,7 @@ TEST(LeastShare, KnowsNoUnits) {
     })));
 }
 
-// --- the relay
-// ----------------------------------------------------------------------------------------------------------------
+// --- the relay -------------------------------------------------------------------------------------------------------
 
 template <class F, class Sounder>
 void check_same_bits() {
@@ -108,7 +106,7 @@ TEST(Relay, HasTheFirstFiltersBitsWhereRowsAreGood) {
 }
 
 /// The largest |log2| of a generalised eigenvalue; infinite where P is not definite.
-double apart(Matrix<double> const& P, Matrix<double> const& exact) {
+double distance(Matrix<double> const& P, Matrix<double> const& exact) {
     Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> const of{Eigen::MatrixXd(P), Eigen::MatrixXd(exact)};
     double out = 0;
     for (double x : of.eigenvalues()) out = std::max(out, x > 0 ? std::abs(std::log2(x)) : INFINITY);
@@ -143,13 +141,13 @@ Course near_collinear(F f, double spread, unsigned seed) {
         if constexpr (requires { f.handed_over(); })
             if (f.handed_over() && ++since == 10) {
                 out.handed = true;
-                out.off = apart(covariance_of(f.second()), covariance_of(exact));
+                out.off = distance(covariance_of(f.second()), covariance_of(exact));
             }
     }
     Matrix<double> const P = covariance_of(exact);
     for (Index i = 0; i < 4; ++i)
         out.theta = std::max(out.theta, std::abs(double(f.theta()[i]) - exact.theta()[i]) / std::sqrt(P(i, i)));
-    out.end = apart(covariance_of(f), P);
+    out.end = distance(covariance_of(f), P);
     return out;
 }
 template <class F>
@@ -202,8 +200,7 @@ TEST(Relay, RefusesWhatMakesNoSense) {
     static_assert(!HandsOver<Ud<double, 4>>);
 }
 
-// --- a guard that hands over
-// ----------------------------------------------------------------------------------------------------
+// --- a guard that hands over -----------------------------------------------------------------------------------------
 
 TEST(Guarded, HandsOverOnceInPlaceOfManyResets) {
     Problem<double> const problem{.forgetting = lambda, .prior = Prior<double>{.variance = 100}};
@@ -240,8 +237,7 @@ TEST(Guarded, HandsOverWhatIsLeftOfABrokenState) {
                   !GuardPolicy{.windup = Action::hand_over}.valid());
 }
 
-// --- a guard around a window
-// ------------------------------------------------------------------------------------------------------
+// --- a guard around a window -----------------------------------------------------------------------------------------
 
 template <class F, GuardPolicy policy = resetting>
 struct GuardedWindow : Guarded<Windowed<F>, policy> {

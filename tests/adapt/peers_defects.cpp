@@ -55,8 +55,7 @@ bool is_definite(Matrix<double> const& P) {
     return P.allFinite() && Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(P)).eigenvalues()[0] > 0;
 }
 
-// --- 1. a guard that makes P indefinite (indiflight's rls.c, flight-solver)
-// ----------------------------------------------------------
+// --- 1. a guard that makes P indefinite (indiflight's rls.c, flight-solver) ------------------------------------------
 
 /// Theirs is meant to limit how fast P falls. It multiplies P itself, and not what is subtracted from it:
 ///   P = (kappa P - K f') / lambda,  kappa = min(1, 0.9 max_i P_ii / (K f')_ii)
@@ -99,8 +98,7 @@ TEST(PeersDefects, AGuardDoesNotMakePIndefinite) {
     EXPECT_NEAR(published.P(0, 0), -8.16, 0.01);
 }
 
-// --- 2. a half-life that leaves 31 % (the same two)
-// --------------------------------------------------------------------------------
+// --- 2. a half-life that leaves 31 % (the same two) ------------------------------------------------------------------
 
 /// Theirs: lambda = (1 - ln 2)^(1/T), documented as the lambda that leaves a row half of its weight after T rows.
 double theirs(double rows) { return correctly::pow(1 - correctly::log(2.0), 1 / rows); }
@@ -123,8 +121,7 @@ TEST(PeersDefects, ARowLosesHalfItsWeightInAHalfLife) {
     });
 }
 
-// --- 3. a window that takes back rows it never took (gapost's BlockRLS)
-// ------------------------------------------------------------
+// --- 3. a window that takes back rows it never took (gapost's BlockRLS) ----------------------------------------------
 
 /// Theirs: the window is filled with the rows e_1, e_2 ... that would give P = I, whatever P starts from; of what is
 /// left when a row goes only b == 0 is refused.
@@ -199,8 +196,7 @@ TEST(PeersDefects, ARemovalThatWouldLeaveLessThanNothingIsRefused) {
     EXPECT_FALSE(refuses_what_leaves_less_than_nothing<TakesNegative>());
 }
 
-// --- 4. a factorisation that later rows do not renew (GSL's multilarge tsqr)
-// --------------------------------------------------------
+// --- 4. a factorisation that later rows do not renew (GSL's multilarge tsqr) -----------------------------------------
 
 /// Theirs: what was factored at the first solution serves all later ones, with the right-hand side of now.
 struct FactorsOnce : Textbook {
@@ -235,8 +231,7 @@ TEST(PeersDefects, AnAnswerIsFromAllRowsWhenTheOneBeforeWasNot) {
     EXPECT_FALSE(answers_from_all_rows<FactorsOnce>());
 }
 
-// --- 5. a P0 that is no covariance (gr-adapt's complex filters)
-// ----------------------------------------------------------------------
+// --- 5. a P0 that is no covariance (gr-adapt's complex filters) ------------------------------------------------------
 
 /// Theirs: P0 = (1 + i) / delta I, not Hermitian. In reals, (Re theta, Im theta): [1 -1; 1 1] / delta, not I / delta.
 struct TakesAnyPrior : Textbook {
@@ -264,8 +259,7 @@ TEST(PeersDefects, APriorIsACovariance) {
     EXPECT_FALSE(refuses_a_prior_that_is_no_covariance<TakesAnyPrior>());
 }
 
-// --- 6. several outputs that nobody ever instantiated (Controlpp)
-// --------------------------------------------------------------------
+// --- 6. several outputs that nobody ever instantiated (Controlpp) ----------------------------------------------------
 
 /// Theirs takes one scalar y, where there is one for each output.
 template <class F>
@@ -292,8 +286,7 @@ TEST(PeersDefects, SeveralOutputsAreSeveral) {
     });
 }
 
-// --- 7. a covariance after the row that is the one before it (filterpy's square-root filter)
-// -----------------------------------------
+// --- 7. a covariance after the row that is the one before it (filterpy's square-root filter) -------------------------
 
 template <class F>
 struct ReportsBefore : F {
@@ -331,8 +324,7 @@ TEST(PeersDefects, TheCovarianceIsThatAfterTheRow) {
     });
 }
 
-// --- 8. weights that nobody has written yet, and lambda = 0 (liquid's eqrls)
-// --------------------------------------------------------
+// --- 8. weights that nobody has written yet, and lambda = 0 (liquid's eqrls) -----------------------------------------
 
 struct AnswersFromTheLastStep : Textbook {
     Psi answer;
@@ -373,8 +365,7 @@ TEST(PeersDefects, LambdaZeroIsRefused) {
     }
 }
 
-// --- 9. a name that is another form's (flight-solver's inverse QR)
-// ---------------------------------------------------------------------
+// --- 9. a name that is another form's (flight-solver's inverse QR) ---------------------------------------------------
 
 /// Theirs: keeps R, the factor of the information, and solves for theta.
 struct CalledInverse : Qr<double> {

@@ -27,8 +27,7 @@ F made(double variance = 4, double forgetting = lambda) {
     return F(Problem<T>{.size = 3, .forgetting = T(forgetting), .prior = Prior<T>{.variance = T(variance)}});
 }
 
-// --- weights, exactly
-// ------------------------------------------------------------------------------------------------------------
+// --- weights, exactly ------------------------------------------------------------------------------------------------
 
 struct QRow {
     Vector<Q> psi{3};
@@ -92,8 +91,7 @@ TEST(Weighted, IsARowTimesTheRootExactly) {
     });
 }
 
-// --- weights, in binary64
-// ----------------------------------------------------------------------------------------------------------
+// --- weights, in binary64 --------------------------------------------------------------------------------------------
 
 template <class F>
 bool has_the_bits_of_the_scaled_row(double off = 1) {
@@ -130,8 +128,7 @@ TEST(Weighted, LeavesAFilterAsItIsForAWeightThatIsNone) {
     EXPECT_EQ(f.update({1.0, 0.0, 0.0}, 1, 1e300).health, Health::sound);
 }
 
-// --- missing outputs
-// -----------------------------------------------------------------------------------------------------------------
+// --- missing outputs -------------------------------------------------------------------------------------------------
 
 template <class F, class Pass>
 bool time_alone_passes(Pass pass) {
@@ -209,8 +206,7 @@ TEST(Weighted, TellsAGuardWhichRowsAreNoisy) {
     }
 }
 
-// --- several outputs
-// -----------------------------------------------------------------------------------------------------------------
+// --- several outputs -------------------------------------------------------------------------------------------------
 
 bool same(Step<double> const& a, Step<double> const& b) {
     auto const bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
@@ -331,8 +327,7 @@ TEST(MultiOutput, RefusesWhatMakesNoSense) {
     }
 }
 
-// --- states
-// ---------------------------------------------------------------------------------------------------------------------
+// --- states ----------------------------------------------------------------------------------------------------------
 
 template <class F, class Give>
 void check_state(Give give) {

@@ -236,8 +236,8 @@ TEST(State, OfVersionOneCountedTheRowsOfAllLanes) {
     EXPECT_EQ(bytes_of(f), bytes_of(g));
 }
 
-/// Whether the law sees that member i is missing from the list. Asked of those that these rows need: what a look at one
-/// coordinate corrects, or what counts, is not among them.
+/// Whether the law sees that member i is missing from the list. It holds for the members that these rows need: what a
+/// look at one coordinate corrects, or what counts, is not among them.
 template <class F, size_t i>
 bool is_missed() {
     for (int before : {20, 250}) {

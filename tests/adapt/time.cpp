@@ -40,8 +40,7 @@ constexpr bool keeps_theta = !ReportsInformation<F>;
 // of max |P|.
 constexpr double budget = 2000 * u;
 
-// --- discount
-// -----------------------------------------------------------------------------------------------------------------
+// --- discount --------------------------------------------------------------------------------------------------------
 
 /// How far P is from P_before / lambda; infinite where a stored theta changed a bit.
 template <class F, class Operation>
@@ -94,8 +93,7 @@ TEST(Forgetting, IsSetBitForBit) {
     });
 }
 
-// --- inflation
-// ----------------------------------------------------------------------------------------------------------------
+// --- inflation -------------------------------------------------------------------------------------------------------
 
 double const direction[] = {1, -0.5, 2, 0.25};
 
@@ -151,8 +149,7 @@ TEST(Asymmetry, IsThatOfThePairThatDiffersMost) {
     EXPECT_TRUE(std::isnan(asymmetry(f, 2)));
 }
 
-// --- single numbers
-// -------------------------------------------------------------------------------------------------------------
+// --- single numbers --------------------------------------------------------------------------------------------------
 
 TEST(Signals, AreThoseOfP) {
     for_each_form([]<class F>() {
@@ -167,8 +164,7 @@ TEST(Signals, AreThoseOfP) {
     });
 }
 
-// --- reset
-// ---------------------------------------------------------------------------------------------------------------------
+// --- reset -----------------------------------------------------------------------------------------------------------
 
 TEST(Reset, MakesPAMultipleOfIAndKeepsTheta) {
     for_each_form([]<class F>() {
@@ -185,8 +181,7 @@ TEST(Reset, MakesPAMultipleOfIAndKeepsTheta) {
     });
 }
 
-// --- removal
-// --------------------------------------------------------------------------------------------------------------------
+// --- removal ---------------------------------------------------------------------------------------------------------
 
 /// A row comes and goes: how far X and theta are from what they were.
 template <class F, class Operation>

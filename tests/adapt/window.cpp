@@ -48,8 +48,7 @@ bool same(F const& a, F const& b) {
     return x.F == y.F && x.D == y.D && a.theta() == b.theta();
 }
 
-// --- the bits
-// ---------------------------------------------------------------------------------------------------------------------
+// --- the bits --------------------------------------------------------------------------------------------------------
 
 template <class F>
 void check_refactored(Problem<double> const& problem) {
@@ -105,8 +104,7 @@ TEST(Windowed, OfFewerRowsThanParametersStillAnswers) {
     EXPECT_LE(relative(covariance_of(w), covariance_of(fresh<Ud<double, d>>(problem, records, 50, 1))), 1e-12);
 }
 
-// --- the error
-// --------------------------------------------------------------------------------------------------------------------
+// --- the error -------------------------------------------------------------------------------------------------------
 
 struct Worst {
     double window = 0;  ///< error of P over that of fresh filters, the largest of the last two windows' lengths

@@ -17,8 +17,7 @@ namespace rlslab {
 namespace {
 using namespace complex_tests;
 
-// --- laws without a tolerance
-// ---------------------------------------------------------------------------------------------
+// --- laws without a tolerance ----------------------------------------------------------------------------------------
 
 /// Law 2: psi -> i psi with y -> -i y leaves theta, P and gamma, and e -> -i e. No bit changes: a product with i only
 /// exchanges parts, and a b has the bits of b a.
@@ -146,8 +145,7 @@ TEST(Complex, WhatIsHermitianIsSoToTheBit) {
     });
 }
 
-// --- within a budget
-// ------------------------------------------------------------------------------------------------------
+// --- within a budget -------------------------------------------------------------------------------------------------
 
 /// Law 1 in double: distance of theta and of P (or P^-1) from the real filter of twice the size, in epsilons of their
 /// norms, at lambda = 1.
@@ -279,8 +277,7 @@ TEST(Complex, APriorMayBeWhatAnotherFormStores) {
     });
 }
 
-// --- state, health, heap, what is refused
-// -----------------------------------------------------------------------------------
+// --- state, health, heap, what is refused ----------------------------------------------------------------------------
 
 TEST(Complex, IsSavedAndLoaded) {
     using C = Complex<float>;

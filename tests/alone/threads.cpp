@@ -27,7 +27,7 @@ Problem<T> problem() {
     return {.size = d, .forgetting = T(0.96875), .prior = Prior<T>{.variance = T(1)}};
 }
 template <class F>
-void take_rows(F& f, Records const& records) {
+void process_rows(F& f, Records const& records) {
     using T = typename F::scalar;
     for (Index k = 0; k < records.rows(); ++k) {
         Vector<T> const psi = records.psi.col(k).unaryExpr([](double x) { return T(x); });
@@ -52,7 +52,7 @@ TEST(Threads, ReadAndCopyOneFilterAtTheSameTime) {
     Records const records = laws::noise_records(d, rows, Seed{31});
     for_each(Variants<double>{}, [&]<class F>() {
         F made(problem<double>());
-        take_rows(made, records);
+        process_rows(made, records);
         F const& shared = made;
         Vector<double> const theta = shared.theta(), gain = shared.gain();
         auto const state = bytes_of(shared);
@@ -62,7 +62,7 @@ TEST(Threads, ReadAndCopyOneFilterAtTheSameTime) {
                 F own = shared;
                 bool const reads = Vector<double>(shared.theta()) == theta && Vector<double>(shared.gain()) == gain &&
                                    bytes_of(shared) == state && shared.stored().F.rows() == d;
-                take_rows(own, records);  // a copy is its thread's own
+                process_rows(own, records);  // a copy is its thread's own
                 same[size_t(t)] += reads;
             }
         });
@@ -81,7 +81,7 @@ void update_filters_of_their_own() {
                 Seed seed{std::uint64_t(t + 1)};
                 RoundingSeedScope<T> const draws(seed);
                 F f(problem<T>());
-                take_rows(f, records);
+                process_rows(f, records);
                 left[size_t(t)] = bytes_of(f);
             };
             for (int t = 0; t < threads; ++t) run(t);
@@ -119,12 +119,12 @@ TEST(Threads, WorkInsideTheLibraryOnSharedRows) {
 TEST(Threads, GuardsAndCertificatesAreTheirThreadsOwn) {
     Records const records = laws::noise_records(d, rows, Seed{31});
     Guarded<Ud<double>> first(problem<double>());
-    take_rows(first, records);
+    process_rows(first, records);
     Vector<double> const theta = first.theta();
     Vector<Reference> const exact = certified(problem<double>(), records, {rows}).front().theta();
     at_once([&](int) {
         Guarded<Ud<double>> own(problem<double>());
-        take_rows(own, records);
+        process_rows(own, records);
         EXPECT_EQ(Vector<double>(own.theta()), theta);
         EXPECT_EQ(certified(problem<double>(), records, {rows}).front().theta(), exact);
     });

@@ -9,7 +9,7 @@
 namespace rlslab {
 namespace {
 
-/// A double that knows whether an operation made it, and operators that are told a temporary from a variable.
+/// A double that knows whether an operation made it, and operators that distinguish a temporary from a variable.
 class Ordered {
     double value_ = 0;
     bool rounded_ = false;

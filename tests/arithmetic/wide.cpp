@@ -1,4 +1,5 @@
-// The wide scalars: widen loses nothing, Quad rounds once; and what Eigen and the lab are told of every scalar is true.
+// The wide scalars: widen loses nothing, Quad rounds once; and the traits of every scalar for Eigen and the catalogue
+// are true.
 #include <rlslab/arithmetic/arithmetics.hpp>
 #include <rlslab/arithmetic/counted.hpp>
 #include <rlslab/core/problem.hpp>

@@ -1,4 +1,4 @@
-// What moved since a baseline: a planted slowdown is told, scatter and another clock are not. How a run stands to a
+// What moved since a baseline: a planted slowdown is found, scatter and another clock are not. How a run stands to a
 // limit.
 #include "bench/limits.hpp"
 #include "bench/measured.hpp"
@@ -13,14 +13,13 @@ namespace {
 
 using namespace rlslab::bench;
 
-/// A run: the yardstick, in its last repetition so many times as long, and a row whose times are these, both on a clock
+/// A run: the unit row, in its last repetition so many times as long, and a row whose times are these, both on a clock
 /// of its own.
 std::string run(std::vector<double> const& times, double clock = 1, double disturbed = 1) {
     std::string rows;
     for (size_t i = 0; i < times.size(); ++i)
-        for (auto const& [name, time] :
-             {std::pair{std::string(yardstick), i + 1 < times.size() ? 10.0 : 10 * disturbed},
-              std::pair{std::string("update/ud/double/16"), times[i]}})
+        for (auto const& [name, time] : {std::pair{std::string(unit_row), i + 1 < times.size() ? 10.0 : 10 * disturbed},
+                                         std::pair{std::string("update/ud/double/16"), times[i]}})
             rows += fmt::format(
                 R"({}{{"run_name": "{}", "run_type": "iteration", "repetition_index": {}, "ns_per_update": {}}})",
                 rows.empty() ? "" : ",", name, i, time * clock);
@@ -36,7 +35,7 @@ TEST(BenchBaseline, TellsOfARowThatBecameSlower) {
     EXPECT_NEAR(found[0].factor(), 113.0 / 101, 1e-12);
     EXPECT_LT(moved(now, before)[0].factor(), 1) << "and of one that became faster";
     EXPECT_EQ(moved(before, baseline_of(run({115, 112, 111, 118, 113, 112, 114}, 1, 3))).size(), 1u)
-        << "whatever befell the yardstick once";
+        << "whatever befell the unit row once";
 }
 TEST(BenchBaseline, IsSilentAboutScatterAboutASmallStepAndAboutAnotherClock) {
     Baseline const before = baseline_of(run(quiet));
@@ -64,7 +63,7 @@ TEST(BenchBaseline, IsReadBackAsItWasWritten) {
 }
 TEST(BenchBaseline, RefusesWhatCannotBeCompared) {
     EXPECT_THROW(baseline_of(run({100, 100, 100, 100})), std::runtime_error) << "four repetitions";
-    EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no yardstick";
+    EXPECT_THROW(baseline_of(R"({"context": {}, "benchmarks": []})"), std::runtime_error) << "no unit row";
     EXPECT_THROW(baseline_of("not JSON"), std::exception);
     EXPECT_THROW(read_baseline("{}"), std::exception);
 }

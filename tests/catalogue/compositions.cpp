@@ -24,8 +24,7 @@ namespace {
 
 using namespace composed_laws;
 
-// --- the bits
-// ---------------------------------------------------------------------------------------------------------------------
+// --- the bits --------------------------------------------------------------------------------------------------------
 
 template <class F>
 bool same_numbers(F const& typed, AnyFilter const& composed) {
@@ -174,8 +173,7 @@ TEST(Compositions, RefuseNumbersThatTheArithmeticCannotHold) {
     EXPECT_NE(composed({.control = "random_walk", .parameters = {1e300}}, "ud", "double", problem), nullptr);
     EXPECT_EQ(composed({.window = 9}, "ud", "quad", problem), nullptr);
 }
-// --- the lists
-// ---------------------------------------------------------------------------------------------------------------------
+// --- the lists -------------------------------------------------------------------------------------------------------
 
 template <class Rule>
 std::string type_of() {
@@ -249,8 +247,7 @@ TEST(Compositions, ExistWhereNothingStandsInTheWay) {
     EXPECT_GT(made_of["potter"], made_of["kalman"]);
 }
 
-// --- the command line
-// ---------------------------------------------------------------------------------------------------------------
+// --- the command line ------------------------------------------------------------------------------------------------
 
 using nlohmann::json;
 
@@ -338,8 +335,7 @@ TEST_F(ComposedCommand, SkipsMissingValuesAndNamesAnExactFit) {
             "LAMBDA: expected a number above 0 to 1 that double can hold");
 }
 
-// --- identify
-// ---------------------------------------------------------------------------------------------------------------------
+// --- identify --------------------------------------------------------------------------------------------------------
 
 class ComposedIdentify : public Program {
 protected:

@@ -115,8 +115,8 @@ TEST(VariablePrecision, VariantsGiveTheBitsOfTheHardware) {
             Records const records = as_stored(laws::noise_records(5, 60, Seed{4}), *hardware->arithmetic);
             auto const f = e.make(laws::problem(5, 0.96875), Seed{1}),
                        g = hardware->make(laws::problem(5, 0.96875), Seed{1});
-            laws::take_rows(*f, records);
-            laws::take_rows(*g, records);
+            laws::process_rows(*f, records);
+            laws::process_rows(*g, records);
             EXPECT_TRUE(laws::identical(f->stored(), g->stored())) << e.variant << ' ' << bits;
             EXPECT_TRUE(laws::identical(f->theta(), g->theta())) << e.variant << ' ' << bits;
         }

@@ -39,7 +39,7 @@ inline Records noise_records(Index size, Index rows, Seed seed) {
     return out;
 }
 
-inline void take_rows(AnyFilter& f, Records const& records, double scale = 1) {
+inline void process_rows(AnyFilter& f, Records const& records, double scale = 1) {
     for (Index k = 0; k < records.rows(); ++k) f.update(records.sample(k), scale * records.y[k]);
 }
 
@@ -54,7 +54,7 @@ inline Problem<double> problem(Index size, double forgetting = 1, double varianc
 /// numbers, theta is left to `stored`.
 inline bool a_zero_regressor_teaches_nothing(CatalogueEntry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    take_rows(*f, as_stored(noise_records(3, 20, Seed{17}), *entry.arithmetic));
+    process_rows(*f, as_stored(noise_records(3, 20, Seed{17}), *entry.arithmetic));
     auto const theta = f->theta();
     auto const stored = f->stored();
     f->update(Vector<double>(Vector<double>::Zero(3)), 5);
@@ -67,8 +67,8 @@ inline bool scaling_the_output_by_two_scales_theta_exactly(CatalogueEntry const&
     Records records = noise_records(3, 40, Seed{11});
     records.y *= 64;  // keeps binary16 clear of its subnormal numbers
     records = as_stored(records, *entry.arithmetic);
-    take_rows(*f, records);
-    take_rows(*g, records, 2);
+    process_rows(*f, records);
+    process_rows(*g, records, 2);
     Vector<Reference> twice = f->theta();
     for (Reference& x : twice) x *= 2;
     return identical(g->theta(), twice);
@@ -102,7 +102,7 @@ inline bool rows_without_report_leave_the_same_bits(CatalogueEntry const& entry)
 inline bool a_clone_continues_bit_for_bit(CatalogueEntry const& entry) {
     Records const records = as_stored(noise_records(4, 60, Seed{5}), *entry.arithmetic);
     auto const f = entry.make(problem(4, 0.96875), Seed{1}), undisturbed = entry.make(problem(4, 0.96875), Seed{1});
-    take_rows(*undisturbed, records);
+    process_rows(*undisturbed, records);
     std::unique_ptr<AnyFilter> clone;
     for (Index k = 0; k < records.rows(); ++k) {
         if (k == 30) clone = f->clone();
@@ -141,13 +141,12 @@ inline bool healthy_data_are_reported_sound(CatalogueEntry const& entry) {
 /// A NaN in the data is reported at once.
 inline bool a_nan_is_reported(CatalogueEntry const& entry) {
     auto const f = entry.make(problem(3), Seed{1});
-    take_rows(*f, as_stored(noise_records(3, 10, Seed{8}), *entry.arithmetic));
+    process_rows(*f, as_stored(noise_records(3, 10, Seed{8}), *entry.arithmetic));
     Vector<double> const psi = Vector<double>::Constant(3, std::numeric_limits<double>::quiet_NaN());
     return f->update(psi, 1).health == Health::nonfinite;
 }
 
-// --- laws with a budget, in units of the arithmetic's epsilon
-// ---------------------------------------------------------
+// --- laws with a budget, in units of the arithmetic's epsilon --------------------------------------------------------
 
 inline double norm(Vector<Reference> const& x) {
     Reference sum = 0;
@@ -226,7 +225,7 @@ inline Errors errors(CatalogueEntry const& entry, Problem<double> const& given, 
     Problem<double> const p = as_stored(given, *entry.arithmetic);
     Records const data = as_stored(records, *entry.arithmetic);
     auto const f = entry.make(p, Seed{1});
-    if (entry.block == 1) take_rows(*f, data);
+    if (entry.block == 1) process_rows(*f, data);
     else f->update_block(data, 0, data.rows());
     int const digits = int(entry.arithmetic->decimal_digits()) + 20;
     CertifiedSolution const exact = std::move(certified(p, data, {data.rows()}, digits).front());

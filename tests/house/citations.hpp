@@ -79,7 +79,7 @@ inline Page page(std::string const& text) {
     return out;
 }
 
-/// The files of a tree: all paths, and the text of those that people read.
+/// The files of a tree: all paths, and the text of those for readers.
 struct Tree {
     std::set<std::string> paths;
     std::map<std::string, std::string> texts;
@@ -252,7 +252,7 @@ inline Faults links(Tree const& tree, std::string const& path, std::string const
 inline Faults names(Tree const& tree, std::string const& path, std::string const& text) {
     Faults out;
     if (!path.ends_with(".md") || path == "CHANGELOG.md" || path == "docs/history.md")
-        return out;  // these two tell of what was
+        return out;  // these two describe the past
     std::string const flat = flattened(without_fences(text));
     each(flat, "(One file, )?`<?([^`\\s<>]+)>?`", [&](std::smatch const& m) {
         std::string const name = m[2];

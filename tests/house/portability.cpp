@@ -164,7 +164,7 @@ void expect_the_bits_of_this_machine(std::string const& command) {
     EXPECT_EQ(there.text, here.text);
 }
 
-/// Of another order of bytes, too (s390x). A minute each: all but the first are asked for.
+/// Of another order of bytes, too (s390x). A minute each: all but the first by option.
 struct Processor {
     char const *name, *packages;
     bool asked_for;

@@ -23,7 +23,7 @@ std::vector<std::string> gone(std::string const& code) {
         "Undisturbed|Disturb|"
         "DividedBy|Downdated|Yardstick|Whiteness|lead_in|whiteness_lags|feed_rows|shrunk|"
         "Crew|Happened|happened_text|hold_down|forget_by|start_at|take_back|take_roots|Carried|Aside|started_over|"
-        "start_over|"
+        "start_over|take_root|TakeRoots|take_rows|take_manners|take_first|"
         "Finding|Manners|StoredProblem|AdviseOptions|Described)\\b(?!\\|)|"
         "\\b(settle|weigh|wanted|excess|feed)\\(|"
         "\\b([Ff]it|[Pp]arameter|[Cc]urve)(::|\\.)(low|high)\\b");
@@ -72,8 +72,25 @@ TEST(Words, IdentifiersThatAreGoneStayGone) {
     EXPECT_EQ(gone("curve.low, range.low, fit.lower; // Fit::high"),
               (std::vector<std::string>{"curve.low", "Fit::high"}));
 }
-TEST(Words, PagesDoNotUseThePhrasesThatTheyAvoid) {
+/// The comments of C++, one line each: "// a\n// b" reads "a b".
+std::string comments(std::string const& code) {
+    std::string out;
+    std::istringstream lines(code);
+    for (std::string line; std::getline(lines, line);) {
+        static std::regex const comment("(^|\\s)///?<?\\s*(.*)");
+        std::smatch m;
+        if (std::regex_search(line, m, comment)) out += m[2].str() + " ";
+        else out += "\n";
+    }
+    return out;
+}
+TEST(Words, PagesAndCommentsDoNotUseThePhrasesThatTheyAvoid) {
     for (std::string const& path : files({".md"})) EXPECT_THAT(avoided(text(root / path)), testing::IsEmpty()) << path;
+    for (std::string const& path : files({".hpp", ".cpp"}))
+        if (!path.ends_with("/words.cpp")) {
+            EXPECT_THAT(avoided(comments(text(root / path))), testing::IsEmpty()) << path;
+        }
+    EXPECT_EQ(comments("int a;  // one\n/// two\nint b;\n"), "one two \n");
     EXPECT_THAT(avoided("a variance that is not to be had; the filter tells of what it has"),
                 testing::ElementsAre("to be had", "the filter tells", "what it has"));
 }

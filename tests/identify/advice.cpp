@@ -39,8 +39,7 @@ protected:
     }
 };
 
-// --- the order at the limit
-// ---------------------------------------------------------------------------------------------------
+// --- the order at the limit ------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AnOrderAtTheLimitOfTheSearchNamesAHigherOne) {
     Signal const u = prbs(9, 900), y = simulate(order_three, {u}, scaled(white_noise(900, Seed{1}), 0.05));
@@ -67,8 +66,7 @@ TEST_F(Advice, AnOrderThatTheInputLimitsAsksForARicherInput) {
                 Contains(HasSubstr("An input that changes more often, or at more frequencies, supports a higher one")));
 }
 
-// --- worse than the mean
-// ------------------------------------------------------------------------------------------------------
+// --- worse than the mean ---------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AHeldOutPartThatIsPredictedWorseThanByItsMean) {
     Signal const u = white_noise(600, Seed{2});
@@ -96,8 +94,7 @@ TEST_F(Advice, AHeldOutPartThatIsPredictedButNotSimulated) {
     EXPECT_THAT(m.warnings(), Not(Contains(HasSubstr("predicts worse"))));
 }
 
-// --- residuals that are not white
-// ---------------------------------------------------------------------------------------------
+// --- residuals that are not white ------------------------------------------------------------------------------------
 
 TEST_F(Advice, ResidualsThatAreNotWhiteSayWhatTheyFollow) {
     Signal const u = prbs(9, 900);
@@ -200,8 +197,7 @@ TEST(AdviceParts, APoleOnTheUnitCircleIsNamedAsOneOutside) {
     }
 }
 
-// --- delay
-// --------------------------------------------------------------------------------------------------------------------
+// --- delay -----------------------------------------------------------------------------------------------------------
 
 TEST(AdviceParts, LeadingCoefficientsThatMayBeZero) {
     std::vector<Term> const terms{{"a1", "", -1, 1},   {"b0", "", 0, 0},    {"b1", "", 0, 1}, {"b2", "", 0, 2},
@@ -234,8 +230,7 @@ TEST_F(Advice, ADelayIsFound) {
         Contains(HasSubstr("the first coefficient of u cannot be told from 0: the delay may be longer: --delay 3")));
 }
 
-// --- poles and zeros that cancel
-// ----------------------------------------------------------------------------------------------
+// --- poles and zeros that cancel -------------------------------------------------------------------------------------
 
 /// One pole 1/2 and one zero 2/5 of z/(z - 1/2) alike: q = 0.1^2 / (sd_a^2 + (sd_b1/b0)^2), against chi^2's quantile of
 /// one degree.
@@ -346,8 +341,7 @@ TEST_F(Advice, PolesAndZerosThatCancelNameTheLowerOrder) {
         Contains(HasSubstr("what may cancel models the noise, for order 1 alone leaves residuals that are not white")));
 }
 
-// --- gain and poles
-// -----------------------------------------------------------------------------------------------------------
+// --- gain and poles --------------------------------------------------------------------------------------------------
 
 TEST(Gains, AreNotGivenWhereAPoleMayLieAtOne) {
     std::vector<Term> const terms{{"a1", "", -1, 1}, {"b0", "", 0, 0}};
@@ -369,8 +363,7 @@ TEST_F(Advice, APoleOutsideTheCircleIsNamed) {
     EXPECT_THAT(as_table(m), Not(HasSubstr("time constant"))) << "it has none";
 }
 
-// --- a standstill
-// ---------------------------------------------------------------------------------------------------------------
+// --- a standstill ----------------------------------------------------------------------------------------------------
 
 TEST_F(Advice, AStandstillAtTheStartIsNamedFromTwentyOneSamplesOn) {
     for (size_t const constant : {20u, 21u}) {

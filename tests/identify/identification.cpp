@@ -22,8 +22,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// --- signals
-// ------------------------------------------------------------------------------------------------------------
+// --- signals ---------------------------------------------------------------------------------------------------------
 
 TEST(Signals, APrbsHasItsPeriodItsBalanceAndItsCorrelation) {
     for (int m = 2; m <= 20; ++m) {
@@ -66,8 +65,7 @@ TEST(Signals, AreTheSameBitsEverywhere) {
     for (double const x : random_steps(100, 3, 9, Seed{2})) EXPECT_LT(std::abs(x), 1);
 }
 
-// --- excitation
-// ---------------------------------------------------------------------------------------------------------
+// --- excitation ------------------------------------------------------------------------------------------------------
 
 TEST(Excitation, OfWhatIsKnown) {
     EXPECT_EQ(excitation(white_noise(400, Seed{1}), 12).order, 12);
@@ -90,8 +88,7 @@ TEST(Excitation, TheCorrelationMatrixIsToeplitzInTheLimitAndDominantForWhiteNois
     EXPECT_DOUBLE_EQ(correlation({1, 2, 3}, {4, 5, 6}, 1)[1], (2 * 4 + 3 * 5) / 3.0);
 }
 
-// --- batch
-// ----------------------------------------------------------------------------------------------------------------
+// --- batch -----------------------------------------------------------------------------------------------------------
 
 TEST(Batch, ThreeWaysAgreeWithTheCertifiedMinimiser) {
     Records const records = laws::noise_records(6, 200, Seed{5});
@@ -116,8 +113,7 @@ TEST(Batch, TheSvdSaysWhatItDropped) {
     EXPECT_THROW(fit(Records{.psi = Matrix<double>(3, 2), .y = Vector<double>(2), .names = {}}), std::invalid_argument);
 }
 
-// --- order
-// ----------------------------------------------------------------------------------------------------------------
+// --- order -----------------------------------------------------------------------------------------------------------
 
 TEST(OrderRecursive, EqualsBatchAtEveryOrderInRationals) {
     Seed seed{7};
@@ -175,8 +171,7 @@ TEST(OrderRecursive, TheQrTwinKeepsTwiceTheDigits) {
     EXPECT_GT(of_qr, of_bordering + 1);
 }
 
-// --- systems come back
-// ----------------------------------------------------------------------------------------------------
+// --- systems come back -----------------------------------------------------------------------------------------------
 
 TEST(Systems, TwoHundredRandomOnesComeBackToTenDigitsByEverySoundVariant) {
     for (int system = 0; system < 200; ++system) {
@@ -207,8 +202,7 @@ TEST(Systems, RootsAreFound) {
     EXPECT_NEAR(zeros(DifferenceEquation{.a = {}, .b = {{0, 2, 1}}, .delay = 0, .c = 0})[0].real(), -0.5, 1e-15);
 }
 
-// --- identify
-// -------------------------------------------------------------------------------------------------------------
+// --- identify --------------------------------------------------------------------------------------------------------
 
 std::string csv(std::vector<Signal> const& columns, std::string const& header) {
     std::string out = header + "\n";

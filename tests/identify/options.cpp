@@ -187,7 +187,7 @@ TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
     EXPECT_THAT(program("--help").out, HasSubstr("y[k] + a1 y[k-1] + ... + a_na y[k-na] = b0 u[k-delay]"));
 }
 
-/// As many samples as are asked for are enough, one fewer is not.
+/// The required number of samples is enough, one fewer is not.
 TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
     auto const cut = [&](Index samples) {
         Signal const u = white_noise(samples, Seed{1}), e = white_noise(samples, Seed{2});
@@ -234,8 +234,7 @@ TEST_F(Options, AMemoryShorterThanTheParametersIsRefused) {
     EXPECT_GE(run({.order = 2, .forgetting = 0.917}).freedom, 1);
 }
 
-// --- what is printed
-// ------------------------------------------------------------------------------------------------------------
+// --- what is printed -------------------------------------------------------------------------------------------------
 
 std::vector<double> numbers_in(std::string const& line) {
     static std::regex const number("[-+]?[0-9]+\\.?[0-9]*(e[-+]?[0-9]+)?");

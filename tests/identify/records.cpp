@@ -97,8 +97,8 @@ TEST_F(IdentifyRecords, WithoutARowAreRefused) {
     EXPECT_EQ(said(no_input, {.order = 1}),
               "gaps.csv: column \"u\": expected a number in the part that is fitted, found missing values alone");
 }
-/// What error does not matter is told in units of each regressor: units of u move no digit and no word. Little noise,
-/// slow poles.
+/// An error that does not matter is stated in units of each regressor: units of u move no digit and no word. Little
+/// noise, slow poles.
 TEST_F(IdentifyRecords, UnitsChangeNothing) {
     Signal noise = white_noise(300, Seed{3}), small = u;
     for (double& x : noise) x *= 1e-9;

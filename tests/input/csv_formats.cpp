@@ -28,8 +28,7 @@ std::string refusal(std::string const& text, Names const& asked, CsvFormat forma
     return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
 }
 
-// --- decimal commas
-// -------------------------------------------------------------------------------------------------------
+// --- decimal commas --------------------------------------------------------------------------------------------------
 
 TEST(DecimalComma, IsReadWhereItIsNoSeparator) {
     EXPECT_EQ(read("u;y\n1,5;-2,25e1\n3;,5\n4,;1234,5678\n", {"u", "y"}).values,
@@ -45,7 +44,7 @@ TEST(DecimalComma, OneMarkAFile) {
               "data.csv:3: column 2 (y): expected a decimal comma as in line 3, found \"2.5\"");
     EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}),
               "data.csv:3: column 2 (y): expected a decimal point as in line 2, found \"2,5\"");
-    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"y"}), "no error");  // of what is asked for
+    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"y"}), "no error");  // of the requested columns
     EXPECT_EQ(refusal("u;y\n1,x;2\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"1,x\"");
     EXPECT_EQ(refusal("1,5;-\n", {"2"}), "data.csv: no column \"2\"; the columns are \"1,5\", \"-\"");
 }
@@ -74,8 +73,7 @@ TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
                   "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
 }
 
-// --- separators
-// -----------------------------------------------------------------------------------------------------------
+// --- separators ------------------------------------------------------------------------------------------------------
 
 TEST(Separator, BlanksAnyNumberOfThem) {
     EXPECT_EQ(read("   u      y\n  1.5   -2e3\n\n  3 \t  4  \n", {"u", "y"}).values,
@@ -123,8 +121,7 @@ TEST(Separator, RowsTwiceAsLongAsTheHeaderSayWhy) {
               "quotes)");
 }
 
-// --- what is no text
-// --------------------------------------------------------------------------------------------------------
+// --- what is no text -------------------------------------------------------------------------------------------------
 
 TEST(CsvRefuses, WhatOtherProgramsWrite) {
     EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}),
@@ -171,8 +168,7 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
         }));
 }
 
-// --- a point that may stand between thousands
-// -------------------------------------------------------------------------------
+// --- a point that may stand between thousands ------------------------------------------------------------------------
 
 std::string const or_point = " may be a decimal point or a mark between thousands, and ",
                   way_out = " (--decimal . if it is the former)";
@@ -237,8 +233,7 @@ TEST(CommaOrThousands, AnyColumnShowsWhich) {
               "point (--decimal , if it is the former)");
 }
 
-// --- blank lines in a file of one column
-// --------------------------------------------------------------------------------------
+// --- blank lines in a file of one column -----------------------------------------------------------------------------
 
 TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
     Columns const data = read("u\n1\n\n2\n   \n\n3\n\n", {"u"});
@@ -249,8 +244,7 @@ TEST(BlankLines, BetweenRowsOfOneColumnAreMissingValues) {
     EXPECT_EQ(read("u\n\n1\n2\n", {"u"})["u"], (Numbers{1, 2})) << "above the first row";
 }
 
-// --- a first row of numbers and text
-// ------------------------------------------------------------------------------------------
+// --- a first row of numbers and text ---------------------------------------------------------------------------------
 
 TEST(FirstRow, LikeTheNextHasNoNamesWhereColumnsAreAskedForByNumber) {
     std::string const dates = "2024-01-01,5,8\n2024-01-02,6,9\n";
@@ -278,8 +272,7 @@ TEST(FirstRow, OfNamesStaysOne) {
     EXPECT_EQ(refusal("k,u\nx,5\n", {"2"}), "data.csv: no column \"2\"; the columns are \"k\", \"u\"");
 }
 
-// --- ends of lines
-// --------------------------------------------------------------------------------------------------------------
+// --- ends of lines ---------------------------------------------------------------------------------------------------
 
 TEST(LineEnds, ACarriageReturnAloneIsOne) {
     EXPECT_EQ(read("u,y\r1,2\r3,4\r", {"y"})["y"], (Numbers{2, 4}));
@@ -296,8 +289,7 @@ TEST(LineEnds, TheFirstOneOutsideQuotesDecides) {
         EXPECT_EQ(read(piece.substr(1) + end + "u" + end + "1" + end, {"u"})["u"], (Numbers{1}));
 }
 
-// --- what is no table
-// -----------------------------------------------------------------------------------------------------------
+// --- what is no table ------------------------------------------------------------------------------------------------
 
 TEST(NoTable, IsNamed) {
     auto const found = [](std::string const& begin) {

@@ -40,8 +40,7 @@ std::string refusal(std::string const& bytes, Names const& asked, CsvFormat form
     return folder.without(message_of([&] { read_data({folder.file(bytes, "data"), format}, asked); }));
 }
 
-// --- gzip
-// -----------------------------------------------------------------------------------------------------------------
+// --- gzip ------------------------------------------------------------------------------------------------------------
 
 TEST(Gzip, IsReadByItsContent) {
     EXPECT_EQ(read(packed("u;y\n1,5;2\n3;4\n"), {"u"})["u"], (Numbers{1.5, 3}));
@@ -101,8 +100,7 @@ TEST(Gzip, RowsWithoutEndAreRefused) {
     EXPECT_LT(given, 2 << 20);
 }
 
-// --- MATLAB
-// -----------------------------------------------------------------------------------------------------------------
+// --- MATLAB ----------------------------------------------------------------------------------------------------------
 
 /// A .mat file of version 5 as the format's description has it, without matio: each variable a matrix of doubles by
 /// columns.

@@ -161,7 +161,7 @@ TYPED_TEST(KernelBits, OfElementwiseKernelsAreTheSame) {
     check<T>("DivideByOne", Part::full, [=](O& o) { return DivideByOne<T>{over(o), o.scalar}; });
     check<T>("Divide", Part::full, [=](O& o) { return Divide<T>{over(o), o.v[2].data()}; });
     check<T>("Scale", Part::full, [=](O& o) { return Scale<T>{over(o), o.v[2].data()}; });
-    check<T>("TakeRoots", Part::full, [=](O& o) { return TakeRoots<T>{over(o)}; });
+    check<T>("SquareRoots", Part::full, [=](O& o) { return SquareRoots<T>{over(o)}; });
     check<T>("AddScaled", Part::full, [=](O& o) { return AddScaled<T>{over(o), o.scalar, o.v[2].data()}; });
     check<T>("ScaleByOne", Part::full, [=](O& o) { return ScaleByOne<T>{over(o), o.scalar}; });
     check<T>("Add", Part::full, [=](O& o) { return Add<T>{over(o), o.v[2].data()}; });

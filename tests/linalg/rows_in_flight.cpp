@@ -47,8 +47,7 @@ bool same(std::vector<T> const& a, std::vector<T> const& b) {
     return std::ranges::equal(a, b, [](T x, T y) { return same(x, y); });
 }
 
-// --- the kernel
-// ------------------------------------------------------------------------------------------------------------
+// --- the kernel ------------------------------------------------------------------------------------------------------
 
 constexpr Index together = kernels::RotateInRows<double>::together;
 
@@ -151,8 +150,7 @@ TYPED_TEST(RowsInFlightKernel, WouldDifferIfARowStartedOneRotationTooEarly) {
     }
 }
 
-// --- the filters
-// -----------------------------------------------------------------------------------------------------------
+// --- the filters -----------------------------------------------------------------------------------------------------
 
 template <class F>
 std::vector<double> reported(F const& f, Step<typename F::scalar> const& step) {

@@ -10,8 +10,7 @@
 namespace rlslab {
 namespace {
 
-// --- order, eigenvalue, condition
-// ---------------------------------------------------------------------------------------------
+// --- order, eigenvalue, condition ------------------------------------------------------------------------------------
 
 TEST(ExcitationNumbers, OrderTwoByHand) {
     // v_k = [x_k, x_(k-1)], k = 1 ... 4, of 1, 2, -1, 3, 0: sum x_k^2 = 4 + 1 + 9 + 0 = 14, sum x_(k-1)^2 = 1 + 4 + 1 +
@@ -69,8 +68,7 @@ TEST(ExcitationNumbers, AStandstillIsCountedFromTheStart) {
     EXPECT_EQ(excitation({1, 1, 1}, 1).constant_at_start, 3);
 }
 
-// --- resolution
-// ---------------------------------------------------------------------------------------------------------------
+// --- resolution ------------------------------------------------------------------------------------------------------
 
 Signal levels(size_t n, double unit, size_t repeat = 3) {
     Signal out;
@@ -153,8 +151,7 @@ TEST(Resolution, TheThresholdIsAThird) {
     }
 }
 
-// --- signals
-// --------------------------------------------------------------------------------------------------------------------
+// --- signals ---------------------------------------------------------------------------------------------------------
 
 TEST(SignalNumbers, ColouredNoiseIsItsRecursion) {
     Signal const w = white_noise(9, Seed{4}), x = coloured_noise(5, {-0.5, 0.25}, Seed{4}, 4);
@@ -225,8 +222,7 @@ TEST(SignalNumbers, StepsLastAsLongAsTheyMay) {
     EXPECT_THROW(random_steps(5, 4, 3, Seed{2}), std::invalid_argument);
 }
 
-// --- the difference equation
-// --------------------------------------------------------------------------------------------------
+// --- the difference equation -----------------------------------------------------------------------------------------
 
 TEST(DifferenceNumbers, SimulatesItsEquation) {
     // y[k] = 0.5 y[k-1] - 0.25 y[k-2] + 2 u[k-1] + u[k-2] - v[k-1] + 0.125 + xi[k]: by hand.

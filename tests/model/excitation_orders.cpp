@@ -29,8 +29,7 @@ Signal sines(size_t samples, std::vector<double> const& frequencies, double offs
     return u;
 }
 
-// --- resolution
-// -----------------------------------------------------------------------------------------------------------------
+// --- resolution ------------------------------------------------------------------------------------------------------
 
 TEST(Written, WithSignificantDigitsAsWithDecimals) {
     // Two sines around 3, from 0.2 to 5.8: exciting of order 5. Five digits are four decimals, and five below 1.
@@ -58,8 +57,7 @@ TEST(Written, OneNumberOfMoreDigitsChangesNothing) {
     EXPECT_EQ(excitation(u, 12).order, 5);
 }
 
-// --- what one change carries
-// ------------------------------------------------------------------------------------------------------
+// --- what one change carries -----------------------------------------------------------------------------------------
 
 TEST(Persistent, AStepIsOfOrderOne) {
     Excitation const e = excitation(step(2000, 700), 20);
@@ -86,8 +84,7 @@ TEST(Persistent, NoiseSinesAndRegistersAreWhatTheyAre) {
     EXPECT_EQ(excitation(Signal(300, 0.0), 6).changes, 0);
 }
 
-// --- with a constant in the model
-// ---------------------------------------------------------------------------------------------------
+// --- with a constant in the model ------------------------------------------------------------------------------------
 
 TEST(WithAConstant, TheMeanExcitesNothing) {
     auto const order = [](Signal const& u, bool constant) { return excitation(u, 8, {.constant = constant}).order; };
@@ -113,8 +110,7 @@ TEST(WithAConstant, DefiniteIsTheRankOfTheWindowsAndTheConstant) {
     EXPECT_EQ(excitation({1, 2, 4}, 9, {.constant = true}).orders.size(), 1u);
 }
 
-// --- against the definition
-// ---------------------------------------------------------------------------------------------------------
+// --- against the definition ------------------------------------------------------------------------------------------
 
 TEST(Windows, HaveTheConditionOfTheirRows) {
     Signal const u = coloured_noise(300, {-1.6, 0.7}, Seed{3});

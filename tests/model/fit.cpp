@@ -22,8 +22,7 @@ Records nist(std::string const& name) {
     return linear_records(data, regressors, "y");
 }
 
-// --- the tails that the tests below rely on, against published tables
-// ---------------------------------------------------------
+// --- the tails that the tests below rely on, against published tables ------------------------------------------------
 
 TEST(Tails, AreThoseOfTheTables) {
     using namespace exact_fit;
@@ -41,8 +40,7 @@ TEST(Tails, AreThoseOfTheTables) {
     EXPECT_NEAR(f_tail(4, 20, 2.8661), 0.05, 1e-5);
 }
 
-// --- by hand
-// ------------------------------------------------------------------------------------------------------------------
+// --- by hand ---------------------------------------------------------------------------------------------------------
 
 /// y = 1, 3, 2, 5 at x = 0, 1, 2, 3: slope 1.1, intercept 1.1, residuals -0.1, 0.8, -1.3, 0.6, J = 2.7, sigma^2 = 2.7 /
 /// 2, Phi'Phi = [4 6; 6 14], its inverse [14 -6; -6 4] / 20, mean 2.75, sum of squares about it 8.75.
@@ -125,8 +123,7 @@ TEST(FitByHand, TheSvdsToleranceIsRelativeToTheLargest) {
     EXPECT_EQ(rank(3.1 * 0x1p-53), 2);
 }
 
-// --- NIST's sets: residual standard deviation and standard deviations of the estimates
-// ------------------------------------------
+// --- NIST's sets: residual standard deviation and standard deviations of the estimates -------------------------------
 
 struct Certified {
     std::string name;
@@ -191,8 +188,7 @@ TEST(FitOfNist, FilipInBalls) {
         EXPECT_NEAR(s.scatter.sd[i] / std::sqrt(static_cast<double>(rational.inverse(i, i))), 1, 1e-12) << i;
 }
 
-// --- scatter: with forgetting and with a prior, in rationals
-// --------------------------------------------------------------------
+// --- scatter: with forgetting and with a prior, in rationals ---------------------------------------------------------
 
 TEST(ScatterInRationals, IsPMPAndTheExpectedResidualSum) {
     Seed seed{11};

@@ -14,8 +14,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// ---- did you mean
-// -----------------------------------------------------------------------------------------------------------
+// --- did you mean ----------------------------------------------------------------------------------------------------
 
 TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant) {
     refused("compair ok.csv", "no command \"compair\" (did you mean \"compare\"?)");
@@ -69,8 +68,7 @@ TEST(Suggestion, IsTheNearestNameOrNone) {
     EXPECT_EQ(rlslab::nearest("gain_eror", {}), "");
 }
 
-// ---- pipes, disks
-// -----------------------------------------------------------------------------------------------------------
+// --- pipes, disks ----------------------------------------------------------------------------------------------------
 
 TEST_F(Program, DiesOfAClosedPipeWithoutAWord) {
     // A reader that is gone before the first byte, also where whoever started the program had SIGPIPE ignored.
@@ -143,8 +141,7 @@ TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
         EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
 }
 
-// ---- terminals
-// --------------------------------------------------------------------------------------------------------------
+// --- terminals -------------------------------------------------------------------------------------------------------
 
 TEST_F(Program, ShowsProgressOnTerminalsOnlyAndNotWhenItIsToBeQuiet) {
     // A study of several seconds: progress begins after one.
@@ -201,8 +198,7 @@ TEST(Progress, PromisesATimeFromATenthOn) {
     EXPECT_EQ(rlslab::progress_text("comparing", 1, 100), "comparing 100 %");
 }
 
-// ---- interrupted
-// ------------------------------------------------------------------------------------------------------------
+// --- interrupted -----------------------------------------------------------------------------------------------------
 
 TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
     std::string const study = "'" + program + "' study definiteness --threads 1 --out ",
@@ -223,8 +219,7 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
     EXPECT_EQ(read(folder / "out/definiteness.csv"), read(folder / "whole/definiteness.csv"));
 }
 
-// ---- help
-// -------------------------------------------------------------------------------------------------------------------
+// --- help ------------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> const commands{"compare",    "study", "merge", "identify", "simulate",
                                         "excitation", "state", "list",  "help"};
@@ -298,8 +293,7 @@ TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
 }
 
-// ---- completions
-// ------------------------------------------------------------------------------------------------------------
+// --- completions -----------------------------------------------------------------------------------------------------
 
 /// What bash offers for the last of the words, as its function is called by bash.
 class Completion : public Program {

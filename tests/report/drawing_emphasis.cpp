@@ -129,7 +129,7 @@ TEST(Drawing, ATriangleAtTheEdgeStandsForWhatIsBelowTheAxis) {
     EXPECT_NEAR(place_of_tooltip(text, "bars: abscissa 2.5, ordinate -7 (-9 to -5), below the axis").y, high.y, 8);
     EXPECT_LT(place_of_tooltip(text, "curve: abscissa 3, ordinate 3").y, (low.y + high.y) / 2);
     EXPECT_EQ(place_of_tooltip(text, "curve: abscissa 3, ordinate 3, below").y, -1);
-    // The axis ends there: 3 and 4 are told apart as if nothing else were drawn.
+    // The axis ends there: 3 and 4 are distinguished as if nothing else were drawn.
     double const unit = place_of_tooltip(text, "curve: abscissa 3").y - place_of_tooltip(text, "curve: abscissa 0").y;
     EXPECT_GT(unit, 0.15 * (high.y - low.y));
     panel.y_least = -infinity;

@@ -67,8 +67,7 @@ constexpr void pairs(auto visit) {
     });
 }
 
-// --- laws
-// ------------------------------------------------------------------------------------------------------------------
+// --- laws ------------------------------------------------------------------------------------------------------------
 
 /// d epsilons for each unit of cond(R), which is below 10 here: 40.
 TEST(Conversion, KeepsThetaAndP) {
@@ -163,8 +162,7 @@ TEST(Conversion, SaysWhyThereIsNone) {
     EXPECT_THROW((void)(convert<Ud<double, 3>>(Ud<double>({.size = 2}))), std::invalid_argument);
 }
 
-// --- what is lost
-// ------------------------------------------------------------------------------------------------------------
+// --- what is lost ----------------------------------------------------------------------------------------------------
 
 /// A filter whose P is, but for rounding, the inverse of rows with cond(R) about kappa.
 template <class F>
@@ -207,8 +205,7 @@ TEST(Conversion, LosesWhatTheTableSays) {
     EXPECT_THAT(page, testing::HasSubstr(rows));
 }
 
-// --- merging
-// -----------------------------------------------------------------------------------------------------------------
+// --- merging ---------------------------------------------------------------------------------------------------------
 
 template <class F>
 Part<F> part(Records const& records, Index first, Index last, Problem<typename F::scalar> const& problem) {

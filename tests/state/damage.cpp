@@ -162,8 +162,7 @@ TEST(State, IsRefusedInOneLine) {
                 testing::StartsWith("x.state: cannot read"));
 }
 
-// --- kills
-// -----------------------------------------------------------------------------------------------------------------
+// --- kills -----------------------------------------------------------------------------------------------------------
 
 /// Whether the file is old or new after each of 100 processes was killed that did nothing but save one and the other.
 template <class Save>

@@ -145,8 +145,7 @@ std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryState, testing::ValuesIn(catalogue()), title);
 
-// --- the format
-// ------------------------------------------------------------------------------------------------------------
+// --- the format ------------------------------------------------------------------------------------------------------
 
 TEST(State, ItsChecksumIsTheStandardOne) {  // the check value of the CRC catalogues
     constexpr std::array<std::byte, 9> digits = [] {
@@ -237,8 +236,7 @@ TEST(State, OfWhatIsComposedAddsALine) {
     EXPECT_EQ(load(other, state_of(f)), StateFault::layout);
 }
 
-// --- saboteurs: a list that forgets a member
-// --------------------------------------------------------------------------------
+// --- saboteurs: a list that forgets a member -------------------------------------------------------------------------
 
 /// g is f but for its i-th member.
 template <size_t i, class F>

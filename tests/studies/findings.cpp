@@ -48,8 +48,7 @@ TEST(Numbers, SlopesAreThoseOfTheirScales) {
     EXPECT_NEAR(rate("k", "e")(decay), -0.69314718055994531, 1e-14);
 }
 
-// ---- without seeds: the number is its own interval
-// ---------------------------------------------------------------------------
+// --- without seeds: the number is its own interval -------------------------------------------------------------------
 
 TEST(Findings, HoldAtBothEndsOfTheBandAndNotBeyond) {
     Table const t = column_of({2});
@@ -92,8 +91,7 @@ TEST(Findings, TogetherAreAsGoodAsTheWorst) {
     EXPECT_EQ(labelled("P", good).measured, "P: a");
 }
 
-// ---- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know
-// ----------------------
+// --- saboteurs: over seeds, each predicate must be able to fail, to hold, and to say that it does not know -----------
 
 /// x is right within 1 %, and noisy by 0.5 %; y = x k^2 over k = 1, 2, 4, 8; z, which falls by e a step, and r, are the
 /// same with e^-k.
@@ -277,8 +275,7 @@ TEST(Saboteurs, ASeedWithoutANumberLiesAnywhereAndNoneFails) {
               Verdict::fails);
 }
 
-// ---- intervals
-// ---------------------------------------------------------------------------------------------------------------
+// --- intervals -------------------------------------------------------------------------------------------------------
 
 TEST(Intervals, AreThoseOfTheBooks) {
     // Mean 3, standard deviation sqrt(2.5), t(4, 0.975) = 2.7764.

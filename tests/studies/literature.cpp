@@ -20,8 +20,7 @@ namespace {
 
 CatalogueEntry const& entry(std::string_view variant) { return *find_entry(variant); }
 
-// --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2
-// --------------------------------
+// --- Bierman 1977, ch. V (docs/literature.md 3.3): psi = (1, eps), (1, 1), P0 = I / eps^2 ----------------------------
 
 template <class T>
 Problem<T> bierman(T eps) {
@@ -58,7 +57,7 @@ TEST(Bierman, AndBetween11And12BitsInFloat) {
 double bierman_error(std::string_view variant, double eps) {
     Records records{.psi = Eigen::MatrixXd{{1.0, 1.0}, {eps, 1.0}}, .y = Vector<double>::Zero(2), .names = {}};
     auto const f = entry(variant).make(bierman(eps), Seed{1});
-    laws::take_rows(*f, records);
+    laws::process_rows(*f, records);
     return std::pow(10, -certified(bierman(eps), records, {2}).front().covariance_digits(f->stored()));
 }
 TEST(Bierman, JosephAndUdKeepThirtyUnitRoundoffsAndPotterFourEps) {
@@ -83,7 +82,7 @@ double shootout_error(std::string_view variant, double delta) {
         .psi = Eigen::MatrixXd{{1.0, 1.0}, {1.0, 1.0}, {1.0, 1 + delta}}, .y = Vector<double>::Zero(2), .names = {}};
     Problem<double> const problem{.size = 3, .prior = Prior<double>{.variance = 1 / (delta * delta)}};
     auto const f = entry(variant).make(problem, Seed{1});
-    laws::take_rows(*f, records);
+    laws::process_rows(*f, records);
     return std::pow(10, -certified(problem, records, {2}).front().covariance_digits(f->stored()));
 }
 /// Slope of log error against log delta, least squares over 1e-2 ... 1e-6, eight points a decade.
@@ -113,8 +112,7 @@ TEST(DyerMcReynolds, CovarianceFormsSaturateAtAFifthAndFactorFormsGoOn) {
     for (std::string const& variant : words(factor_forms())) EXPECT_LT(shootout_error(variant, 1e-9), 1e-6) << variant;
 }
 
-// --- NIST StRD linear regression, P0 = 1e20 I, rows in file order
-// ------------------------------------------------------
+// --- NIST StRD linear regression, P0 = 1e20 I, rows in file order ----------------------------------------------------
 
 char const* const sets[] = {"longley", "filip", "wampler1", "wampler2", "wampler3", "wampler4", "wampler5"};
 
@@ -158,7 +156,7 @@ Row const batch_householder{{"longley", 12.8}, {"filip", 7.6}, {"wampler3", 9.2}
 double worst_digits(std::string_view variant, Records const& records, CertifiedSolution const& exact) {
     auto const f =
         entry(variant).make({.size = records.parameters(), .prior = Prior<double>{.variance = 1e20}}, Seed{1});
-    if (entry(variant).block == 1) laws::take_rows(*f, records);
+    if (entry(variant).block == 1) laws::process_rows(*f, records);
     else f->update_block(records, 0, records.rows());
     return exact.theta_digits_worst(f->theta());
 }

@@ -1,5 +1,5 @@
-// Rounding with few random bits: its probabilities, counted over all draws, and what it has in common with the other
-// roundings.
+// Rounding with few random bits: its probabilities, counted over all draws, and its agreement with the
+// other roundings.
 #include "studies/definiteness/random_rounding.hpp"
 
 #include <rlslab/variants/symmetric.hpp>

@@ -108,8 +108,7 @@ std::string title(testing::TestParamInfo<CatalogueEntry> const& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Catalogue, Battery, testing::ValuesIn(catalogue()), title);
 
-// --- saboteurs
-// --------------------------------------------------------------------------------------------------------
+// --- saboteurs -------------------------------------------------------------------------------------------------------
 
 /// What can go wrong in a filter, one thing at a time; otherwise it is the scalar-sized textbook form on P = p I.
 enum class Fault {

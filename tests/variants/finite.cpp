@@ -146,7 +146,7 @@ TEST(Finite, WhatIsFedInBlocksIsReported) {
             y[k] = bad;
             EXPECT_EQ(name_of(fed<QrBlock<double>>(p, records.psi, y)), "nonfinite") << k;
         }
-        // A row of zeros lets nothing of its y into theta; it is told all the same.
+        // A row of zeros lets nothing of its y into theta; it is reported all the same.
         EXPECT_EQ(name_of(fed<QrBlock<double>>(p, Eigen::MatrixXd::Zero(3, 2), Vector<double>{{1, bad}})), "nonfinite");
     }
     Problem<double> no_prior = p;

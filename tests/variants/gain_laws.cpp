@@ -132,8 +132,7 @@ TEST(GainLaws, OneStepsSizeIsATrace) {
     }
 }
 
-// --- definiteness
-// -------------------------------------------------------------------------------------------------------
+// --- definiteness ----------------------------------------------------------------------------------------------------
 
 /// (s/lambda) [psi'delta + sqrt(delta'P+^-1 delta (s - lambda)/s)] < 2, without the root.
 bool keeps_definite(Case<Rational> const& c, Vector<Rational> const& delta) {
@@ -261,8 +260,7 @@ TEST(GainLaws, AnInertPerturbationLeavesTheKernelsBits) {
     in.template operator()<BFloat16>();
 }
 
-// --- errors of f and s: the formulas of the pages, because the pages offer K alone
-// ---------------------------------------
+// --- errors of f and s: the formulas of the pages, because the pages offer K alone -----------------------------------
 
 /// (4) and (5) of joseph_rank_two with any f and s, and K made from them.
 Matrix<Rational> rank_two(Case<Rational> const& c, Vector<Rational> const& f, Rational const& s) {

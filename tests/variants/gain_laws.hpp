@@ -106,8 +106,7 @@ struct Case {
     }
 };
 
-// --- perturbations
-// --------------------------------------------------------------------------------------------------------
+// --- perturbations ---------------------------------------------------------------------------------------------------
 
 template <class T>
 struct AddToGain {
@@ -164,8 +163,7 @@ auto running_scale(Case<typename F::scalar> const& c, Index j) {
     else return T(1);
 }
 
-// --- what the laws say of delta P
-// -----------------------------------------------------------------------------------------
+// --- what the laws say of delta P ------------------------------------------------------------------------------------
 
 template <class T>
 Matrix<T> nothing(Case<T> const& c) {

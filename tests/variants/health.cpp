@@ -179,8 +179,7 @@ TEST(Health, APriorThatDecidesThetaIsNotRecommendedFor) {
     EXPECT_EQ(compare::compare(records, options).prior_bias, 0);
 }
 
-// --- one variant at a time, also for numbers that it stores separately
-// ------------------------------------------------------
+// --- one variant at a time, also for numbers that it stores separately -----------------------------------------------
 
 /// e, s and gamma are ordinary numbers: K = P psi / s = 9.9, and K e alone overflows.
 TEST(HealthByHand, OfUdAThetaThatOverflowsIsNotSound) {

@@ -83,8 +83,8 @@ TEST(Kalman, AWalkSettlesWhereTheRiccatiEquationSays) {
     double const Q = 0.01;
     Kalman<double, 1> filter({.size = 1}, Matrix<double>{{Q}});
     for (int k = 0; k < 500; ++k) filter.update(Vector<double>{{1.0}}, 0.0);
-    double const settled = (-Q + std::sqrt(Q * Q + 4 * Q)) / 2;
-    EXPECT_NEAR(filter.covariance()(0, 0), settled, 1e-15);
+    double const stationary = (-Q + std::sqrt(Q * Q + 4 * Q)) / 2;
+    EXPECT_NEAR(filter.covariance()(0, 0), stationary, 1e-15);
     double const K = filter.gain()[0];
     for (int k = 0; k < 20; ++k) filter.update(Vector<double>{{1.0}}, 1.0);
     EXPECT_NEAR(filter.theta()[0], 1 - std::pow(1 - K, 20), 1e-14);

@@ -1,4 +1,4 @@
-// All that a program here asks of the machine it runs on.
+// What a program here needs from its machine.
 #pragma once
 
 /// Writes the text to where the board's debugger, or the terminal, shows it.

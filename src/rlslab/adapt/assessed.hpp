@@ -53,8 +53,8 @@ auto const& guard_of(F const& f) {
 ///   (1) r = (1 + lambda^n) / (1 + lambda): cov theta = sigma^2 r P for stationary rows, to first order in d (1 -
 ///       lambda); at most sigma^2 P for any rows
 ///   (2) E gamma e^2 = sigma^2 (gamma + r lambda (1 - gamma)), r of before the row: s2 is the mean of gamma e^2 over
-///       that, of all rows at first, then over `noise_memory` rows. Rows of gamma <= 0.001 tell of theta, not of the
-///       noise, and do not enter
+///       that, of all rows at first, then over `noise_memory` rows. Rows of gamma <= 0.001 show theta, not the noise,
+///       and do not enter
 ///   (3) theta_j +- q sqrt(s2 r P_jj)        (4) psi'theta +- q sqrt(s2 (1 + r psi'P psi)), an interval of the next y
 ///
 /// q           the quantile: 1.96 for 95 % where s2 is known well, else Student's with degrees() degrees of freedom

@@ -1,16 +1,15 @@
-// Single numbers of a filter's state, cheap enough to be asked for at every row.
+// Single numbers of a filter's state, cheap enough for every row.
 #pragma once
 
 #include <rlslab/adapt/time_update.hpp>
 
 namespace rlslab {
 
-// --- P_jj
-// -------------------------------------------------------------------------------------------------------------------
+// --- P_jj ------------------------------------------------------------------------------------------------------------
 
 /// P_jj, without multiplying P out: the variance of theta_j in units of the noise's. One number where P is stored; d
 /// multiplications from a factor of P; d^2/6 on average from a factor of P^-1, which uses the form's workspace. Not
-/// finite, or <= 0, tells of breakdown.
+/// finite, or <= 0, means breakdown.
 template <class T, int N>
 T variance(PlainCovariance<T, N> f, Index j) {
     return f.P(j, j);
@@ -102,8 +101,7 @@ typename F::scalar trace(F& f) {
     return sum;
 }
 
-// --- psi'P psi
-// --------------------------------------------------------------------------------------------------------------
+// --- psi'P psi -------------------------------------------------------------------------------------------------------
 
 /// psi'P psi: what the variance of psi'theta is in units of the noise's. From P or a factor of P^-1 or of P. At most
 /// d^2 multiplications; uses the form's workspace.
@@ -149,8 +147,7 @@ typename F::scalar variance_along(F& f, Regressor<typename F::scalar> psi) {
     return variance_along(f.form(), psi);
 }
 
-// --- psi'P^-1 psi
-// -----------------------------------------------------------------------------------------------------------
+// --- psi'P^-1 psi ----------------------------------------------------------------------------------------------------
 
 /// psi'P^-1 psi, from a factor of P or of P^-1, or from P^-1. At most d^2 multiplications; uses the form's workspace.
 template <class T, int N>
@@ -197,16 +194,15 @@ typename F::scalar information_along(F& f, Regressor<typename F::scalar> psi) {
     return information_along(f.form(), psi);
 }
 
-// --- asymmetry
-// --------------------------------------------------------------------------------------------------------------
+// --- asymmetry -------------------------------------------------------------------------------------------------------
 
 /// max_i |P_ij - P_ji| / max_i |P_ij| of a P in full storage: one row and one column, d subtractions. NaN where P is.
 template <class T, int N>
 T asymmetry(PlainCovariance<T, N> f, Index j) {
     T most = T(0), largest = T(0);
     for (Index i = 0; i < f.theta.size(); ++i) {
-        T const apart = absolute(T(f.P(i, j) - f.P(j, i))), size = absolute(f.P(i, j));
-        most = select(apart <= most || !(most == most), most, apart);  // a NaN stays
+        T const difference = absolute(T(f.P(i, j) - f.P(j, i))), size = absolute(f.P(i, j));
+        most = select(difference <= most || !(most == most), most, difference);  // a NaN stays
         largest = select(size <= largest, largest, size);
     }
     return select(most == T(0), T(0), T(most / largest));

@@ -22,7 +22,7 @@ struct RuleMemory {
 };
 
 /// A rule is an aggregate of options with
-///   start(problem, memory)                     throws std::invalid_argument on misuse; F is told by the memory's type
+///   start(problem, memory)                     throws std::invalid_argument on misuse; the memory's type has F
 ///   update(filter, memory, psi, y) -> Step<T>  the filter's update, and before or after it what the rule does
 /// and for states a `name` (or `layer`) and its `numbers()` (RuleNumber), without which two rules look alike there.
 /// Those that the program knows by name are listed in rules.hpp.
@@ -89,8 +89,7 @@ public:
     Rule const& rule() const { return rule_; }
 };
 
-// --- rules
-// --------------------------------------------------------------------------------------------------------------------
+// --- rules -----------------------------------------------------------------------------------------------------------
 
 /// The filter's own constant forgetting: the same bits as without a rule.
 template <Field T>

@@ -1,4 +1,4 @@
-// A filter that is watched while it runs: data that would spoil it are kept out, trouble is told of, and met as
+// A filter that is watched while it runs: data that would spoil it are kept out, trouble is reported, and met as
 // configured.
 #pragma once
 

@@ -8,8 +8,7 @@
 
 namespace rlslab {
 
-// --- how near to singular
-// ---------------------------------------------------------------------------------------------------
+// --- how near to singular --------------------------------------------------------------------------------------------
 
 /// The least of D_j / X_jj over the pivots D_j of what the form stores, X = P or P^-1: the share of a number on the
 /// diagonal that the coordinates before it (ud and the roots of P: after it) do not explain. In (0, 1]; 0 or NaN where
@@ -82,8 +81,7 @@ concept ReportsLeastShare =
     requires(F f, StateMatrix<typename F::scalar, detail::size_of<F>> L,
              StateVector<typename F::scalar, detail::size_of<F>> D) { least_share(f.form(), L, D); };
 
-// --- the relay
-// -------------------------------------------------------------------------------------------------------------
+// --- the relay -------------------------------------------------------------------------------------------------------
 
 /// When a relay hands over.
 struct RelayOptions {

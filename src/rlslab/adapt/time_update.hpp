@@ -15,8 +15,7 @@ namespace rlslab {
 //                Reset(k, theta)    P -> k I                      theta as given
 // and an update is Discount(lambda), then one row. Formulas: docs/theory.md 55 and 56.
 
-// --- lambda of the updates to come
-// ----------------------------------------------------------------------------------------
+// --- lambda of the updates to come -----------------------------------------------------------------------------------
 
 /// lambda of the updates to come, as if the filter had been made with it: the same lambda leaves the same bits. 0 <
 /// lambda <= 1, not checked. Cost O(1), one square root where the form has one.
@@ -49,8 +48,7 @@ void set_forgetting(NormalEquations<T, N> f, T const& lambda) {
     f.lambda = lambda;
 }
 
-// --- discount
-// ---------------------------------------------------------------------------------------------------------------
+// --- discount --------------------------------------------------------------------------------------------------------
 
 namespace detail {
 /// Rows from first(j) to d of every column j.
@@ -99,8 +97,7 @@ void discount(NormalEquations<T, N> f, T const& lambda) {
     scale(f.D, lambda, f.D);
 }
 
-// --- inflate
-// ----------------------------------------------------------------------------------------------------------------
+// --- inflate ---------------------------------------------------------------------------------------------------------
 
 /// P += c a a', c >= 0, theta as it is; c = 0 changes no bit. `a` may be the filter's gain. c < 0 or not finite is not
 /// checked: it may leave an indefinite P. Cost d^2/2 to 2.5 d^2 multiplications. ud: Agee & Turner 1972; the
@@ -213,8 +210,7 @@ void inflate(NormalEquations<T, N> f, T const& c, Regressor<T> a) {
     f.solve();
 }
 
-// --- reset
-// ------------------------------------------------------------------------------------------------------------------
+// --- reset -----------------------------------------------------------------------------------------------------------
 
 namespace detail {
 template <class T, int N>
@@ -285,8 +281,7 @@ Step<T> pass_time(F& f, StateVector<T, N>& scratch) {
 }
 }  // namespace detail
 
-// --- the abilities
-// ----------------------------------------------------------------------------------------------------------
+// --- the abilities ---------------------------------------------------------------------------------------------------
 
 /// Names its state by form. A type around a filter hands on the form of what it is around.
 template <class F>
@@ -321,8 +316,7 @@ void reset(F& f, typename F::scalar const& variance, Regressor<typename F::scala
     reset(f.form(), variance, theta);
 }
 
-// --- what a guard asks for
-// ------------------------------------------------------------------------------------------------
+// --- what a guard asks for -------------------------------------------------------------------------------------------
 
 /// P = variance I, theta as given, and `lambda` for the updates to come. What is around a filter and keeps rows forgets
 /// them.

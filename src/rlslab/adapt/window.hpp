@@ -149,7 +149,7 @@ public:
         return last;
     }
 
-    /// What a guard asks of a window. `restart`: no row is kept, and the window's prior is from now on this theta and
+    /// What a guard calls on a window. `restart`: no row is kept, and the window's prior is from now on this theta and
     /// variance; lambda is the window's own. `cap_row`: the row is none of the window; it counts until the kept rows
     /// are next factored anew.
     friend T variance(Windowed& w, Index j)

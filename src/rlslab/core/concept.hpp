@@ -42,8 +42,7 @@ template <class F>
 inline constexpr int size_of = std::remove_cvref_t<decltype(std::declval<F const&>().theta())>::SizeAtCompileTime;
 }  // namespace detail
 
-/// Over an ordered field. What is composed around a filter asks for it as long as its formulas are not written for
-/// complex numbers.
+/// Over an ordered field. Compositions require it as long as their formulas are not written for complex numbers.
 template <class F>
 concept OverOrderedField = RecursiveLeastSquares<F> && Field<typename F::scalar>;
 

@@ -129,7 +129,7 @@ Step<T> if_finite(Truth<T> const& finite, Step<T> step) {
 }
 
 /// The health after rows that were processed without a step. rows_finite: the rows were finite; determined: they
-/// determine theta; finite: theta and the gain are finite. The first of these that fails decides: nonfinite,
+/// determine theta; finite: theta and the gain are finite. The first condition that fails decides: nonfinite,
 /// undetermined, nonfinite.
 template <Scalar T>
 PerLane<T, Health> health_of(Truth<T> const& rows_finite, Truth<T> const& determined, Truth<T> const& finite) {

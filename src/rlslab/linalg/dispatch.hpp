@@ -14,8 +14,7 @@
 #include <immintrin.h>
 #endif
 
-// --- registers of 64 bytes: which kernels use them
-// -------------------------------------------------------------------------
+// --- registers of 64 bytes: which kernels use them -------------------------------------------------------------------
 
 namespace rlslab::kernels {
 
@@ -121,8 +120,7 @@ inline constexpr Index together_from = 5;
 
 }  // namespace rlslab::kernels
 
-// --- the texts, compiled for each instruction set
-// --------------------------------------------------------------------------
+// --- the texts, compiled for each instruction set --------------------------------------------------------------------
 
 // GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller
 // comes too late, so the whole text is compiled under each target. What a translation unit is compiled for needs no

@@ -20,8 +20,7 @@ struct RowRange {
     Index first, last;
 };
 
-// --- elementwise: out = x ... over d numbers
-// --------------------------------------------------------------------------
+// --- elementwise: out = x ... over d numbers -------------------------------------------------------------------------
 
 /// What elementwise kernels have in common: they read x, write out, and go from the first number to the last. out may
 /// be x or any other operand.
@@ -48,7 +47,7 @@ struct Scale : OverColumn<T> {
 };
 /// out_i = sqrt(x_i); NaN for x_i < 0.
 template <class T>
-struct TakeRoots : OverColumn<T> {};
+struct SquareRoots : OverColumn<T> {};
 /// out_i = x_i + a y_i.
 template <class T>
 struct AddScaled : OverColumn<T> {
@@ -84,8 +83,7 @@ struct AllFinite : OverColumn<T> {
 template <class K>
 concept Elementwise = requires(K k) { []<class T>(OverColumn<T> const&) {}(k); };
 
-// --- products
-// -----------------------------------------------------------------------------------------------------------
+// --- products --------------------------------------------------------------------------------------------------------
 
 enum class Shape { full, upper };
 
@@ -108,8 +106,7 @@ struct MultiplySquares {
     T* out;
 };
 
-// --- sweeps over columns
-// ---------------------------------------------------------------------------------------------------
+// --- sweeps over columns ---------------------------------------------------------------------------------------------
 
 /// A sweep goes through the columns j of A and keeps a block of a vector w, which runs along the rows, in registers.
 ///   registers    how many registers' worth of rows go through the columns together
@@ -236,8 +233,7 @@ concept Sweep = ByRows<K> && requires { K::starts; };
 template <class K>
 concept UpperSweep = Sweep<K> && K::upper;
 
-// --- panels of a lower triangle
-// ------------------------------------------------------------------------------------------
+// --- panels of a lower triangle --------------------------------------------------------------------------------------
 
 // A row of R = L' is a column of L. Rows go from the first to the last; each acts on the new row x to the right of its
 // diagonal.
@@ -311,8 +307,7 @@ struct RotateInRows {
 template <class K>
 concept Together = requires { K::together; };
 
-// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding
-// ---------------------------------
+// --- reflections: on columns of `rows` >= 1 numbers, stored one after another without padding ------------------------
 
 /// *sum = v'v, a dot product in eight lanes.
 template <class T>

@@ -99,7 +99,7 @@ void add_product(StateVector<T, N> const& x, StateVector<T, N> const& y, StateVe
 }
 template <Real T, int N>
 void square_roots(StateVector<T, N> const& x, StateVector<T, N>& out) {
-    run_kernel<T, N>(kernels::TakeRoots<T>{{out.size(), x.data(), out.data()}});
+    run_kernel<T, N>(kernels::SquareRoots<T>{{out.size(), x.data(), out.data()}});
 }
 
 /// before_j = s_{j-1}, after_j = s_j for s_j = s_{j-1} + x_j, s_0 = s; returns s_d. `after` may be x; `before` and

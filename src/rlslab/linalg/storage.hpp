@@ -114,7 +114,7 @@ public:
 };
 
 namespace detail {
-/// The stride of a matrix: stored where the size is not fixed, since it is asked for with every number.
+/// The stride of a matrix: stored where the size is not fixed, since every access needs it.
 template <class T, int N>
 struct Stride {
     explicit Stride(Index) {}

@@ -45,9 +45,8 @@ void run_sweep(Kernel const& kernel, Perturb& perturb, Next&... next) {
 }
 }  // namespace detail
 
-// --- upper triangles of a covariance
-// -------------------------------------------------------------------------------------- The sweeps may be given a
-// NextRow (next_row.hpp), which then computes the next row's product with what they leave.
+// --- upper triangles of a covariance ---------------------------------------------------------------------------------
+// The sweeps may be given a NextRow (next_row.hpp), which then computes the next row's product with what they leave.
 
 /// out = S'x, S upper triangular; x has d numbers.
 template <Scalar T, int N>
@@ -109,8 +108,7 @@ RealOf<T> prefix_norms(StateVector<T, N> const& a, StateVector<RealOf<T>, N>& be
     return after[a.size() - 1];
 }
 
-// --- lower triangles L = R' of an information matrix
-// ------------------------------------------------------------------------
+// --- lower triangles L = R' of an information matrix -----------------------------------------------------------------
 
 /// x_j -= x_i L_ji for i = 1 ... d and j > i: x becomes L^-1 x, L unit lower triangular.
 template <Scalar T, int N>

@@ -171,7 +171,7 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
     long const most = std::max(1L << 16, 4 * least);
     // Doubled, and the last one is `most` itself; then 0.
     auto const after = [most](long bits) { return bits == most ? 0 : std::min(2 * bits, most); };
-    auto settled = [&](size_t s, BallMatrix const& normal, long bits) {
+    auto decided = [&](size_t s, BallMatrix const& normal, long bits) {
         auto enclosure =
             std::make_shared<CertifiedSolution::Enclosure>(CertifiedSolution::Enclosure{{}, {}, bits, digits});
         if (!solve(*enclosure, normal) || !covariance_is_accurate(*enclosure)) return false;
@@ -188,14 +188,14 @@ std::vector<CertifiedSolution> certified(Problem<double> const& problem, Records
         IntegerGram gram(data, steps[pending.back()]);
         for (size_t const s : pending) {
             gram.advance(steps[s]);
-            for (long bits = least; bits > 0 && !settled(s, normal.sum(gram, bits), bits);) bits = after(bits);
+            for (long bits = least; bits > 0 && !decided(s, normal.sum(gram, bits), bits);) bits = after(bits);
         }
     } else {
         for (long bits = least; bits > 0 && !pending.empty(); bits = after(bits)) {
             ForgettingGram gram = normal.recursion(bits);
             std::erase_if(pending, [&](size_t s) {
                 gram.advance(steps[s]);
-                return settled(s, gram.matrix(), bits);
+                return decided(s, gram.matrix(), bits);
             });
         }
     }

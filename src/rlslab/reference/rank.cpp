@@ -149,9 +149,9 @@ int sign_of_leading_minor(Matrix<Reference> const& F, Index n) {
             Float const a(F(i, j)), b(F(j, i));
             Float sum;
             if (!arf_is_zero(a) && !arf_is_zero(b)) {
-                Integer apart;
-                fmpz_sub(apart, ARF_EXPREF(static_cast<arf_srcptr>(a)), ARF_EXPREF(static_cast<arf_srcptr>(b)));
-                if (fmpz_cmpabs(apart, Integer(1L << 20)) > 0)
+                Integer gap;
+                fmpz_sub(gap, ARF_EXPREF(static_cast<arf_srcptr>(a)), ARF_EXPREF(static_cast<arf_srcptr>(b)));
+                if (fmpz_cmpabs(gap, Integer(1L << 20)) > 0)
                     throw std::range_error("mirrored entries differ by more than 2^(2^20): no exact decision");
             }
             arf_add(sum, a, b, ARF_PREC_EXACT, ARF_RND_DOWN);

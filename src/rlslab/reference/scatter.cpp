@@ -121,13 +121,13 @@ Scatter scatter(BallMatrix const& theta, BallMatrix const& P, Weighted const& w,
     arb_add(variance, variance, trace_of_product(QM, QM, bits), bits);
     arb_mul(student, freedom, freedom, bits);
     arb_div(student, student, variance, bits);  // (4)
-    auto const settled = [](Ball const& x) {
+    auto const decided = [](Ball const& x) {
         return mag_cmp_2exp_si(arb_radref(static_cast<arb_srcptr>(x)), -sharp_bits) <= 0;
     };
-    good = good && settled(freedom);
+    good = good && decided(freedom);
     out.freedom = rounded(freedom);
     if (out.freedom > 0x1p-30) {  // none are left: neither has a quantile
-        good = good && settled(student);
+        good = good && decided(student);
         out.student = rounded(student);
     }
     Ball entry;

@@ -103,7 +103,7 @@ Health hand_over(Stored<S> const& from, Vector<S> const& theta, Stored<T> const&
 }  // namespace detail
 
 /// A filter of type To that stands where `from` stands: the same P (and its factor, where both hold the same one) and
-/// theta, the next row discounted by `forgetting`. lambda is asked for, since a form may hold only a rounding of its
+/// theta, the next row discounted by `forgetting`. lambda is given, since a form may hold only a rounding of its
 /// root.
 ///
 ///   theta as `from` answers it: bit for bit where both store it in one arithmetic

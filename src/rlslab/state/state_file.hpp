@@ -8,7 +8,7 @@
 namespace rlslab {
 
 /// "expected a state of ud in float with 5 parameters, found one of qr in double with 3": one printable line.
-/// parameters 0: any. `entries`: what the filter says by name.
+/// parameters 0: any. `entries`: the names of the filter and its layers.
 std::string refusal(StateFault fault, StateHeader const& expected, std::vector<StateEntry> const& entries,
                     std::span<std::byte const> found);
 

@@ -22,9 +22,9 @@ struct ScalarRow {
     [[gnu::always_inline]] void divide(ScalarRow const& a) { x /= a.x; }
     [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
     [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
-    [[gnu::always_inline]] void take_root() { x = square_root(x); }
+    [[gnu::always_inline]] void square_root_each() { x = square_root(x); }
     [[gnu::always_inline]] void clear(Truth<T> const& where) { x = select(where, T(0), x); }
-    [[gnu::always_inline]] void take(ScalarRow const& a) { x = a.x; }
+    [[gnu::always_inline]] void set(ScalarRow const& a) { x = a.x; }
     [[gnu::always_inline]] void add_product(ScalarRow const& a, T const& b) { x += a.x * b; }
     [[gnu::always_inline]] void subtract_product(ScalarRow const& a, T const& b) { x -= a.x * b; }
 };
@@ -48,7 +48,7 @@ struct ScalarRow<Complex<F>> {
     [[gnu::always_inline]] void subtract(ScalarRow const& a) { x -= a.x; }
     [[gnu::always_inline]] void add(ScalarRow const& a) { x += a.x; }
     [[gnu::always_inline]] void clear(Truth<F> const& where) { x = select(where, scalar(0), x); }
-    [[gnu::always_inline]] void take(ScalarRow const& a) { x = a.x; }
+    [[gnu::always_inline]] void set(ScalarRow const& a) { x = a.x; }
     template <class A>
     [[gnu::always_inline]] void add_product(ScalarRow const& a, A const& b) {
         x += a.x * b;
@@ -120,9 +120,9 @@ struct SimdBlock {
             *there = V((here & Mask(v[m])) | (~here & Mask(V(*there))));
         }
     }
-    [[gnu::always_inline]] void take(SimdBlock const& a) { *this = a; }
+    [[gnu::always_inline]] void set(SimdBlock const& a) { *this = a; }
     /// Takes the first `count` rows of a. The others stay.
-    [[gnu::always_inline]] void take_first(SimdBlock const& a, Index count) {
+    [[gnu::always_inline]] void set_first(SimdBlock const& a, Index count) {
 #pragma GCC unroll 16
         for (int m = 0; m < registers; ++m) {
             Mask const here = mask(count, m);
@@ -174,7 +174,7 @@ struct SimdBlock {
         }
         s += here[Rows];
     }
-    [[gnu::always_inline]] void take_root() {
+    [[gnu::always_inline]] void square_root_each() {
 #pragma GCC unroll 16
         for (V& r : v) root(r);
     }

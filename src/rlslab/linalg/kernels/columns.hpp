@@ -80,8 +80,7 @@ template <class B, class S, int C, class Also>
     }
 }
 
-// --- groups of C columns from j0 on
-// ----------------------------------------------------------------------------------------
+// --- groups of C columns from j0 on ----------------------------------------------------------------------------------
 
 // The rows [i0, i1) of a square.
 template <class B, int C, class S, class Also>
@@ -107,7 +106,7 @@ template <class B, int C, class T, class Also>
             B before = t;
             step(above, upper.at[c], before, w);
             step(below, lower.at[c], t, f);
-            t.take_first(before, j0 + c + 1 - corner);
+            t.set_first(before, j0 + c + 1 - corner);
             t.store(upper.column[c] + corner);
             also.add(c, t);
         }
@@ -184,8 +183,7 @@ template <class B, int C, class S>
     for (; j0 < s.d; ++j0) group<B, 1>(s, j0);
 }
 
-// --- which of the two ways
-// --------------------------------------------------------------------------------------------------
+// --- which of the two ways -------------------------------------------------------------------------------------------
 
 template <class B, class S>
 constexpr Index columns_from = B::rows == 1 ? never

@@ -14,8 +14,7 @@ template <class B, class T>
     return out;
 }
 
-// --- elementwise, in one pass over a column
-// ---------------------------------------------------------------------------
+// --- elementwise, in one pass over a column --------------------------------------------------------------------------
 
 // One line, one operation.
 // clang-format off
@@ -26,7 +25,7 @@ template <class B, class T>
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(Scale<T> const& k, Index i0, B& x) { x.scale(block_of<B>(k.y, i0)); }
 template <class B, class T>
-[[gnu::always_inline]] inline void apply(TakeRoots<T> const&, Index, B& x) { x.take_root(); }
+[[gnu::always_inline]] inline void apply(SquareRoots<T> const&, Index, B& x) { x.square_root_each(); }
 template <class B, class T>
 [[gnu::always_inline]] inline void apply(AddScaled<T> const& k, Index i0, B& x) {
     x.add_product(block_of<B>(k.y, i0), k.a);
@@ -93,8 +92,7 @@ template <class B, class T>
     *k.finite = differences.all_zero();
 }
 
-// --- dot products, four columns at once
-// -------------------------------------------------------------------------------
+// --- dot products, four columns at once ------------------------------------------------------------------------------
 
 /// out_j = A_j'x; for an upper triangle only the rows down to the diagonal.
 template <class B, class T, Shape shape>
@@ -165,8 +163,7 @@ template <class B, class T, Shape shape>
     }
 }
 
-// --- products of squares
-// ----------------------------------------------------------------------------------------------
+// --- products of squares ---------------------------------------------------------------------------------------------
 
 /// out = A B, a few blocks of rows in registers, summed over the columns of A in their order.
 template <class B, int K, class T>

@@ -130,7 +130,7 @@ template <class R>
     sum.add(square);
     if (!sum.in_range(least_sum_of_squares<T>(), nothing)) return givens_one_by_one(a, b, c, s, r);
     r = sum;
-    r.take_root();
+    r.square_root_each();
     c = a, s = b;
     c.divide(r);
     s.divide(r);

@@ -52,7 +52,7 @@ template <class B, class T>
     turned.add_product(w, at.c);
     t.scale(at.c);
     t.subtract_product(w, conjugate(at.s));
-    w.take(turned);
+    w.set(turned);
 }
 
 /// Columns [j0, j1) of the first P of K blocks.
