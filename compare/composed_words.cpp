@@ -29,8 +29,7 @@ std::string against_text(Comparison const& comparison) {
     if (!c.guard.empty())
         out +=
             "; from the first row at which the guard changed anything on, against the same recursion in 257 bits (ud, "
-            "checked by qr), "
-            "whose guard decides by itself";
+            "checked by qr), whose guard decides by itself";
     return out;
 }
 

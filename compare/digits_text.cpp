@@ -71,8 +71,7 @@ std::string guard_text(DigitsAnswer const& a) {
         return fmt::format("Guarded<> with its default policy changed no number of theta after any row ({})", met);
     return fmt::format(
         "left out of the code: with its default policy theta departs from least squares on this record ({}). Put it "
-        "around the "
-        "filter if that is what you want",
+        "around the filter if that is what you want",
         met);
 }
 
@@ -96,8 +95,8 @@ std::string answer_text(DigitsAnswer const& a, bool colour, size_t columns) {
     };
     std::string out =
         paragraph(fmt::format("wanted: {:g} digits of every parameter, those in which a filter agrees with the "
-                              "least-squares solution for these data; "
-                              "how well the data determine that is another question",
+                              "least-squares solution for these data; how well the data determine that is another "
+                              "question",
                               a.wanted));
     if (auto const none = zeros(a.trials.back()); !none.empty())
         out +=

@@ -189,8 +189,7 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
                     plain && c.options.forgetting == 1 ? " and three other orders of its rows" : "",
                     plain ? "against the exact answer for the data as stored, at most the arithmetic's own."
                           : "for the data as stored, at most the arithmetic's own. A row's end says what the "
-                            "composition did, or why it "
-                            "cannot be. ops: of the variant alone. ns is not measured."));
+                            "composition did, or why it cannot be. ops: of the variant alone. ns is not measured."));
     note("breakdown: first step at which the stored P was not positive definite (decided exactly) or not finite.");
     note(
         "ops, ns: operations and nanoseconds a row, theta included. qr_block and the sparse forms take blocks of rows: "
@@ -201,10 +200,9 @@ std::string as_table(Comparison const& c, bool colour, size_t columns) {
             "scaling of its own.");
     note(
         fmt::format("The recommendation never broke down and keeps {} digits of the worst component at nine tenths of "
-                    "the checkpoints. Of such, its "
-                    "largest loss is the least: in mid, to the best of each column that never broke down. Of equals: a "
-                    "factor before P or its "
-                    "inverse, covariance before information, then the fewest operations.",
+                    "the checkpoints. Of such, its largest loss is the least: in mid, to the best of each column that "
+                    "never broke down. Of equals: a factor before P or its inverse, covariance before information, "
+                    "then the fewest operations.",
                     wanted_digits(c.options)));
     return out;
 }

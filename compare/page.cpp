@@ -238,8 +238,7 @@ std::string as_page(Comparison const& c) {
     std::string const what = c.model.file.empty() ? "a record" : c.model.file.substr(c.model.file.rfind('/') + 1);
     std::string body = fmt::format(
         "<h1>Which recursive least squares for {}</h1>\n<p class=\"soft\">{} rows, {} parameters, forgetting {}, "
-        "condition {:.2g}. rlslab "
-        "{}</p>\n",
+        "condition {:.2g}. rlslab {}</p>\n",
         escaped(what), c.rows, c.size, c.options.forgetting, c.condition, RLSLAB_VERSION);
     bool const plain = c.options.composition.empty();
     if (!plain)
@@ -253,11 +252,10 @@ std::string as_page(Comparison const& c) {
     else body += says(verdict(c));
     if (std::string const paste = code(c); !paste.empty() && !c.digits) body += pre(paste);
     body += fmt::format(
-        "<section><h2>Along the record</h2>\n<p>{} "
-        "A cross marks the first row after which the stored P was not positive definite, decided exactly, or something "
-        "was not finite{}. "
-        "The axes end at {} digits: a triangle at the lower edge stands for fewer, its number is in the tooltip. "
-        "A star and the strong line mark the recommended variant.</p>\n",
+        "<section><h2>Along the record</h2>\n<p>{} A cross marks the first row after which the stored P was not "
+        "positive definite, decided exactly, or something was not finite{}. The axes end at {} digits: a triangle at "
+        "the lower edge stands for fewer, its number is in the tooltip. A star and the strong line mark the "
+        "recommended variant.</p>\n",
         plain ? "Each point compares a variant with the exact solution for the rows so far, as the arithmetic stores "
                 "them."
               : "Each point compares a composition with what it would answer without rounding.",
@@ -270,16 +268,13 @@ std::string as_page(Comparison const& c) {
     body += figure_html(along_the_record(c));
     body += fmt::format(
         "</section><section><h2>How much of that is luck</h2>\n<p>Bars reach from the low to the high end of the "
-        "spread over the "
-        "checkpoints{}: "
-        "nine tenths of the digits counted are at least as many as the low end, one tenth as the high end.</p>\n",
+        "spread over the checkpoints{}: nine tenths of the digits counted are at least as many as the low end, one "
+        "tenth as the high end.</p>\n",
         plain && c.options.forgetting == 1 ? " and over four orders of the rows" : "");
     body += spreads(c) + "</section><section><h2>What it costs</h2>\n" + figure_html(costs(c));
     body +=
         "</section><section><h2>All numbers</h2>\n<p>Digits: the median, and in brackets what nine tenths and one "
-        "tenth of the counts "
-        "reach. "
-        "Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
+        "tenth of the counts reach. Asymmetry: max |P_ij - P_ji| / max |P_ij| of the stored P.</p>\n" +
         tables(c) + "</section><section><h2>The exact solutions</h2>\n";
     body += fmt::format("<p>{}</p>\n", escaped(prior_text(c))) + solutions(c);
     body += fmt::format(

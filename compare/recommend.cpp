@@ -147,8 +147,7 @@ Recommendation recommend(Arithmetic const& arithmetic, Comparison const& c) {
         out.why = low >= wanted ? fmt::format("none of {} variants keeps half a digit of P", tried)
                                 : fmt::format(
                                       "{}, the best, keeps {} digits of theta's worst component at nine tenths of the "
-                                      "checkpoints, {} are "
-                                      "wanted{}",
+                                      "checkpoints, {} are wanted{}",
                                       most->entry->variant, std::isfinite(low) ? fmt::format("{:.1f}", low) : "no",
                                       wanted, condition_text(c));
     }

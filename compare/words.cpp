@@ -103,8 +103,7 @@ std::vector<std::string> warnings(Comparison const& c) {
     if (c.offset > most_offset)
         out.push_back(
             fmt::format("the mean of {} is {:.3g} times its standard deviation and the model has no constant, so that "
-                        "the offset is fitted "
-                        "as dynamics: --detrend or --intercept",
+                        "the offset is fitted as dynamics: --detrend or --intercept",
                         c.model.output.empty() ? "y" : c.model.output, c.offset));
     return out;
 }

@@ -34,15 +34,14 @@ std::vector<Remark> remarks_on_input(std::string const& name, Signal const& u, I
         out.push_back(
             {Rank::outlier,
              fmt::format("one value of input {}, in row {}, is {:.2g} standard deviations of the others off their "
-                         "mean, and the "
-                         "estimate rests on the rows that have it. If it is wrong, empty its cell, and it is skipped",
+                         "mean, and the estimate rests on the rows that have it. If it is wrong, empty its cell, and "
+                         "it is skipped",
                          name, spike.row, spike.deviations),
              fmt::format("look at row {}", spike.row)});
     else if (e.persistent < coefficients)
         out.push_back({Rank::excitation,
                        fmt::format("input {} changes {}: its coefficients beyond {} rest on a few rows, and the noise "
-                                   "there decides them. "
-                                   "An input that changes more often says more",
+                                   "there decides them. An input that changes more often says more",
                                    name, times(e.changes), e.persistent),
                        "a richer input"});
     constexpr Index long_enough = 20;  // a PRBS of long levels may well begin with one

@@ -115,8 +115,8 @@ Rule const rules_on_whiteness[] = {
              m.past_inputs.empty() && !m.options.inputs.empty()
                  ? fmt::format(
                        "; they do not follow the inputs up to lag {}: the noise has dynamics of its own (a higher "
-                       "order or na "
-                       "takes it up), an input is missing (a further column of the file?), or one acts later (--delay)",
+                       "order or na takes it up), an input is missing (a further column of the file?), or one acts "
+                       "later (--delay)",
                        m.ljung_box.lags)
                  : "");
      },
@@ -137,8 +137,7 @@ Rule const rules_on_held_out[] = {
      [](Model m) {
          return fmt::format(
              "held out, the model predicts worse than the mean of y ({}): do not use it there. The last part differs "
-             "from "
-             "the first, or the order is too high: look at the record, try a lower --order, another --validate, "
+             "from the first, or the order is too high: look at the record, try a lower --order, another --validate, "
              "--forgetting 0.99",
              fit_or(m.held_out_one_step, "y does not change there"));
      },
@@ -215,8 +214,7 @@ Remark remark_on(PastInput const& p, Model m) {
                                    : "More of its past is needed, or the system is not linear";
     return {late ? Rank::delay : Rank::order,
             fmt::format("the residuals follow past {}: correlation {:.2g} at lag {}, where those of independent ones "
-                        "stay within {:.2g}: "
-                        "the estimate is biased, and its standard deviations do not hold. {}: {}",
+                        "stay within {:.2g}: the estimate is biased, and its standard deviations do not hold. {}: {}",
                         name, p.correlation, p.lag, p.bound, cause, remedy),
             remedy};
 }
@@ -247,8 +245,7 @@ std::optional<Remark> remark_on_cancellations(Model m) {
         return Remark{Rank::structure,
                       finding +
                           ": if they cancel, fewer terms do as well: lower --na and --nb, or leave regressors out, and "
-                          "see whether "
-                          "the residuals stay white",
+                          "see whether the residuals stay white",
                       "fewer terms"};
     if (!(fit->ljung_box >= white_level))
         return Remark{

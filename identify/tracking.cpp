@@ -67,8 +67,7 @@ std::vector<std::string> tracked_lines(Tracked const& t, std::vector<std::string
     std::string const happened = counts_text(last.happened);
     std::vector<std::string> out{
         fmt::format("tracked over all rows by {}: one-step fit {} %{}, {} % of the outputs within their {:g} % "
-                    "interval; noise variance at the end "
-                    "{}{}",
+                    "interval; noise variance at the end {}{}",
                     t.text, number_text(t.fit, 4), last.happened.outliers > 0 ? " without the outliers" : "",
                     number_text(100 * t.covered, 3), 100 * confidence, number_text(last.noise_variance, 4),
                     happened.empty() ? "" : "; " + happened)};

@@ -50,12 +50,11 @@ std::vector<Meaning> const& exit_codes() {
         {"0", "Answered."},
         {"1",
          "Answered, and the answer is no: a verdict changed or a verification failed (study), no arithmetic that was "
-         "shown keeps "
-         "enough digits (compare), the variant broke down (identify), the input identifies no model (excitation)."},
+         "shown keeps enough digits (compare), the variant broke down (identify), the input identifies no model "
+         "(excitation)."},
         {"2",
          "Not answered: words or data that make no sense, a file that cannot be read or written. One line on standard "
-         "error says "
-         "what was expected."},
+         "error says what was expected."},
         {"130", "Stopped by Ctrl-C. A study goes on from there when the same command is run again."},
         {"141", "Whoever read the answer has closed the pipe (rlslab list | head -1). Nothing is said."},
     };

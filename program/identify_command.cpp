@@ -193,8 +193,7 @@ int run_excitation(ExcitationArguments const& a) {
     if (e.persistent < e.order)
         text += fmt::format(
             "{}, but persistently of order {} only:\n{:.0f} of {} rows carry the least eigenvalue of order {} (the "
-            "input changes {}),\nand "
-            "their noise decides what is identified\n",
+            "input changes {}),\nand their noise decides what is identified\n",
             order, e.persistent, e.orders[size_t(e.persistent)].carried, Index(u.size()) - e.persistent,
             e.persistent + 1, e.changes == 1 ? "once" : fmt::format("{} times", e.changes));
     else if (e.order < 2) text += order + ": no dynamic model can be identified\n";

@@ -68,10 +68,8 @@ std::string manual_page(CLI::App const& app) {
     out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.PP\n" +
            roff(
                "rlslab holds the textbook variants of recursive least squares, runs them in arithmetics from bfloat16 "
-               "to 257 bits, and "
-               "measures each against a certified reference: the exact minimiser for the very bits the variant was "
-               "given, with a proven "
-               "error bound.") +
+               "to 257 bits, and measures each against a certified reference: the exact minimiser for the very bits "
+               "the variant was given, with a proven error bound.") +
            '\n';
     out += ".SH OPTIONS\nThese may stand anywhere on the line.\n" + options(app, false) + options(app, true);
     out += ".SH COMMANDS\n";

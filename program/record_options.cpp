@@ -48,8 +48,7 @@ void define_record(CLI::App& command, RecordArguments& a) {
     define_count(command, "--delay", a.delay, 0, 1000000, "samples from input to output");
     define_names(command, "--regressors", a.regressors,
                  "columns of a plain regression, or with lags: y[k-1],u[k-3..k-5]; instead of --input and an order, "
-                 "whose past outputs have a "
-                 "minus: these have none");
+                 "whose past outputs have a minus: these have none");
     command.add_flag("--intercept", a.intercept, "a constant regressor besides");
     command.add_flag("--detrend", a.detrend, "take the mean off each column first");
 }

@@ -99,8 +99,7 @@ int study_part(StudyArguments const& a) {
     Share const share = run_part(a.chosen, a.options, a.part, progress_after_a_second("studying"));
     tell(
         fmt::format("rlslab: part {} of {}: {} of {} trials, {} of them finished before; the same command without "
-                    "--part (or rlslab merge) "
-                    "makes the tables\n",
+                    "--part (or rlslab merge) makes the tables\n",
                     a.part.number, a.part.of, share.own, share.all, share.resumed));
     return 0;
 }

@@ -330,9 +330,7 @@ std::string event_group(Event const& event, Panel const& panel, Look const& look
         Side const& side = free == sides.end() ? sides.front() : *free;
         out = fmt::format(
             "<path d=\"M{} {}V{}\" {}/><text x=\"{}\" y=\"{}\" text-anchor=\"{}\" font-size=\"12\" fill=\"{}\" "
-            "stroke=\"#fff\" "
-            "stroke-width=\"4\" "
-            "paint-order=\"stroke\">{}</text>",
+            "stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\">{}</text>",
             fixed(x), fixed(box.top), fixed(box.bottom), line_style({look.colour, true}, 1.3),
             fixed(side.left ? x - 5 : x + 5), fixed(side.base), side.left ? "end" : "start", look.colour,
             escaped_xml(side.text));

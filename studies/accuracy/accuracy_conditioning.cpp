@@ -57,29 +57,22 @@ Study const accuracy_conditioning{
     .question = "How many digits of theta and P does each variant keep as the regressors become ill conditioned?",
     .source =
         "Golub & Wilkinson 1966, Läuchli 1961 (cited, not read); docs/theory.md 43, 48, 50; the setting and the "
-        "slopes: an earlier "
-        "experiment (docs/literature.md 3.6)",
+        "slopes: an earlier experiment (docs/literature.md 3.6)",
     .formula =
         R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad
               p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{
               (Joseph's products)})tex",
     .interpretation =
         "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 "
-        "two: what is "
-        "stored has the condition number kappa^2. Joseph's form written as products costs nearly three (study "
-        "joseph_condition "
-        "says why); expanded to a rank-two update it costs two like the rest. All of it happens in the same way in "
-        "float, double "
-        "and quad, until no digit is left; there the P of the forms that store it may be wrong by many orders of "
-        "magnitude while a "
-        "factor's stays near its size. P0 is kappa^2 here, and what the forms that store P pay for is P0: crossed with "
-        "it (study "
-        "backward_error), their error of P grows as P0 and not with kappa, potter's as P0^0.4, and Joseph's products' "
-        "as P0^1.1 and "
-        "kappa^0.6 to kappa^0.9. In float the rounding of the data caps their own condition number near 10^7, and the "
-        "reference has it too. The slope of Joseph's form in docs/literature.md 3.6, in double from 2.8 to 3.5, has "
-        "the same size "
-        "here: 2.8 in double (study joseph_condition), 2.94 in quad over seven decades.",
+        "two: what is stored has the condition number kappa^2. Joseph's form written as products costs nearly three "
+        "(study joseph_condition says why); expanded to a rank-two update it costs two like the rest. All of it "
+        "happens in the same way in float, double and quad, until no digit is left; there the P of the forms that "
+        "store it may be wrong by many orders of magnitude while a factor's stays near its size. P0 is kappa^2 here, "
+        "and what the forms that store P pay for is P0: crossed with it (study backward_error), their error of P grows "
+        "as P0 and not with kappa, potter's as P0^0.4, and Joseph's products' as P0^1.1 and kappa^0.6 to kappa^0.9. In "
+        "float the rounding of the data caps their own condition number near 10^7, and the reference has it too. The "
+        "slope of Joseph's form in docs/literature.md 3.6, in double from 2.8 to 3.5, has the same size here: 2.8 in "
+        "double (study joseph_condition), 2.94 in quad over seven decades.",
     .data = "graded rows (geometric singular values), d = 6, P0 = kappa^2",
     .factors =
         [](Budget budget) {

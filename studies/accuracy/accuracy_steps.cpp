@@ -53,27 +53,19 @@ Study const accuracy_steps{
     .question = "How do the errors grow with the number of rows when nothing is forgotten?",
     .source =
         "Ardalan 1986 (abstract read: exponential divergence may occur); A note on the error propagation analysis of "
-        "recursive "
-        "least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen 1989; the "
-        "law is "
-        "derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
+        "recursive least squares algorithms (abstract read: bounded), which corrects Ljung & Ljung 1985 and Verhaegen "
+        "1989; the law is derived (docs/theory.md 38); an earlier experiment (docs/literature.md 3.8)",
     .formula =
         R"tex(\delta\theta_k = (I - K\psi^\top)\,\delta\theta_{k-1} + r_k, \quad |r_k| \sim u\,\|\theta\| \qquad
               \|\delta\theta_N\|_{\mathrm{rms}} = c\,u\,\|\theta\|\sqrt{N/3})tex",
     .interpretation =
         "On white regressors I - K psi' averages to 1 - 1/k, so that N roundings of theta add up to sqrt(N/3) of one, "
-        "the c of "
-        "study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows exponentially. P "
-        "does not "
-        "follow one law. conventional keeps its first asymmetry while P shrinks, which is linear growth. inverse_qr "
-        "and carlson "
-        "drift (study inverse_qr_drift): linear in float from 10^3 rows, and also in double from 10^5, where the "
-        "earlier "
-        "experiment (docs/literature.md 3.8) ended. In float beyond 10^5 rows, N u > 1/100, rows vanish beside what is "
-        "summed, and "
-        "the information forms grow faster than the root, their theta with them. extended_qr's theta is not corrected "
-        "by its own "
-        "innovation.",
+        "the c of study steady_state: the root law holds to 10^6 rows in float and double, and nothing grows "
+        "exponentially. P does not follow one law. conventional keeps its first asymmetry while P shrinks, which is "
+        "linear growth. inverse_qr and carlson drift (study inverse_qr_drift): linear in float from 10^3 rows, and "
+        "also in double from 10^5, where the earlier experiment (docs/literature.md 3.8) ended. In float beyond 10^5 "
+        "rows, N u > 1/100, rows vanish beside what is summed, and the information forms grow faster than the root, "
+        "their theta with them. extended_qr's theta is not corrected by its own innovation.",
     .data = "white rows, d = 4, noise as large as the signal",
     .factors =
         [](Budget) {

@@ -148,8 +148,7 @@ Study const backward_error{
     .question = "Of which problem is a filter's answer the exact one?",
     .source =
         "Walden, Karlson & Sun 1995 (cited, not read), Grcar, Saunders & Su 2007, Bhatia, Jain & Lim 2019 (abstracts "
-        "read); "
-        "the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
+        "read); the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
     .formula = R"tex(\begin{aligned} \eta_\theta &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad
 \text{such that } \hat\theta \text{ minimises } \lVert(A + \delta A)x - b\rVert \\
 \eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad \text{such that } (A + \delta A)'(A + \delta A) = \hat
@@ -157,40 +156,27 @@ P^{-1} \\
 &= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
     .interpretation =
         "Backward errors in units of u. qr and gentleman solve a problem near the given one, in theta and in P, "
-        "whatever kappa, P0 "
-        "and the spectrum: within 10 sqrt(N/60) u, but for one run in hundreds that has 12. carlson, ud and inverse_qr "
-        "do so in theta "
-        "within three times that, and in P within a few u cond(R) sqrt(N/60). cond(R) depends on the order of the "
-        "columns: two that "
-        "nearly agree cost a factor of 10^4 when they come first, and nothing when they come last. The forward error "
-        "does not show "
-        "it: there they are as good as qr. They are forward stable where they are not backward stable. The forms that "
-        "store P solve "
-        "another problem, and crossing kappa with P0 shows why: their error of P grows as P0 (slope 0.92 to 1.06 at "
-        "kappa = 1000) and "
-        "not with kappa (-0.11 to 0.18 at P0 = 1e10). The slope 2 in kappa of study accuracy_conditioning is that of "
-        "P0 = kappa^2. "
-        "Potter's slope 1 there is P0^0.4 and kappa^0.1 likewise. Joseph's products lose P0^1.1 and kappa^0.6 to "
-        "kappa^0.9. Only of "
-        "the triangular roots, qr and information is the slope in kappa one in kappa. The backward error of P divides "
-        "otherwise than "
-        "predicted: P0^0.6 to P0^0.75 and kappa^0.3 to kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 "
-        "to kappa^0.4 in "
-        "Potter's form; bands that were set for P0 alone fail. At P0 = 1e10 it does not change up to kappa = 1e4, and "
-        "rises at 1e5, "
-        "where the prior holds as much as the weakest direction of the data. information has forward slope 2 and "
-        "backward slope 1 in "
+        "whatever kappa, P0 and the spectrum: within 10 sqrt(N/60) u, but for one run in hundreds that has 12. "
+        "carlson, ud and inverse_qr do so in theta within three times that, and in P within a few u cond(R) "
+        "sqrt(N/60). cond(R) depends on the order of the columns: two that nearly agree cost a factor of 10^4 when "
+        "they come first, and nothing when they come last. The forward error does not show it: there they are as good "
+        "as qr. They are forward stable where they are not backward stable. The forms that store P solve another "
+        "problem, and crossing kappa with P0 shows why: their error of P grows as P0 (slope 0.92 to 1.06 at kappa = "
+        "1000) and not with kappa (-0.11 to 0.18 at P0 = 1e10). The slope 2 in kappa of study accuracy_conditioning is "
+        "that of P0 = kappa^2. Potter's slope 1 there is P0^0.4 and kappa^0.1 likewise. Joseph's products lose P0^1.1 "
+        "and kappa^0.6 to kappa^0.9. Only of the triangular roots, qr and information is the slope in kappa one in "
+        "kappa. The backward error of P divides otherwise than predicted: P0^0.6 to P0^0.75 and kappa^0.3 to "
+        "kappa^0.55 where P is stored, P0^0.2 to P0^0.34 and kappa^0.2 to kappa^0.4 in Potter's form; bands that were "
+        "set for P0 alone fail. At P0 = 1e10 it does not change up to kappa = 1e4, and rises at 1e5, where the prior "
+        "holds as much as the weakest direction of the data. information has forward slope 2 and backward slope 1 in "
         "kappa: it rounds M = A'A, and the condition number amplifies nearly all of that. The same number amplifies a "
-        "thirtieth of "
-        "qr's backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored P have: "
-        "their error lies "
-        "where it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's products are the inverse "
-        "of no A'A: they "
-        "are indefinite, and left out of the slopes.",
+        "thirtieth of qr's backward error, an eightieth of the sweeps' and a tiny part of what the forms with a stored "
+        "P have: their error lies where it does least harm. With kappa = 1e6 and P0 = 1e12 some of the P of Joseph's "
+        "products are the inverse of no A'A: they are indefinite, and left out of the slopes.",
     .data =
         "d = 6, N = 60, noise 1e-3: geometric singular values, one small, one large, kappa = 10 to 1e6, P0 = 1e4 to "
-        "1e12; two columns that "
-        "differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = 60 to 6000",
+        "1e12; two columns that differ by 1e-5, first or last; powers of t, ascending or descending; white rows, N = "
+        "60 to 6000",
     .factors =
         [](Budget budget) {
             std::vector<Cell> data = joined(joined(spectra, special), {"white"});
@@ -320,8 +306,7 @@ P^{-1} \\
              },
              own_result("set before the run (B4)")},
             {"B5: two columns that nearly agree, first: the backward error of P in carlson, ud, inverse_qr is 1000 "
-             "times qr's and more, "
-             "the forward error the same to a factor of 3",
+             "times qr's and more, the forward error the same to a factor of 3",
              [](Table const& t) {
                  Table const pair = t.where("data", "pair first");
                  return labelled("backward", against(pair, sweeps, "qr", "eta_P", 1000, 1e300)) &&
@@ -355,8 +340,7 @@ P^{-1} \\
              },
              own_result("set after the first full run: B2 with N")},
             {"median forward error of P over condition times backward error: information 0.5 to 1, qr and gentleman "
-             "0.01 to 0.1, "
-             "carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
+             "0.01 to 0.1, carlson, ud, inverse_qr 0.003 to 0.03, P forms below 1e-3",
              [](Table const& t) {
                  auto const of = [&](std::vector<std::string> const& variants, double from, double to) {
                      return within(some(shapes(t), variants), {"variant"}, median("P_share"), from, to);
@@ -366,8 +350,7 @@ P^{-1} \\
              },
              own_result("set after the first full run")},
             {"potter, joseph: the forward error of P has slope 0.3 to 0.5, 1 to 1.25 in P0 at kappa = 1000, and 0 +- "
-             "0.3, 0.5 to 1 in "
-             "kappa at P0 = 1e10",
+             "0.3, 0.5 to 1 in kappa at P0 = 1e10",
              [](Table const& t) {
                  auto const of = [&](char const* variant, Table const& rows, char const* x, double from, double to) {
                      return slopes(some(rows, {variant}), x, "P_error", from, to);

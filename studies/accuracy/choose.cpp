@@ -111,22 +111,14 @@ Study const choose{
                p &\approx 3\log_2\kappa + c && \text{Joseph's products} \end{aligned})tex",
     .interpretation =
         "Each line is the shortest significand from which on a variant keeps three right digits of both theta and P "
-        "and is "
-        "never seen indefinite; "
-        "below its line it is not to be trusted. kappa is the condition of the regressors, and P0 = kappa^2: the forms "
-        "that store P pay "
-        "for P0 (study backward_error). The factor forms pay one bit for "
-        "each bit of "
-        "kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 bits serve a factor "
-        "form to "
-        "kappa = 10^5, symmetric to 10^3, "
-        "joseph to a few hundred. At small kappa the lines are flat: there the memory decides, and the square roots of "
-        "lambda "
-        "cost the root forms "
-        "three bits. With forgetting the conventional form ends at some step in any arithmetic; after these twenty "
-        "memories it "
-        "needs 43 bits even "
-        "for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke down.",
+        "and is never seen indefinite; below its line it is not to be trusted. kappa is the condition of the "
+        "regressors, and P0 = kappa^2: the forms that store P pay for P0 (study backward_error). The factor forms pay "
+        "one bit for each bit of kappa, the forms that store P or its inverse two, Joseph's products three: float's 24 "
+        "bits serve a factor form to kappa = 10^5, symmetric to 10^3, joseph to a few hundred. At small kappa the "
+        "lines are flat: there the memory decides, and the square roots of lambda cost the root forms three bits. With "
+        "forgetting the conventional form ends at some step in any arithmetic; after these twenty memories it needs 43 "
+        "bits even for kappa = 1. The cells show the share of an arithmetic's digits that is kept, 0 where P broke "
+        "down.",
     .data = "graded rows, d = 4, P0 = kappa^2",
     .factors =
         [](Budget budget) {

@@ -107,8 +107,8 @@ Study const fixed_point{
     .question = "How long must a fixed-point word be, and where does its point go?",
     .source =
         "Liavas & Regalia 1999 (abstract read; the bound read in a program that cites it), Diniz & Siqueira 1995 "
-        "(abstract read), "
-        "Raghunath & Parhi 1997 (abstract read); ranges and thresholds are derived (docs/theory.md 65 to 67)",
+        "(abstract read), Raghunath & Parhi 1997 (abstract read); ranges and thresholds are derived (docs/theory.md 65 "
+        "to 67)",
     .formula =
         R"tex(\begin{aligned} F_{P} &\approx \log_2 \frac{1}{\min_t \lambda_{\min}(P_t)} +
               \tfrac12\log_2\frac{1}{1-\lambda^2} + 3 \\
@@ -116,30 +116,21 @@ Study const fixed_point{
               W = 1 + I + F \end{aligned})tex",
     .interpretation =
         "A run survives when every step is sound, P stays definite, and the last P is within half of the exact one. A "
-        "length is needed "
-        "when it is the first of three in a row that survive: single lengths survive by luck. The point stands where "
-        "the record needs "
-        "it. Overflow is what the filter reports as nonfinite. Rows of variance 1: the forms that propagate P need "
-        "log2 1/lambda_min + "
-        "(1/2) log2 1/(1 - lambda^2) and 0 to 2 bits more behind the point on coloured rows, one to three fewer than "
-        "predicted. Exact "
-        "sums are not the reason: they save less than one bit. qr needs log2 of the memory and about 1 to 2.5 bits "
-        "more, whatever the "
-        "colour. Rows in [-1, 1) move bits from behind the point to before it, until there are no more behind it than "
-        "lambda itself "
-        "takes. Then the word grows. In 32 bits all survive but conventional and kalman, in which the antisymmetric "
-        "error grows as "
-        "lambda^-k. In 16 bits and rows in [-1, 1) the triangular roots survive everywhere up to lambda = 0.97. "
-        "gentleman and "
-        "information do not on coloured rows: P0 = 64 takes seven bits before the point, and 1/P0 is small behind it. "
-        "extended_qr needs "
-        "17 bits and more there, because it forgets no error. Truncation costs symmetric three to six bits. ud ends by "
-        "inaccuracy, or "
-        "because lambda becomes 1, and seldom by a D that becomes 0.",
+        "length is needed when it is the first of three in a row that survive: single lengths survive by luck. The "
+        "point stands where the record needs it. Overflow is what the filter reports as nonfinite. Rows of variance 1: "
+        "the forms that propagate P need log2 1/lambda_min + (1/2) log2 1/(1 - lambda^2) and 0 to 2 bits more behind "
+        "the point on coloured rows, one to three fewer than predicted. Exact sums are not the reason: they save less "
+        "than one bit. qr needs log2 of the memory and about 1 to 2.5 bits more, whatever the colour. Rows in [-1, 1) "
+        "move bits from behind the point to before it, until there are no more behind it than lambda itself takes. "
+        "Then the word grows. In 32 bits all survive but conventional and kalman, in which the antisymmetric error "
+        "grows as lambda^-k. In 16 bits and rows in [-1, 1) the triangular roots survive everywhere up to lambda = "
+        "0.97. gentleman and information do not on coloured rows: P0 = 64 takes seven bits before the point, and 1/P0 "
+        "is small behind it. extended_qr needs 17 bits and more there, because it forgets no error. Truncation costs "
+        "symmetric three to six bits. ud ends by inaccuracy, or because lambda becomes 1, and seldom by a D that "
+        "becomes 0.",
     .data =
         "delay lines of 2, 4, 8 taps, white and with poles 0.9 and 0.99; 30 memories; rows of variance 1 with P0 = I, "
-        "and 2^-3 of them, in "
-        "[-1, 1), with P0 = 64 I; y = psi'theta + noise, theta = 1/8, all |y| < 1",
+        "and 2^-3 of them, in [-1, 1), with P0 = 64 I; y = psi'theta + noise, theta = 1/8, all |y| < 1",
     .factors =
         [](Budget budget) {
             if (budget == Budget::quick)

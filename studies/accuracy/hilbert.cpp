@@ -50,23 +50,18 @@ Study const hilbert{
     .question = "What do the two classical ill-conditioned matrices leave of theta?",
     .source =
         "Läuchli 1961 (cited, not read); Sjö 1992, section 5.2 (first chapter read; its table was not at hand); an "
-        "earlier "
-        "experiment (docs/literature.md 3.6)",
+        "earlier experiment (docs/literature.md 3.6)",
     .formula =
         R"tex(A_{ij} = \frac{1}{i+j-1} \qquad\text{and}\qquad
               A = \begin{pmatrix} 1 & 1 & 1 \\ \delta & & \\ & \delta & \\ & & \delta \end{pmatrix})tex",
     .interpretation =
         "Both are solved in double after a prior of variance 1e20. On Hilbert's matrix every factor form stays within "
-        "3 kappa u; "
-        "the forms that store P still find theta of these nearly consistent rows, but of their P no digit is left: a "
-        "prior of 1e20 "
-        "u is as large as all they know (study large_prior). The normal equations lose theta where kappa^2 u > 1. "
-        "Läuchli's rows "
-        "are harmless to all but the normal equations, which lose delta^2 beside 1 at the first decade with delta^2 < "
-        "u. The 5.1 "
-        "digits at n = 10 in docs/literature.md 3.6, the same for four variants, are the rounding of y (kappa u = "
-        "3e-5), which a "
-        "reference for the stored data does not charge to them: here they keep 6.5 and more.",
+        "3 kappa u; the forms that store P still find theta of these nearly consistent rows, but of their P no digit "
+        "is left: a prior of 1e20 u is as large as all they know (study large_prior). The normal equations lose theta "
+        "where kappa^2 u > 1. Läuchli's rows are harmless to all but the normal equations, which lose delta^2 beside 1 "
+        "at the first decade with delta^2 < u. The 5.1 digits at n = 10 in docs/literature.md 3.6, the same for four "
+        "variants, are the rounding of y (kappa u = 3e-5), which a reference for the stored data does not charge to "
+        "them: here they keep 6.5 and more.",
     .data = "Hilbert's and Läuchli's matrices",
     .factors =
         [](Budget) {

@@ -106,25 +106,19 @@ Study const inverse_qr_drift{
     .question = "Which step of the inverse QR array makes its P drift in float when nothing is forgotten?",
     .source =
         "the drift: an earlier experiment (docs/literature.md 3.8; docs/literature.md 5, question 5); its cause is "
-        "derived "
-        "(docs/theory.md 45) and measured here, and was not found in any published text",
+        "derived (docs/theory.md 45) and measured here, and was not found in any published text",
     .formula = R"tex(\mathrm{fl}\sqrt{1 + m\,2^{-23}} = 1 + \lfloor m/2 \rfloor\,2^{-23} \quad (m \ll 2^{12}) \qquad
 \Rightarrow \qquad E\,\delta b_j = -\tfrac{u}{2}, \quad c_1 = \frac{1}{b_1} \text{ too large by } \tfrac{u}{2}, \quad
     \frac{\delta P_{11}}{P_{11}} = \frac{u N}{2})tex",
     .interpretation =
         "The root of a float just above 1 is halved in its last place: odd multiples of 2^-23 are ties less a little "
-        "(x^2/8), so "
-        "all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is from some "
-        "10^3 rows on. "
-        "With a running sum of squares the bias cancels in all quotients but the first, c_1 = 1 / b_1, and the error "
-        "of P grows by "
-        "u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation after another every c_j has it, and it "
-        "is u/2 per "
-        "row: the 0.5 u of the earlier experiment (docs/literature.md 3.8), whose program did that. The sweep in "
-        "double changes "
-        "nothing; 1 - c_j computed as a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same "
-        "sets in where "
-        "a^2 falls below 3e-8, first for few rows: study accuracy_steps sees it grow as N^1.5 from 10^5 rows on.",
+        "(x^2/8), so all of them are rounded down, by u/2 on average, as soon as x = a^2 is below about 7e-4, that is "
+        "from some 10^3 rows on. With a running sum of squares the bias cancels in all quotients but the first, c_1 = "
+        "1 / b_1, and the error of P grows by u / (2 sqrt(d)), here u/4, per row. With the textbook's one rotation "
+        "after another every c_j has it, and it is u/2 per row: the 0.5 u of the earlier experiment "
+        "(docs/literature.md 3.8), whose program did that. The sweep in double changes nothing; 1 - c_j computed as "
+        "a_j^2 / (b_j (b_j + b_{j-1})) in float removes the drift. In double the same sets in where a^2 falls below "
+        "3e-8, first for few rows: study accuracy_steps sees it grow as N^1.5 from 10^5 rows on.",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {
@@ -179,8 +173,7 @@ Study const inverse_qr_drift{
              },
              own_result("docs/theory.md 45")},
             {"it is the roots: rounded once from double they leave at most 0.08 u per row at 16384 and 32768 rows, "
-             "with the quotients in "
-             "double too at most 0.03",
+             "with the quotients in double too at most 0.03",
              [](Table const& t) {
                  Table const at = t.where(
                      "rows", [](double n) { return n > 16000 && n < 33000; });  // further on P loses rows in every form

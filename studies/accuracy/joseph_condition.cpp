@@ -134,8 +134,7 @@ Study const joseph_condition{
     .question = "Which rounding costs Joseph's products one more power of the condition number?",
     .source =
         "an earlier experiment (docs/literature.md 3.6, Joseph in detail; docs/literature.md 5, question 1); the "
-        "explanation is "
-        "derived (docs/theory.md 43) and measured here, and was not found in any published text",
+        "explanation is derived (docs/theory.md 43) and measured here, and was not found in any published text",
     .formula =
         R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad
               |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
@@ -144,22 +143,15 @@ Study const joseph_condition{
 \end{aligned})tex",
     .interpretation =
         "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the "
-        "same: the "
-        "product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. The "
-        "experiment does "
-        "Joseph's update in quad on a P stored in double and puts one step back into double: storing P, rounding A, "
-        "rounding A P "
-        "as a whole leave the slope at 2, as for every form that stores P; adding up either of the two products in "
-        "double brings "
-        "the whole loss back. The expansion to a rank-two update never forms these terms and has slope 2. The local "
-        "guide u |A|^2 "
-        "|P|, the first explanation (docs/literature.md 3.6), has itself slope 2 only: it is the transport to the end "
-        "of the run "
-        "by P_N P_k^-1, of norm up to kappa, that makes nearly 3 of it. The slope fitted in double is 2.8, at the "
-        "lower end of the "
-        "2.8 to 3.5 of docs/literature.md 3.6. P0 is kappa^2 here: crossed with kappa (study backward_error), the "
-        "slope 2 is that of P0 "
-        "alone, and what Joseph's products add is a slope of 0.6 to 0.9 in kappa.",
+        "same: the product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. "
+        "The experiment does Joseph's update in quad on a P stored in double and puts one step back into double: "
+        "storing P, rounding A, rounding A P as a whole leave the slope at 2, as for every form that stores P; adding "
+        "up either of the two products in double brings the whole loss back. The expansion to a rank-two update never "
+        "forms these terms and has slope 2. The local guide u |A|^2 |P|, the first explanation (docs/literature.md "
+        "3.6), has itself slope 2 only: it is the transport to the end of the run by P_N P_k^-1, of norm up to kappa, "
+        "that makes nearly 3 of it. The slope fitted in double is 2.8, at the lower end of the 2.8 to 3.5 of "
+        "docs/literature.md 3.6. P0 is kappa^2 here: crossed with kappa (study backward_error), the slope 2 is that of "
+        "P0 alone, and what Joseph's products add is a slope of 0.6 to 0.9 in kappa.",
     .data = "graded rows (geometric singular values), d = 6, P0 = kappa^2",
     .factors =
         [](Budget budget) {

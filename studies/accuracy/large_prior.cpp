@@ -47,13 +47,10 @@ Study const large_prior{
               \mathrm{fl}\left(\frac{P_0}{1+P_0}\right) = 1 \text{ for } P_0 \gtrsim 1/u)tex",
     .interpretation =
         "One row psi = 1. The forms that subtract K f from P lose u P0 of the 1 that should remain, and everything "
-        "once K "
-        "rounds to 1: a first P of exactly 0, after which the filter learns no more. "
-        "joseph_rank_two subtracts too and is no better. Joseph's products are: their (1 - K)^2 P vanishes but K^2 "
-        "stays. "
-        "Factors and P^-1 have no such place. Potter's form subtracts within the root, loses u sqrt(P0) and more, and "
-        "is "
-        "lost to zero or worse beyond 1/u^2. Doubles allow a 'diffuse' prior of 1e12, floats hardly one of 1e4.",
+        "once K rounds to 1: a first P of exactly 0, after which the filter learns no more. joseph_rank_two subtracts "
+        "too and is no better. Joseph's products are: their (1 - K)^2 P vanishes but K^2 stays. Factors and P^-1 have "
+        "no such place. Potter's form subtracts within the root, loses u sqrt(P0) and more, and is lost to zero or "
+        "worse beyond 1/u^2. Doubles allow a 'diffuse' prior of 1e12, floats hardly one of 1e4.",
     .data = "psi = 1, d = 1",
     .factors =
         [](Budget) {

@@ -87,9 +87,8 @@ Study const non_contraction{
     .question = "Can one exact step enlarge an error of theta when nothing is forgotten?",
     .source =
         "A note on the error propagation analysis of recursive least squares algorithms (abstract read: not "
-        "contractive, against "
-        "Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived (docs/theory.md 24, 25; "
-        "docs/literature.md 3.8)",
+        "contractive, against Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived "
+        "(docs/theory.md 24, 25; docs/literature.md 3.8)",
     .formula =
         R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau =
               \|K\|\|\psi\| \\
@@ -98,14 +97,10 @@ P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",
     .interpretation =
         "The step's matrix I - K psi' has no eigenvalue beyond 1, and yet its norm is: 3.46, 33.3, 333.3 for a = 10, "
-        "100, "
-        "1000, about a/3, and beyond 1 unless psi is an eigenvector of P. "
-        "An error of theta may grow by as much in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, "
-        "exactly, "
-        "so that V = delta'P^-1 delta does not grow. "
-        "The condition number of P is then the most a whole run can enlarge an error by, its square root to be "
-        "precise: "
-        "there is no exponential growth (study accuracy_steps).",
+        "100, 1000, about a/3, and beyond 1 unless psi is an eigenvector of P. An error of theta may grow by as much "
+        "in one step. In the metric of P^-1 it cannot: (I - K psi')P = P_k, exactly, so that V = delta'P^-1 delta does "
+        "not grow. The condition number of P is then the most a whole run can enlarge an error by, its square root to "
+        "be precise: there is no exponential growth (study accuracy_steps).",
     .data = "random integers, d = 2 to 5; diag(1, a^2)",
     .factors =
         [](Budget budget) {

@@ -84,16 +84,12 @@ Study const potter_carlson{
 u\end{aligned})tex",
     .interpretation =
         "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form "
-        "makes the "
-        "small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| remains in "
-        "the "
-        "root, here seen in det P after one row and then in theta to the end. Carlson's form multiplies the diagonal "
-        "by square "
-        "roots of ratios and so keeps the small variance in a column of its own, to a few u whatever c; UD and the "
-        "inverse QR "
-        "form do likewise. Conventional and Joseph's forms lose as c^2. The root's semidefiniteness does not protect "
-        "Potter's "
-        "form from cancellation. It loses half as many digits as the covariance forms.",
+        "makes the small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| "
+        "remains in the root, here seen in det P after one row and then in theta to the end. Carlson's form multiplies "
+        "the diagonal by square roots of ratios and so keeps the small variance in a column of its own, to a few u "
+        "whatever c; UD and the inverse QR form do likewise. Conventional and Joseph's forms lose as c^2. The root's "
+        "semidefiniteness does not protect Potter's form from cancellation. It loses half as many digits as the "
+        "covariance forms.",
     .data = "a line in 36 points; NIST Norris",
     .factors =
         [](Budget budget) {

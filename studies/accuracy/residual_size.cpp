@@ -115,21 +115,16 @@ Study const residual_size{
 &\sim u\,\kappa\left(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\right) \end{aligned})tex",
     .interpretation =
         "One law for every backward stable form: independent errors of size c u in the data, c about 1.5 to 3.5. While "
-        "kappa "
-        "||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it grows as "
-        "kappa^2 ||r||. With geometric singular values the slopes in kappa are a little below the powers of the bound, "
-        "for "
-        "kappa is the worst direction and the columns mix all of them. The information form loses kappa^2 without any "
-        "residual and nothing more with one: it inherits nothing, because it has lost that before. With a residual as "
-        "large "
-        "as the data its error is still seven to eleven times that of qr. The symmetric form's error is proportional "
-        "to the "
-        "residual over five decades, through the rounding of its prior.",
+        "kappa ||r|| is below ||A|| ||theta|| the residual does not matter and the error grows as kappa; beyond, it "
+        "grows as kappa^2 ||r||. With geometric singular values the slopes in kappa are a little below the powers of "
+        "the bound, for kappa is the worst direction and the columns mix all of them. The information form loses "
+        "kappa^2 without any residual and nothing more with one: it inherits nothing, because it has lost that before. "
+        "With a residual as large as the data its error is still seven to eleven times that of qr. The symmetric "
+        "form's error is proportional to the residual over five decades, through the rounding of its prior.",
     .data =
         "d = 6, N = 60: geometric singular values, one small, one large; kappa = 1e2 to 1e5; residuals orthogonal to "
-        "the columns, of "
-        "length 1e-7 to 1; 100 seeds: raised to 200 after a run left three undecided, that run was stopped, and set "
-        "back",
+        "the columns, of length 1e-7 to 1; 100 seeds: raised to 200 after a run left three undecided, that run was "
+        "stopped, and set back",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"spectrum", {"geometric", "one small", "one large"}},
@@ -175,8 +170,7 @@ Study const residual_size{
              },
              own_result("docs/theory.md 49, 73; set before the run")},
             {"qr, gentleman: the law's constant c, as a root mean square, is 1.3 to 3.0 as on NIST's sets, or 1.25 "
-             "times beyond, at "
-             "every kappa and ||r||",
+             "times beyond, at every kappa and ||r||",
              [](Table const& t) {
                  return within(some(t, rotations), {"variant", "spectrum", "kappa", "rho"}, root_mean_square("of_law"),
                                1.3 / 1.25, 3.75);

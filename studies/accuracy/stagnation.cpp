@@ -52,18 +52,12 @@ Study const stagnation{
               P^2 < \tfrac12\,\mathrm{ulp}(P) \qquad \text{or} \quad \mathrm{fl}(1 + P) = 1)tex",
     .interpretation =
         "Rounded to nearest, P stops where its decrement is below half a unit in its last place: 2.747e-3 in bfloat16 "
-        "for the form "
-        "that subtracts, 2^-8 for those that take P as a quotient, and all of them pretend for ever to know the mean "
-        "no better "
-        "than after 100 rows. Stochastic rounding has no such place: k P stays near 1 in the mean. It needs a prior "
-        "below 1/u, "
-        "though. From P0 = 1e4 the forms that subtract are at P = 0 after one row, because K rounds to 1; in bfloat16 "
-        "stochastic "
-        "rounding saves few of them. The 54.9 at k = 20000 in docs/literature.md 3.8 is therefore that of a start "
-        "below 1/u, as P0 "
-        "= 100 here, and not of P0 = 1e4. Potter's form sits between: from 1e4 its first P is off by a factor of 2, "
-        "and stochastic "
-        "runs may end at 0.",
+        "for the form that subtracts, 2^-8 for those that take P as a quotient, and all of them pretend for ever to "
+        "know the mean no better than after 100 rows. Stochastic rounding has no such place: k P stays near 1 in the "
+        "mean. It needs a prior below 1/u, though. From P0 = 1e4 the forms that subtract are at P = 0 after one row, "
+        "because K rounds to 1; in bfloat16 stochastic rounding saves few of them. The 54.9 at k = 20000 in "
+        "docs/literature.md 3.8 is therefore that of a start below 1/u, as P0 = 100 here, and not of P0 = 1e4. "
+        "Potter's form sits between: from 1e4 its first P is off by a factor of 2, and stochastic runs may end at 0.",
     .data = "psi = 1, d = 1",
     .factors =
         [](Budget budget) {
@@ -112,8 +106,7 @@ Study const stagnation{
              },
              own_result("docs/theory.md 42")},
             {"rounded to nearest no variant comes down to 1 from P0 = 100: k P at k = 20000 is at least k u / sqrt(2) "
-             "less a spacing, 54.8 "
-             "in bfloat16 and 6.9 in binary16",
+             "less a spacing, 54.8 in bfloat16 and 6.9 in binary16",
              [](Table const& t) {
                  Judgement const a =
                      within(last(t, "bfloat16", 100), {"variant"}, median("rows_P").as(Estimate::fixed), 54.8, 300);
@@ -123,8 +116,7 @@ Study const stagnation{
              },
              own_result("docs/theory.md 42, in place of a band set after its run")},
             {"stochastic rounding from P0 = 100: the median of k P at k = 20000 in 0.8 ... 1.25 for every variant, and "
-             "in bfloat16 of "
-             "symmetric in 0.9 ... 1.1",
+             "in bfloat16 of symmetric in 0.9 ... 1.1",
              [](Table const& t) {
                  Judgement const a = within(last(t, "bfloat16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
                  Judgement const b = within(last(t, "binary16-stochastic", 100), {"variant"}, mean_rows_P, 0.8, 1.25);
@@ -134,8 +126,7 @@ Study const stagnation{
              },
              own_result("docs/theory.md 75, to a factor of 1.25; of symmetric first edition, set after its run")},
             {"from P0 = 1e4 > 1/u the subtracting forms are at P = 0 after one row in bfloat16 and binary16, and in "
-             "most stochastic runs "
-             "of bfloat16 too",
+             "most stochastic runs of bfloat16 too",
              [](Table const& t) {
                  Table const first = t.where("variance", 1e4).where("rows", 1.0).where("variant", subtracting);
                  return within(first.where("arithmetic", {"bfloat16", "binary16"}), {"arithmetic", "variant"},

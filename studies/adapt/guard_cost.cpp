@@ -22,12 +22,10 @@ Study const guard_cost{
                      \tfrac43 d^2 + O(d) \ \text{ where a factor of } P^{-1} \text{ is})tex",
     .interpretation =
         "Operations of a row, additions and multiplications and divisions alike, on good rows with the guard armed. "
-        "Where P or a factor of "
-        "it is stored a guard is a few products of length d beside a filter's d^2. Where a factor of P^-1 is stored it "
-        "solves for theta "
-        "and for a P_jj at every row, and costs a third of the filter and more. conventional breaks down by its "
-        "asymmetry before it has "
-        "seen the rows of d = 64. Nanoseconds stand in the bench.",
+        "Where P or a factor of it is stored a guard is a few products of length d beside a filter's d^2. Where a "
+        "factor of P^-1 is stored it solves for theta and for a P_jj at every row, and costs a third of the filter and "
+        "more. conventional breaks down by its asymmetry before it has seen the rows of d = 64. Nanoseconds stand in "
+        "the bench.",
     .data = "white rows, d = 4 to 64",
     .factors =
         [](Budget) {

@@ -172,19 +172,14 @@ Study const guard_policies{
               \|\tilde\theta_{\mathrm{fresh}}\|)tex",
     .interpretation =
         "500 good rows, a disturbance, 250 good rows: five memories. Then theta is compared with that of a filter in "
-        "double that "
-        "started where the disturbance ended. A guard that only reports leaves the filter's own bits: what it saves is "
-        "then nothing. "
-        "The other policies skip an outlier, restart at a change, hold P down, and differ only in what they do about a "
-        "breakdown. "
-        "conventional is broken by its own asymmetry, whatever the rows: in float it is reset so often that it never "
-        "has a memory of "
-        "50 rows, and only handing over helps it.",
+        "double that started where the disturbance ended. A guard that only reports leaves the filter's own bits: what "
+        "it saves is then nothing. The other policies skip an outlier, restart at a change, hold P down, and differ "
+        "only in what they do about a breakdown. conventional is broken by its own asymmetry, whatever the rows: in "
+        "float it is reset so often that it never has a memory of 50 rows, and only handing over helps it.",
     .data =
         "white rows, d = 4, lambda = 0.98, noise 0.1; burst (psi times 1000, 20 rows), silence (5000), collinear "
-        "(2500), dither (psi "
-        "times 1e-6, 2000), one outlier of 1e6 sigma, 1 in 20 of 100 sigma (1000), theta -> -theta, rows that are not "
-        "finite (7)",
+        "(2500), dither (psi times 1e-6, 2000), one outlier of 1e6 sigma, 1 in 20 of 100 sigma (1000), theta -> "
+        "-theta, rows that are not finite (7)",
     .factors =
         [](Budget budget) {
             std::vector<Cell> variants(guarded_variants().begin(), guarded_variants().end());
@@ -218,9 +213,7 @@ Study const guard_policies{
     .claims =
         {
             {"reset, rebuild, hand over: five memories after each disturbance theta is within 2 times a fresh double "
-             "filter's, in most "
-             "runs "
-             "of every variant but conventional",
+             "filter's, in most runs of every variant but conventional",
              [](Table const& t) {
                  return within(at_the_end(t).where("policy", acting).where("variant", factors_and_symmetric),
                                {"arithmetic", "policy"}, greatest("error").as(Estimate::most), 0, 2);
@@ -250,8 +243,7 @@ Study const guard_policies{
              },
              own_result("set before the run")},
             {"one outlier of 1e6 sigma, nothing done: 1e6 lambda^250 sqrt(1 - lambda^2) = 1274 times a fresh filter's "
-             "error, 0.7 to 1.4 "
-             "times that",
+             "error, 0.7 to 1.4 times that",
              [](Table const& t) {
                  return within(after(t, "outlier", watching, factors_and_symmetric), {"arithmetic", "variant"},
                                mean("error"), 0.7 * 1274, 1.4 * 1274);
@@ -271,9 +263,7 @@ Study const guard_policies{
              },
              own_result("set before the run: a row in 20 lost, and outliers below 7 sigma taken")},
             {"silence, nothing done: P overflows in float after ln(3.4e38 / 0.02) / -ln lambda = 4585 rows where it or "
-             "D is stored, in "
-             "most "
-             "runs",
+             "D is stored, in most runs",
              [](Table const& t) {
                  return everywhere(
                      after(t.where("arithmetic", "float"), "silence", watching, {"conventional", "symmetric", "ud"}),

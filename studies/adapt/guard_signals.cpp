@@ -210,14 +210,11 @@ Study const guard_signals{
                      \frac{s^2}{\sigma^2} = 1 - d(1-\lambda)\,\frac{1}{1+\lambda})tex",
     .interpretation =
         "The test of a guard costs O(d) because it bounds psi'P psi by |psi|^2 tr P. That dilutes it: with c = 6 a row "
-        "must be off by more "
-        "than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with a memory of 50 rows. "
-        "So there are fewer "
-        "false alarms than a normal distribution's tail has, and more is missed. A change is known after 5 rows if "
-        "each of them fails the "
-        "test; a change of 10 sigma is not, because half of its rows pass, and the noise is learnt from these. "
-        "Windup is told of when P_jj has grown from its settled value to the limit, within one turn of the "
-        "coordinates.",
+        "must be off by more than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with "
+        "a memory of 50 rows. So there are fewer false alarms than a normal distribution's tail has, and more is "
+        "missed. A change is known after 5 rows if each of them fails the test; a change of 10 sigma is not, because "
+        "half of its rows pass, and the noise is learnt from these. Windup is told of when P_jj has grown from its "
+        "settled value to the limit, within one turn of the coordinates.",
     .data = "white rows, normal noise of 0.1, lambda = 0.98; d = 4, the threshold and one rate at d = 2 to 32",
     .factors =
         [](Budget budget) {

@@ -211,20 +211,15 @@ Study const window_downdating{
               16\,V_0)tex",
     .interpretation =
         "A window of 50 rows over 2000. A row 10^q times too large comes at 120 and leaves at 170. \"Nothing done\" "
-        "still factors anew "
-        "where a removal is refused. Without an alarm what it leaves is kept until the rows are factored anew (how it "
-        "grows with q: study "
-        "sliding_window), so that a schedule bounds how long the damage lasts and not how large it is. The alarm is "
-        "the determinant's: it "
-        "is right where one direction loses information and the others keep theirs. The search looks for rows where it "
-        "is not, such as "
-        "where one direction gains what another loses, and finds worse windows: ten times is no bound. Corrected "
-        "semi-normal equations take q and alpha from the rows that are at hand, and leave nothing of the outlier, for "
-        "3 W d a row.",
+        "still factors anew where a removal is refused. Without an alarm what it leaves is kept until the rows are "
+        "factored anew (how it grows with q: study sliding_window), so that a schedule bounds how long the damage "
+        "lasts and not how large it is. The alarm is the determinant's: it is right where one direction loses "
+        "information and the others keep theirs. The search looks for rows where it is not, such as where one "
+        "direction gains what another loses, and finds worse windows: ten times is no bound. Corrected semi-normal "
+        "equations take q and alpha from the rows that are at hand, and leave nothing of the outlier, for 3 W d a row.",
     .data =
         "white rows, d = 4; the same with condition 1000; one row 10^q times too large, or ten; 24 recipes a seed of "
-        "rows that swing, jump "
-        "and fall silent",
+        "rows that swing, jump and fall silent",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{{"arithmetic", {"float", "double"}},
@@ -270,8 +265,7 @@ Study const window_downdating{
     .claims =
         {
             {"with its alarm on a window is at most 10 times worse than a fresh filter on the same rows in their "
-             "order, at every "
-             "step looked at, in most runs",
+             "order, at every step looked at, in most runs",
              [](Table const& t) {
                  return within(slid(t, "alarm"), {"arithmetic", "model", "variant"},
                                greatest("over_fresh").as(Estimate::most), 0, 10);
@@ -311,8 +305,7 @@ Study const window_downdating{
              },
              own_result("docs/theory.md 85")},
             {"nothing done, double, factor forms, q = 2 ... 6: ten rows after an outlier has left its error is 1/3 to "
-             "3 times what "
-             "sqrt(V / V0) expects",
+             "3 times what sqrt(V / V0) expects",
              [](Table const& t) {
                  Table const mine = slid(between(t, 2, 6), "none").where("arithmetic", "double").where("step", 180.0);
                  return within(mine.where("variant", factors), {"variant"}, of_prediction, 1.0 / 3, 3);

@@ -137,29 +137,19 @@ Study const definiteness{
     .question = "Which stored covariances stop being positive definite, and when?",
     .source =
         "Bierman 1977, Verhaegen & Van Dooren 1986 (cited, not read): factor forms keep P definite; that Joseph's form "
-        "does too is "
-        "often said and contradicted by docs/literature.md 3.9, 3.10 (why: docs/theory.md 43); the survival curves are "
-        "measured "
-        "here",
+        "does too is often said and contradicted by docs/literature.md 3.9, 3.10 (why: docs/theory.md 43); the "
+        "survival curves are measured here",
     .formula =
         R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i
               \le k)tex",
     .interpretation =
         "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at "
-        "every "
-        "step. The data have "
-        "kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; lambda = 0.99. Triangular, "
-        "UD and "
-        "QR forms stay at one in all of them. The conventional form falls to zero however well conditioned the data, "
-        "because its "
-        "antisymmetric error grows as "
-        "lambda^-k. Joseph's "
-        "form is a sum of two semidefinite terms only before rounding: its triple product rounds by u |I - K psi'|^2 "
-        "|P|, so in "
-        "double it fails within "
-        "steps where the symmetric form lasts to the end. Its expansion to O(d^2) does not form that product and fails "
-        "when "
-        "symmetric does.",
+        "every step. The data have kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; "
+        "lambda = 0.99. Triangular, UD and QR forms stay at one in all of them. The conventional form falls to zero "
+        "however well conditioned the data, because its antisymmetric error grows as lambda^-k. Joseph's form is a sum "
+        "of two semidefinite terms only before rounding: its triple product rounds by u |I - K psi'|^2 |P|, so in "
+        "double it fails within steps where the symmetric form lasts to the end. Its expansion to O(d^2) does not form "
+        "that product and fails when symmetric does.",
     .data = "graded rows, d = 4, lambda = 0.99",
     .factors =
         [](Budget) {
@@ -187,8 +177,7 @@ Study const definiteness{
     .claims =
         {
             {"triangular, UD and QR forms (carlson, ud, inverse_qr, qr, gentleman, extended_qr) stay definite and "
-             "finite through most runs "
-             "in every arithmetic, up to kappa_P = 4/u",
+             "finite through most runs in every arithmetic, up to kappa_P = 4/u",
              [](Table const& t) {
                  return most(
                      ends(t).where("variant", {"carlson", "ud", "inverse_qr", "qr", "gentleman", "extended_qr"}),
@@ -199,10 +188,8 @@ Study const definiteness{
              [](Table const& t) { return most(ends(t).where("variant", "potter"), "definite"); },
              own_result("the claim of the literature on factor forms, docs/literature.md 3.9")},
             {"conventional loses it in each of these runs, also where kappa_P is only 1/(64u): by step ln(1/u) / -ln "
-             "lambda at the latest, "
-             "within "
-             "10 % "
-             "(fails in bfloat16: the law is for an error of u that grows to 1, and P is lost a little later)",
+             "lambda at the latest, within 10 % (fails in bfloat16: the law is for an error of u that grows to 1, and "
+             "P is lost a little later)",
              [](Table const& t) {
                  Statistic const of_law(
                      [](Table const& rows) { return greatest("latest")(rows) / antisymmetric_law(rows); });
@@ -227,14 +214,11 @@ Study const definiteness{
              },
              own_result("set before the run: no later")},
             {"the longer the word, the earlier by comparison: at kappa_P = 4/u joseph's median step is a smaller part "
-             "of symmetric's in "
-             "float "
-             "and double than in bfloat16 and binary16",
+             "of symmetric's in float and double than in bfloat16 and binary16",
              [](Table const& t) { return earlier_in_longer_words(t.where("hardness", 4.0)); },
              own_result("set before the run: a smaller part")},
             {"in double at kappa_P = 1/(64u) joseph is indefinite in most runs, symmetric and joseph_rank_two are "
-             "definite in most, "
-             "through all 6000 steps",
+             "definite in most, through all 6000 steps",
              [](Table const& t) {
                  Table const here = ends(t).where("hardness", 0x1p-6).where("arithmetic", "double");
                  return most(here.where("variant", "joseph"), "indefinite") &&
@@ -242,8 +226,7 @@ Study const definiteness{
              },
              own_result("set before the run: all or none; restated for most runs, as an interval shows no more")},
             {"the expansion joseph_rank_two breaks its promise too, but when symmetric does: median steps at kappa_P = "
-             "4/u within a factor "
-             "of 4",
+             "4/u within a factor of 4",
              [](Table const& t) { return ratio(t.where("hardness", 4.0), "joseph_rank_two", "symmetric", 0.25, 4); },
              own_result("first edition, set after its run")},
             {"nothing breaks down by overflow in these runs",

@@ -57,22 +57,18 @@ Study const few_random_bits{
     .question = "Does stochastic rounding keep a running mean awake, and how many random bits does that take?",
     .source =
         "Connolly, Higham & Mary 2021 (abstract read: no stagnation); Fitzgibbon & Felix 2025 (abstract read: few "
-        "random bits are biased); "
-        "the laws are derived (docs/theory.md 75)",
+        "random bits are biased); the laws are derived (docs/theory.md 75)",
     .formula =
         R"tex(\begin{aligned} \text{to nearest: } & P \to u/\sqrt2 \qquad \text{stochastic: } kP = 1 \pm 0.9\sqrt u \\
               r \text{ bits, rest truncated: } & 1/P \approx k^* e^{k/k^* - 1}, \quad k^* = 2^r/(1.44\,u) \\
               r \text{ bits, half added: } & P \to 2^{-r} u/\sqrt2 \end{aligned})tex",
     .interpretation =
         "To nearest P stops at u/sqrt(2) for every length. Stochastic rounding with all bits has no such place: k P "
-        "stays at 1 in "
-        "the mean, with a standard deviation of 0.9 sqrt(u). With r random bits there is an end again. If the surplus "
-        "bits are "
-        "truncated, P falls too fast from k* = 2^r/(1.44 u) rows on, by e in k* rows: the filter believes to know the "
-        "mean ever "
-        "better and falls asleep. If half of the last random bit is added first, P freezes as to nearest, 2^r times "
-        "lower. So few "
-        "random bits buy r bits of 1/P, and adding half decides whether the filter ends too careful or asleep.",
+        "stays at 1 in the mean, with a standard deviation of 0.9 sqrt(u). With r random bits there is an end again. "
+        "If the surplus bits are truncated, P falls too fast from k* = 2^r/(1.44 u) rows on, by e in k* rows: the "
+        "filter believes to know the mean ever better and falls asleep. If half of the last random bit is added first, "
+        "P freezes as to nearest, 2^r times lower. So few random bits buy r bits of 1/P, and adding half decides "
+        "whether the filter ends too careful or asleep.",
     .data = "psi = 1, d = 1, P0 = 1, symmetric",
     .factors =
         [](Budget budget) {
@@ -121,8 +117,7 @@ Study const few_random_bits{
              },
              own_result("docs/theory.md 75, set before the run")},
             {"S3: r random bits, the rest truncated: at 4 k*, k* = 2^r/(1.44 u), 1/P is k* e^3 within a factor of 3: "
-             "the filter falls "
-             "asleep",
+             "the filter falls asleep",
              [](Table const& t) {
                  return within(at_the_end(t, "truncate"), {"digits", "random_bits"}, of_law, 1 / 3.0, 3);
              },

@@ -99,23 +99,19 @@ Study const precision_boundary{
     .question = "How many bits does it take to survive?",
     .source =
         "the question: Liavas & Regalia 1999 (abstract read), Bottomley & Alexander 1991 (cited, not read); "
-        "docs/theory.md 48; the "
-        "numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the certified reference",
+        "docs/theory.md 48; the numbers: an earlier experiment (docs/literature.md 3.9), measured again here with the "
+        "certified reference",
     .formula =
         R"tex(p_{\text{symmetric}} \approx \max\left(\log_2 \tfrac{1}{1-\lambda} + 1,\ \log_2 \kappa_P + 4\right) \qquad
         p_{\text{UD}} \approx \log_2 \tfrac{1}{1-\lambda} + c)tex",
     .interpretation =
         "The smallest significand with which all of three runs survive: gamma in (0, 1] at every step, P definite at "
-        "each of 200 "
-        "looks, its final error below one half. The covariance forms need bits for the conditioning of P, the factor "
-        "forms only "
-        "for the memory; UD and Carlson need at most two bits beyond log2 of the memory, sometimes fewer. The "
-        "conventional form "
-        "survives at no length up to double's, which the earlier experiment had tried up to 30: sixty memories are "
-        "more than ln "
-        "2^53. Most numbers are within one bit of docs/literature.md 3.9, single ones up to three away, either way: "
-        "which bit is "
-        "the first depends on the data and on the order of operations.",
+        "each of 200 looks, its final error below one half. The covariance forms need bits for the conditioning of P, "
+        "the factor forms only for the memory; UD and Carlson need at most two bits beyond log2 of the memory, "
+        "sometimes fewer. The conventional form survives at no length up to double's, which the earlier experiment had "
+        "tried up to 30: sixty memories are more than ln 2^53. Most numbers are within one bit of docs/literature.md "
+        "3.9, single ones up to three away, either way: which bit is the first depends on the data and on the order of "
+        "operations.",
     .data = "delay lines of poles 0, 0.9, 0.99, d = 4; three draws each",
     .factors =
         [](Budget budget) {
@@ -199,8 +195,7 @@ Study const precision_boundary{
              },
              reproduction("earlier experiment, docs/literature.md 3.9")},
             {"survival is monotone but for the luck of single bits: in most runs at most one of the two lengths beyond "
-             "the first that "
-             "survives fails",
+             "the first that survives fails",
              [](Table const& t) { return within(t, {"variant"}, greatest("relapses"), 0, 1); },
              own_result("first edition, set after its run")},
         },

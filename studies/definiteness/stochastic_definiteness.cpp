@@ -177,22 +177,18 @@ Study const stochastic_definiteness{
     .question = "Does stochastic rounding save the definiteness of P, or kill it?",
     .source =
         "Connolly, Higham & Mary 2021 (abstract read: errors of mean zero, variance twice that to nearest); the hazard "
-        "is derived "
-        "(docs/theory.md 76)",
+        "is derived (docs/theory.md 76)",
     .formula = R"tex(h = \overline{(1-\lambda)\frac{a_t}{\sqrt{2\pi}}\, e^{-a_t^2/2}}, \qquad
                  a_t = \frac{\lambda_{\min}(P_t)\sqrt{1-\lambda^2}}{c\,u\,\lambda_{\max}(P_t)}, \quad
                  c = 0.3 \text{ (nearest)},\ 0.42 \text{ (stochastic)})tex",
     .interpretation =
         "It does neither much: it costs half a bit to a bit. A step of the symmetric form loses definiteness about "
-        "with the "
-        "probability that the law says, over two forgetting factors and three poles, with one constant for rounding to "
-        "nearest and "
-        "its sqrt(2) for stochastic rounding. At 6 bits it loses twice as often stochastically as the law says: there "
-        "the deviation "
-        "is no longer small beside P. Four random bits do as well as all. The triangular, UD and QR forms "
-        "never lose it, rounded in whatever way. One form is killed: joseph_rank_two rounds an entry and its mirror "
-        "image apart, so "
-        "that the antisymmetric part, which is exactly zero to nearest, grows as lambda^-k (docs/theory.md 79).",
+        "with the probability that the law says, over two forgetting factors and three poles, with one constant for "
+        "rounding to nearest and its sqrt(2) for stochastic rounding. At 6 bits it loses twice as often stochastically "
+        "as the law says: there the deviation is no longer small beside P. Four random bits do as well as all. The "
+        "triangular, UD and QR forms never lose it, rounded in whatever way. One form is killed: joseph_rank_two "
+        "rounds an entry and its mirror image apart, so that the antisymmetric part, which is exactly zero to nearest, "
+        "grows as lambda^-k (docs/theory.md 79).",
     .data = "delay lines of 3 taps with poles 0.9, 0.99 and 0.999",
     .factors =
         [](Budget budget) {

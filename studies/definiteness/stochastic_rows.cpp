@@ -48,16 +48,14 @@ Study const stochastic_rows{
     .question = "Does stochastic rounding of the rows regularise collinear columns?",
     .source =
         "Dexter et al. 2024 (abstract read: it lifts the smallest singular value of a tall matrix); the constant is "
-        "derived "
-        "(docs/theory.md 77)",
+        "derived (docs/theory.md 77)",
     .formula =
         R"tex(\lambda_{\max}(P_N) \approx \frac{6}{\sum_k \mathrm{ulp}(x_k)^2} \le \frac{6}{u^2 \sum_k x_k^2})tex",
     .interpretation =
         "Two equal columns stay equal to nearest, and P keeps the variance of the prior in the direction that they do "
-        "not excite. "
-        "Rounded stochastically they differ by noise, and the variance falls as 1/(N u^2). That is a regularisation by "
-        "the data's "
-        "word length: the filter takes the rounding for information, as it would take noise in its regressors.",
+        "not excite. Rounded stochastically they differ by noise, and the variance falls as 1/(N u^2). That is a "
+        "regularisation by the data's word length: the filter takes the rounding for information, as it would take "
+        "noise in its regressors.",
     .data = "two equal columns of nearly normal numbers",
     .factors =
         [](Budget budget) {

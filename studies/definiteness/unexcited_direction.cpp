@@ -59,12 +59,9 @@ Study const unexcited_direction{
 P_k v = \lambda^{-k} P_0 v, \quad v^\top P_k v = \lambda^{-k} v^\top P_0 v)tex",
     .interpretation =
         "The windup of forgetting without excitation, exactly: the variance grows by 1/lambda at every step and no "
-        "information "
-        "comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is orthogonality to v, "
-        "which is how "
-        "the law is usually stated; with any other P0 rows orthogonal to v still teach something about v through the "
-        "prior's "
-        "correlations, and the law fails at once.",
+        "information comes in. The condition is that rows are orthogonal to P0 v. With P0 = c^2 I that is "
+        "orthogonality to v, which is how the law is usually stated; with any other P0 rows orthogonal to v still "
+        "teach something about v through the prior's correlations, and the law fails at once.",
     .data = "random integer rows, d = 3",
     .factors =
         [](Budget) {

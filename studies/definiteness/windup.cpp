@@ -56,25 +56,19 @@ Study const windup{
     .question = "What does forgetting do while nothing excites the parameters?",
     .source =
         "laws derived (docs/theory.md 40); numbers of an earlier experiment (docs/literature.md 3.10), measured again "
-        "here with "
-        "definiteness decided exactly",
+        "here with definiteness decided exactly",
     .formula =
         R"tex(\begin{aligned} k^* &= \ln\frac{1-\lambda}{u P_0 |\psi|^2} \Big/ (-\ln\lambda) && \text{P indefinite} \\
                k_{\max} &= \ln(\text{largest number}) \Big/ (-\ln\lambda) && \text{P too large} \end{aligned})tex",
     .interpretation =
         "The regressor never changes, psi = (1, 0.7, -0.3). P falls to (1 - lambda)/|psi|^2 along psi and grows as "
-        "lambda^-k "
-        "across it. Once u times the large part exceeds the small one, a P stored plainly is indefinite: Joseph's form "
-        "at about k* or "
-        "before, the symmetric forms a little later. Factors hold numbers whose squares are so far apart, and go on. "
-        "UD alone follows "
-        "the exact P to the end of the arithmetic's range; the other roots of P grow no further than about u^-2 "
-        "(presumably because "
-        "the rounding of psi'S then passes for excitation): sound, and far too small. Potter's full root has no "
-        "triangle to protect it "
-        "there and may become exactly singular. Where information survives, the roundings of its decayed part happened "
-        "to fall on the "
-        "good side.",
+        "lambda^-k across it. Once u times the large part exceeds the small one, a P stored plainly is indefinite: "
+        "Joseph's form at about k* or before, the symmetric forms a little later. Factors hold numbers whose squares "
+        "are so far apart, and go on. UD alone follows the exact P to the end of the arithmetic's range; the other "
+        "roots of P grow no further than about u^-2 (presumably because the rounding of psi'S then passes for "
+        "excitation): sound, and far too small. Potter's full root has no triangle to protect it there and may become "
+        "exactly singular. Where information survives, the roundings of its decayed part happened to fall on the good "
+        "side.",
     .data = "one constant row, d = 3",
     .factors =
         [](Budget) {

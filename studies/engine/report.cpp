@@ -132,10 +132,9 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
         "rlslab: studies",
         fmt::format(
             "<header><h1>Which variant of recursive least squares can be trusted?</h1>\n<p>{} of {} claims hold, in {} "
-            "{}. "
-            "Every error is measured against the exact minimiser for the bits the variant was given, with a proven "
-            "bound. "
-            "<span class=\"soft\">rlslab {} {}, {} budget, seed {}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
+            "{}. Every error is measured against the exact minimiser for the bits the variant was given, with a proven "
+            "bound. <span class=\"soft\">rlslab {} {}, {} budget, seed "
+            "{}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
             held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
             name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
 }

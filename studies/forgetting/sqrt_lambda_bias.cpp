@@ -67,24 +67,18 @@ Study const sqrt_lambda_bias{
     .question = "What does the rounding of sqrt(lambda) do to the forms that use it?",
     .source =
         "derived (docs/theory.md 39); measured in an earlier experiment (docs/literature.md 3.7); no published text "
-        "that mentions "
-        "it was found",
+        "that mentions it was found",
     .formula =
         R"tex(\lambda' = \mathrm{fl}(\sqrt\lambda)^2, \quad P_\infty \propto 1 - \lambda \qquad \Rightarrow \qquad
 \frac{\mathrm{tr}\,\delta P}{\mathrm{tr}\,P} = -\frac{\lambda'/\lambda - 1}{1-\lambda})tex",
     .interpretation =
         "The factor forms that scale by sqrt(lambda) forget with lambda', up to u away from lambda, and P feels it "
-        "1/(1 - lambda) "
-        "times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, qr and "
-        "inverse_qr have "
-        "lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a bias, which no averaging "
-        "removes, and "
-        "for most lambda the whole of the square-root forms' error. A lambda that is the square of a short number has "
-        "none. ud, "
-        "gentleman and the forms of P and P^-1 use lambda itself. extended_qr carries the inverse factor without "
-        "correction, and "
-        "drifts around the law. In float carlson and inverse_qr have a drift of their own on top (study "
-        "inverse_qr_drift).",
+        "1/(1 - lambda) times: 773 u at lambda = 0.999 in double and 1811 u at 0.9995, for all of them alike (exactly, "
+        "qr and inverse_qr have lambda times the first-order law of potter and carlson: docs/theory.md 39). It is a "
+        "bias, which no averaging removes, and for most lambda the whole of the square-root forms' error. A lambda "
+        "that is the square of a short number has none. ud, gentleman and the forms of P and P^-1 use lambda itself. "
+        "extended_qr carries the inverse factor without correction, and drifts around the law. In float carlson and "
+        "inverse_qr have a drift of their own on top (study inverse_qr_drift).",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {

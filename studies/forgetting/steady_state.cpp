@@ -52,18 +52,13 @@ Study const steady_state{
               \|\delta\theta\|_{\mathrm{rms}} = \frac{c\,u\,\|\theta\|}{\sqrt{1-\lambda^2}})tex",
     .interpretation =
         "On white regressors the error of theta is that of the addition theta + K e, kept for a memory: c = 0.46 is "
-        "the rms of a "
-        "rounding of numbers around 1, which are half the time below it and half above. All forms that correct theta "
-        "by its own "
-        "innovation agree. At lambda = 0.9 the rounding of e, passed on by a large K, adds a quarter to it "
-        "(docs/literature.md 3.7 "
-        "has 0.476, of another order of evaluation). On coloured regressors with a short memory the law does not hold: "
-        "the gain is "
-        "wrong by the error of P, and that is the variant's own. qr and gentleman solve for theta. extended_qr takes "
-        "eta from z "
-        "and never compares theta with a row, so that nothing ever corrects it. The square-root forms' error of P at "
-        "lambda = "
-        "0.999 is the rounding of sqrt(lambda) (study sqrt_lambda_bias).",
+        "the rms of a rounding of numbers around 1, which are half the time below it and half above. All forms that "
+        "correct theta by its own innovation agree. At lambda = 0.9 the rounding of e, passed on by a large K, adds a "
+        "quarter to it (docs/literature.md 3.7 has 0.476, of another order of evaluation). On coloured regressors with "
+        "a short memory the law does not hold: the gain is wrong by the error of P, and that is the variant's own. qr "
+        "and gentleman solve for theta. extended_qr takes eta from z and never compares theta with a row, so that "
+        "nothing ever corrects it. The square-root forms' error of P at lambda = 0.999 is the rounding of sqrt(lambda) "
+        "(study sqrt_lambda_bias).",
     .data = "delay lines of poles 0 and 0.99, d = 4",
     .factors =
         [](Budget budget) {

@@ -55,21 +55,15 @@ Study const asymmetry_explosion{
     .question = "When does the conventional form's asymmetry destroy it?",
     .source =
         "Verhaegen 1989, Haykin's Tri rule (cited, not read); derived (docs/theory.md 28, law ii; docs/theory.md 37); "
-        "an earlier "
-        "experiment (docs/literature.md 3.2)",
+        "an earlier experiment (docs/literature.md 3.2)",
     .formula = R"tex(k_* = \frac{\ln(1/u)}{-\ln \lambda})tex",
     .interpretation =
         "Rows are white and exciting, nothing is disturbed but by rounding. The first rounding error leaves an "
-        "asymmetry of "
-        "order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma leaves (0, "
-        "1]. That is "
-        "the law's k*, from 0.75 of it up: with lambda near 1 more steps' errors add up, so the end comes earlier. "
-        "Computing the "
-        "row psi'P on its own, mirroring one triangle, or Joseph's products keep the asymmetry at a few u and last for "
-        "all 60 "
-        "000 steps, as do the factor forms. (With lambda = 0.9 P itself fluctuates by more than the growth over the "
-        "run, so the "
-        "rate is claimed from 0.95 on.)",
+        "asymmetry of order u, which grows as lambda^-k whatever the data; when it reaches the size of P itself gamma "
+        "leaves (0, 1]. That is the law's k*, from 0.75 of it up: with lambda near 1 more steps' errors add up, so the "
+        "end comes earlier. Computing the row psi'P on its own, mirroring one triangle, or Joseph's products keep the "
+        "asymmetry at a few u and last for all 60 000 steps, as do the factor forms. (With lambda = 0.9 P itself "
+        "fluctuates by more than the growth over the run, so the rate is claimed from 0.95 on.)",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {

@@ -45,10 +45,8 @@ Study const estimate_error_memory{
     .formula = R"tex(\delta\theta_k = \lambda^k P_k P_0^{-1}\, \delta\theta_0)tex",
     .interpretation =
         "One output is wrong by one; everything runs in 257 bits. The error of theta fades as lambda^k P_k: with "
-        "lambda = 1 as "
-        "1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on one curve: in "
-        "the estimate "
-        "they differ by their rounding and by nothing else.",
+        "lambda = 1 as 1/k only, because P does, with lambda = 0.98 a hundredfold in 230 steps. All variants lie on "
+        "one curve: in the estimate they differ by their rounding and by nothing else.",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {

@@ -82,14 +82,10 @@ Study const extended_qr_memory{
 \delta (R^\top R)_k = \lambda^k\, \delta (R^\top R)_0)tex",
     .interpretation =
         "The two triangles are rotated by the same angles, which R alone decides. An error in R is forgotten with the "
-        "data. "
-        "An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda = 1 "
-        "both shrink as "
-        "1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and relative to R it "
-        "fades as 1/k. "
-        "The recursion is written out here because the filter does not let its state be touched; the undisturbed pair "
-        "is the "
-        "filter's own W to more than 70 digits.",
+        "data. An error in W is not: with lambda < 1 it stays as it is, since the angles never look at W. With lambda "
+        "= 1 both shrink as 1/sqrt(k), but so does W itself, so that relative to W the error stays, while R grows and "
+        "relative to R it fades as 1/k. The recursion is written out here because the filter does not let its state be "
+        "touched; the undisturbed pair is the filter's own W to more than 70 digits.",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {

@@ -47,8 +47,7 @@ Study const gain_error{
     .question = "What does an error in the gain do to the covariance?",
     .source =
         "Bucy & Joseph 1968 (cited, not read); the laws of one step are derived (docs/theory.md 16, 17, 32, 33) and "
-        "exact (study "
-        "gain_identities)",
+        "exact (study gain_identities)",
     .formula =
         R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P =
               O(\delta K) \\
@@ -57,17 +56,12 @@ Study const gain_error{
               \end{aligned})tex",
     .interpretation =
         "At every step the vector that plays the gain in the update of P is wrong by a random relative error of size "
-        "epsilon: K where P "
-        "is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in first order but "
-        "Joseph's forms, which "
-        "pass it on in second. The forms that propagate a factor are no exception: what they keep is definiteness "
-        "(study "
-        "gain_error_definiteness), not P. They see nothing of an error only in the K that they report and do not use. "
-        "In float and double "
-        "the lines end on the floor of each arithmetic's own rounding, and there Joseph's form has no advantage. With "
-        "forgetting the "
-        "conventional form's asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the "
-        "number of steps (study "
+        "epsilon: K where P is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in "
+        "first order but Joseph's forms, which pass it on in second. The forms that propagate a factor are no "
+        "exception: what they keep is definiteness (study gain_error_definiteness), not P. They see nothing of an "
+        "error only in the K that they report and do not use. In float and double the lines end on the floor of each "
+        "arithmetic's own rounding, and there Joseph's form has no advantage. With forgetting the conventional form's "
+        "asymmetry grows as lambda^-k on top (study gain_error_memory), and without it as the number of steps (study "
         "gain_error_growth): beyond epsilon N of about 1 it has broken down. How large these errors are: study "
         "gain_error_size.",
     .data = "white rows, d = 5",
@@ -101,8 +95,7 @@ Study const gain_error{
              [](Table const& t) { return order(t.where("lambda", 1.0), growing, 0.99, 1.01, 2e-4); },
              own_result("derived beforehand: docs/theory.md 16, 36")},
             {"with forgetting the conventional form's own asymmetry grows besides: at epsilon = 1e-13 its error is at "
-             "least 5 times "
-             "symmetric's",
+             "least 5 times symmetric's",
              [](Table const& t) {
                  return within(t.where("arithmetic", "reference")
                                    .where("lambda", 0.98)

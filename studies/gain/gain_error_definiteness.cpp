@@ -81,16 +81,12 @@ Study const gain_error_definiteness{
 \text{symmetric: } P_k - \tfrac{s}{2\lambda} (\delta K\, K^\top + K\, \delta K^\top) \text{ need not be})tex",
     .interpretation =
         "Random errors of a tenth of the gain, of its size, and of ten times its size, three rows in a row, from every "
-        "state of a run. "
-        "What a factor keeps of a wrong gain is not P but its definiteness. In the triangular and UD forms the "
-        "diagonal of the new factor "
-        "does not contain the running gain at all: the sums s_j that it is made of only grow, also when rounded. "
-        "Potter's root is singular "
-        "for errors on one hyperplane and nowhere else (tests/variants/gain_laws.cpp). Joseph's forms keep "
-        "definiteness as formulas; in "
-        "float nothing promises it, and Joseph's form by products has lost it in one of 480 runs of the full budget. "
-        "The forms that "
-        "subtract K psi'P lose it often: one P in 30 to three in 4 after errors of the size of the gain.",
+        "state of a run. What a factor keeps of a wrong gain is not P but its definiteness. In the triangular and UD "
+        "forms the diagonal of the new factor does not contain the running gain at all: the sums s_j that it is made "
+        "of only grow, also when rounded. Potter's root is singular for errors on one hyperplane and nowhere else "
+        "(tests/variants/gain_laws.cpp). Joseph's forms keep definiteness as formulas; in float nothing promises it, "
+        "and Joseph's form by products has lost it in one of 480 runs of the full budget. The forms that subtract K "
+        "psi'P lose it often: one P in 30 to three in 4 after errors of the size of the gain.",
     .data = "white rows and a delay line of an autoregression, pole 0.9; d = 3 and 8; lambda = 1 and 0.9; P_0 = I",
     .factors =
         [](Budget budget) {

@@ -76,18 +76,13 @@ Study const gain_error_growth{
 \varepsilon (1-\lambda) \sqrt{(d-1) N} \end{aligned})tex",
     .interpretation =
         "Independent relative errors of 1e-6 at every step. Where an error is forgotten as P itself is (law i) the "
-        "errors average out: as "
-        "N^-1/2 where nothing is forgotten. Joseph's bias does not. In the conventional form the antisymmetric part of "
-        "every error stays "
-        "as it is (law ii) while P shrinks as 1/N: in relative size it grows as N. Extended QR keeps its errors in W = "
-        "R^-T as they are, "
-        "relative to W (law v): with lambda = 1 the errors of the first rows, the largest, are never averaged out, and "
-        "with forgetting "
-        "the error of P walks at random without end. So it is the one factor form that errors of its gain spoil in the "
-        "long run, though "
-        "its P, too, stays definite. With lambda = 1 the first rows add to the error of the others, the more the fewer "
-        "there are: the "
-        "exponents of symmetric and of Joseph's form lie below their limits.",
+        "errors average out: as N^-1/2 where nothing is forgotten. Joseph's bias does not. In the conventional form "
+        "the antisymmetric part of every error stays as it is (law ii) while P shrinks as 1/N: in relative size it "
+        "grows as N. Extended QR keeps its errors in W = R^-T as they are, relative to W (law v): with lambda = 1 the "
+        "errors of the first rows, the largest, are never averaged out, and with forgetting the error of P walks at "
+        "random without end. So it is the one factor form that errors of its gain spoil in the long run, though its P, "
+        "too, stays definite. With lambda = 1 the first rows add to the error of the others, the more the fewer there "
+        "are: the exponents of symmetric and of Joseph's form lie below their limits.",
     .data = "white rows, d = 3 and 5; with forgetting after 1000 rows without errors",
     .factors =
         [](Budget budget) {

@@ -73,16 +73,11 @@ Study const gain_error_memory{
 \text{(conventional)} \end{aligned})tex",
     .interpretation =
         "The gain is wrong by 1e-20 at step 200 and right ever after; a twin without the error, also in 257 bits, "
-        "shows what "
-        "became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with less as "
-        "lambda^k), and "
-        "so does the antisymmetric part where the row psi'P is computed on its own. In the conventional form the "
-        "antisymmetric "
-        "part is multiplied by 1/lambda at every step, exactly. It also drives a symmetric part that law i does not "
-        "know: that is "
-        "why the total error in docs/literature.md 3.2 exceeds lambda^-k by a per cent. Joseph's forms get an error of "
-        "1e-40 from "
-        "the same gain, and no antisymmetric part.",
+        "shows what became of it. The symmetric part follows law i in every form (with lambda = 1 as 1/k squared, with "
+        "less as lambda^k), and so does the antisymmetric part where the row psi'P is computed on its own. In the "
+        "conventional form the antisymmetric part is multiplied by 1/lambda at every step, exactly. It also drives a "
+        "symmetric part that law i does not know: that is why the total error in docs/literature.md 3.2 exceeds "
+        "lambda^-k by a per cent. Joseph's forms get an error of 1e-40 from the same gain, and no antisymmetric part.",
     .data = "white rows, d = 4",
     .factors =
         [](Budget budget) {
@@ -151,8 +146,7 @@ Study const gain_error_memory{
              },
              verification("docs/theory.md 28, law ii").by("docs/theory.md 28")},
             {"conventional, any direction: the symmetric part does not follow law i; at lambda = 0.98 and 400 steps it "
-             "is off by 100 "
-             "times, in most runs",
+             "is off by 100 times, in most runs",
              [](Table const& t) {
                  return within(t.where("part", "symmetric")
                                    .where("variant", "conventional")

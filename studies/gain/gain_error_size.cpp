@@ -139,23 +139,16 @@ Study const gain_error_size{
 \text{Joseph: } \quad & \varepsilon^2 \lVert \operatorname{diag} P \rVert / \lVert P \rVert \end{aligned})tex",
     .interpretation =
         "Independent relative errors epsilon r_i of the gain at every step, epsilon = 1e-3, against a twin without "
-        "them. N_eff is N where "
-        "nothing is forgotten, else (1 + lambda)/(1 - lambda). In the forms of first order the errors of the steps are "
-        "noise: they average "
-        "out. Potter's form and the sweeps pass on less than symmetric, by a constant factor; an error that enters a "
-        "sweep early or late "
-        "less than one in the middle, and after the last column nothing. Joseph's error is no noise but a bias, "
-        "epsilon^2 diag P: it does "
-        "not average out. So from epsilon = sqrt((d+2)/N_eff) on, where the two laws cross, Joseph's form is the less "
-        "accurate one, for as "
-        "long as symmetric is definite. Of errors that large symmetric loses definiteness: in a few runs where nothing "
-        "is forgotten, in "
-        "most with lambda = 0.99 and d = 8, where its P has then diverged. There the prediction that symmetric is the "
-        "better one fails. "
-        "Joseph's form stays definite. The laws are of leading order in 1/N_eff: with lambda = 1 the first rows, of "
-        "which P is not yet "
-        "near a multiple of I, add some per cent. They are of the root mean square: the median of an error with few "
-        "components lies below.",
+        "them. N_eff is N where nothing is forgotten, else (1 + lambda)/(1 - lambda). In the forms of first order the "
+        "errors of the steps are noise: they average out. Potter's form and the sweeps pass on less than symmetric, by "
+        "a constant factor; an error that enters a sweep early or late less than one in the middle, and after the last "
+        "column nothing. Joseph's error is no noise but a bias, epsilon^2 diag P: it does not average out. So from "
+        "epsilon = sqrt((d+2)/N_eff) on, where the two laws cross, Joseph's form is the less accurate one, for as long "
+        "as symmetric is definite. Of errors that large symmetric loses definiteness: in a few runs where nothing is "
+        "forgotten, in most with lambda = 0.99 and d = 8, where its P has then diverged. There the prediction that "
+        "symmetric is the better one fails. Joseph's form stays definite. The laws are of leading order in 1/N_eff: "
+        "with lambda = 1 the first rows, of which P is not yet near a multiple of I, add some per cent. They are of "
+        "the root mean square: the median of an error with few components lies below.",
     .data =
         "white rows, d = 3, 5, 8, lambda = 1 (2000 rows) and 0.99; delay line of an autoregression, pole 0.9, d = 5, "
         "lambda = 0.998",

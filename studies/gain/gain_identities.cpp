@@ -219,23 +219,15 @@ w = K - K_{(j)} \\
 P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",
     .interpretation =
         "Each filter is the library's own text in exact rationals: sizes 2 to 4, random P, rows and gain errors, the "
-        "same for "
-        "all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves P "
-        "positive "
-        "definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold itself P is "
-        "singular, one "
-        "thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the gain is. The symmetric "
-        "form obeys "
-        "the first law with the triangle it computes mirrored. UD has no K in its update of U and D, but a vector that "
-        "grows to the "
-        "gain: an error of it reaches P in first order, unless it enters after the last column, and never touches "
-        "definiteness. An "
-        "error of s or of f is one of K alone in Joseph's form by products, and stays of second order; in "
-        "joseph_rank_two it is of "
-        "first order (formulas (4) and (5) of its page, evaluated here: the page lets K be changed only after them). "
-        "The root forms "
-        "obey their laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies "
-        "gain_error, "
+        "same for all variants, compared with == and not with a tolerance. A gain that is too long by (1 + eps) leaves "
+        "P positive definite up to the threshold lambda / psi'P psi in the forms that subtract; at the threshold "
+        "itself P is singular, one thousandth beyond it is indefinite. Joseph's forms stay definite however wrong the "
+        "gain is. The symmetric form obeys the first law with the triangle it computes mirrored. UD has no K in its "
+        "update of U and D, but a vector that grows to the gain: an error of it reaches P in first order, unless it "
+        "enters after the last column, and never touches definiteness. An error of s or of f is one of K alone in "
+        "Joseph's form by products, and stays of second order; in joseph_rank_two it is of first order (formulas (4) "
+        "and (5) of its page, evaluated here: the page lets K be changed only after them). The root forms obey their "
+        "laws to 1e-60 (tests/variants/gain_laws.cpp). What runs and rounding make of all this: studies gain_error, "
         "gain_error_size, gain_error_definiteness.",
     .data = "random rational P, rows and errors, d = 2, 3, 4",
     .factors =

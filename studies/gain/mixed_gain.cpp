@@ -235,34 +235,23 @@ Study const mixed_gain{
 \text{Joseph's form wins: } & p_K < p_P - \log_2 \frac{\sqrt{Z_J^2 - Z_s^2}}{0.42 A} \end{aligned})tex",
     .interpretation =
         "In one arrangement the vector that the update of P uses as the gain is rounded to p_K bits and nothing else; "
-        "in the other every "
-        "operation up to the gain rounds to p_K bits (f, s and K), every operation on P to p_P. One text of each "
-        "variant serves both. With "
-        "the gain alone short Joseph's form wins where predicted, up to about p_K = 17 of 24 (lambda = 0.99) and 14.5 "
-        "(1000 rows, lambda = "
-        "1): beyond that its own products round more than symmetric's. Its rank-two expansion wins everywhere, and "
-        "from half of p_P on a "
-        "longer gain gains nothing. That symmetric should be the better one for very short gains and long memories is "
-        "not confirmed: "
-        "the error of rounding to nearest depends on what is rounded, the mean of delta_i K_i is minus its mean "
-        "square, and symmetric "
-        "has Joseph's bias besides its noise. The law of random errors (study gain_error_size) does not know it. As "
-        "soon as f and s are "
-        "short too the expansion is of first order, like symmetric so: 3 to 20 times worse than with K alone short, "
-        "and on ill "
-        "conditioned rows seldom definite. Joseph's products then remain of second order, at 6, 20, 90 times their "
-        "error. They are not "
-        "safe either: with 2 bits, and in 2 of 100 runs with 4 bits on the pole 0.99, they end indefinite. Where the "
-        "slope of the "
-        "expansion is not 1 (pole 0.99), it has lost definiteness at 4 bits. Where the error of a short gain and the "
-        "floor are of one "
-        "size they do not add up: there the law of Joseph's forms says up to 1.6 times too much. After a large P0 only "
-        "ud is left. The "
+        "in the other every operation up to the gain rounds to p_K bits (f, s and K), every operation on P to p_P. One "
+        "text of each variant serves both. With the gain alone short Joseph's form wins where predicted, up to about "
+        "p_K = 17 of 24 (lambda = 0.99) and 14.5 (1000 rows, lambda = 1): beyond that its own products round more than "
+        "symmetric's. Its rank-two expansion wins everywhere, and from half of p_P on a longer gain gains nothing. "
+        "That symmetric should be the better one for very short gains and long memories is not confirmed: the error of "
+        "rounding to nearest depends on what is rounded, the mean of delta_i K_i is minus its mean square, and "
+        "symmetric has Joseph's bias besides its noise. The law of random errors (study gain_error_size) does not know "
+        "it. As soon as f and s are short too the expansion is of first order, like symmetric so: 3 to 20 times worse "
+        "than with K alone short, and on ill conditioned rows seldom definite. Joseph's products then remain of second "
+        "order, at 6, 20, 90 times their error. They are not safe either: with 2 bits, and in 2 of 100 runs with 4 "
+        "bits on the pole 0.99, they end indefinite. Where the slope of the expansion is not 1 (pole 0.99), it has "
+        "lost definiteness at 4 bits. Where the error of a short gain and the floor are of one size they do not add "
+        "up: there the law of Joseph's forms says up to 1.6 times too much. After a large P0 only ud is left. The "
         "sweeps stay definite with a running gain of 2 bits.",
     .data =
         "d = 5, delay lines, white and with poles 0.9 and 0.99 (900 rows, lambda = 0.99), white with lambda = 1 (1000, "
-        "4000 rows; "
-        "P0 = 2^24)",
+        "4000 rows; P0 = 2^24)",
     .factors =
         [](Budget budget) {
             return std::vector<Factor>{

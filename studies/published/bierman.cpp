@@ -54,24 +54,19 @@ Study const bierman{
     .question = "At which epsilon does a variance turn negative in Bierman's example?",
     .source =
         "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; "
-        "an earlier "
-        "experiment (docs/literature.md 3.3)",
+        "an earlier experiment (docs/literature.md 3.3)",
     .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
 P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2
 \end{pmatrix}, \quad
 \beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
     .interpretation =
         "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of "
-        "the "
-        "conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's form "
-        "in exact "
-        "arithmetic: what protects is the evaluation as products, not the formula. Those products keep 30 u at every "
-        "power of two, "
-        "where many of the roundings are exact; at other epsilon only down to about 1e-10 in double, and below that "
-        "they lose "
-        "digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps beyond its jump, where eps^2 is "
-        "lost, at powers "
-        "of two only. The other factor forms, and here even the normal equations, stay within 8 u.",
+        "the conventional forms from +1 to -1, in one step of epsilon. So does joseph_rank_two, which equals Joseph's "
+        "form in exact arithmetic: what protects is the evaluation as products, not the formula. Those products keep "
+        "30 u at every power of two, where many of the roundings are exact; at other epsilon only down to about 1e-10 "
+        "in double, and below that they lose digits too (1e12 u at 8e-15). Potter's error is u / eps, and below 4 eps "
+        "beyond its jump, where eps^2 is lost, at powers of two only. The other factor forms, and here even the normal "
+        "equations, stay within 8 u.",
     .data = "Bierman's two rows",
     .factors =
         [](Budget) {
@@ -124,8 +119,7 @@ P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ 
              },
              own_result("first edition, set after its run")},
             {"at eps = 2^-26 the conventional variance is 1.0000000298 and at 2^-27 it is -1.0000000149, to 1e-10 as "
-             "in docs/literature.md "
-             "3.3",
+             "in docs/literature.md 3.3",
              [](Table const& t) {
                  Table const rows = of(t, "double", "2^-k").where("variant", "conventional");
                  double const before = rows.where("power", 26.0).number("variance"),

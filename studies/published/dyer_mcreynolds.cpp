@@ -62,18 +62,13 @@ Study const dyer_mcreynolds{
 forms)})tex",
     .interpretation =
         "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor "
-        "forms lose "
-        "one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; Joseph's "
-        "products do "
-        "not, since s is then all rounding error and nothing bounds A P A'. Joseph's P is also the first to be "
-        "indefinite. The "
-        "reference is exact for the stored 1 + delta and 1 / delta^2: against it ud and gentleman become better again "
-        "below 1e-10 "
-        "(about delta / 4), where the u / delta of docs/literature.md 3.4 is the rounding of 1 + delta, which no "
-        "filter can undo. "
-        "The published script adds each squared error to Carlson's sum in place of its own when it forms ||P||, so its "
-        "norm is P33 "
-        "and its errors are plotted 2.5 times too large; column as_published repeats that.",
+        "forms lose one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; "
+        "Joseph's products do not, since s is then all rounding error and nothing bounds A P A'. Joseph's P is also "
+        "the first to be indefinite. The reference is exact for the stored 1 + delta and 1 / delta^2: against it ud "
+        "and gentleman become better again below 1e-10 (about delta / 4), where the u / delta of docs/literature.md "
+        "3.4 is the rounding of 1 + delta, which no filter can undo. The published script adds each squared error to "
+        "Carlson's sum in place of its own when it forms ||P||, so its norm is P33 and its errors are plotted 2.5 "
+        "times too large; column as_published repeats that.",
     .data = "Dyer and McReynolds' two rows, d = 3",
     .factors =
         [](Budget) {
@@ -115,8 +110,7 @@ forms)})tex",
              },
              reproduction("set with the earlier experiment, docs/literature.md 3.4")},
             {"P forms other than Joseph's products saturate at 0.2 +- 0.06: the median over delta = 1e-10 ... 1e-15, "
-             "and no error above "
-             "0.3",
+             "and no error above 0.3",
              [](Table const& t) {
                  std::vector<std::string> const saturating = words(subtracting_forms());
                  Table const small = between(t, 1e-15, 1e-10).where("variant", saturating);

@@ -134,18 +134,12 @@ Study const fused{
               \mathrm{sd} = 0.48, \quad \text{median} = -\log_{10}(0.6745\,u\,c\,\sigma))tex",
     .interpretation =
         "The digits of a regression are a random number: the same rows in another order keep 0.3 to 0.5 digits more or "
-        "fewer (one "
-        "standard deviation) in the forms that rotate, 0.4 to 1 in those that propagate a root of P. The size follows "
-        "from the "
-        "statistics of independent errors to a factor c between 1.3 and 3.0, a wider range than predicted. Fused "
-        "products and the "
-        "order of a dot product move no median by more than 0.1. On one order of the rows they change the digits less "
-        "than "
-        "predicted: by 0.17 to 0.60, not 0.68, because the errors of the quotients, roots and rounded rows remain the "
-        "same. So a "
-        "number of digits in a table is known to one digit, and two implementations should be compared by their "
-        "medians over "
-        "orders.",
+        "fewer (one standard deviation) in the forms that rotate, 0.4 to 1 in those that propagate a root of P. The "
+        "size follows from the statistics of independent errors to a factor c between 1.3 and 3.0, a wider range than "
+        "predicted. Fused products and the order of a dot product move no median by more than 0.1. On one order of the "
+        "rows they change the digits less than predicted: by 0.17 to 0.60, not 0.68, because the errors of the "
+        "quotients, roots and rounded rows remain the same. So a number of digits in a table is known to one digit, "
+        "and two implementations should be compared by their medians over orders.",
     .data = "NIST StRD: Longley, Filip, Wampler 3 to 5, in 120 orders of the rows for each seed; P0 = 2^66",
     .factors =
         [](Budget budget) {
@@ -203,8 +197,7 @@ Study const fused{
              [](Table const& t) { return within(t.where("evaluation", "fused"), each, mean("shift"), -0.15, 0.15); },
              own_result("docs/theory.md 78, set before the run")},
             {"N3: on one order they change the digits like another draw: the difference has a standard deviation of "
-             "0.68, within a factor "
-             "of 1.25",
+             "0.68, within a factor of 1.25",
              [](Table const& t) {
                  return within(t.where("evaluation", "fused"), each, mean("paired").as(Estimate::quadratic),
                                0.68 / 1.25, 0.68 * 1.25);

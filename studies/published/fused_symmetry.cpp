@@ -63,14 +63,10 @@ Study const fused_symmetry{
               E_k = \tfrac1\lambda E_{k-1} + O(u))tex",
     .interpretation =
         "The text of joseph_rank_two adds two products and subtracts the sum, so that an entry and its mirror image "
-        "are the same "
-        "bits. A compiler that fuses one of the products breaks that: the antisymmetric part is divided by lambda at "
-        "every step and "
-        "never reduced. At lambda = 0.95 it reaches the size of P after 700 rows, and P is lost, in double. Nothing in "
-        "the text "
-        "hints at it. The same text without fused products keeps 15 digits. Joseph's form by products forgets its "
-        "asymmetry, "
-        "symmetric has none, fused or not.",
+        "are the same bits. A compiler that fuses one of the products breaks that: the antisymmetric part is divided "
+        "by lambda at every step and never reduced. At lambda = 0.95 it reaches the size of P after 700 rows, and P is "
+        "lost, in double. Nothing in the text hints at it. The same text without fused products keeps 15 digits. "
+        "Joseph's form by products forgets its asymmetry, symmetric has none, fused or not.",
     .data = "white rows, d = 4, P0 = I",
     .factors =
         [](Budget budget) {

@@ -46,25 +46,18 @@ Study const nist{
     .question = "How many digits of the NIST regressions does each variant keep?",
     .source =
         "NIST StRD (values read); McCullough 1998, Miller 1992 (cited, not read); docs/theory.md 49; table: an earlier "
-        "experiment "
-        "(docs/literature.md 3.5)",
+        "experiment (docs/literature.md 3.5)",
     .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
                  \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2
                  \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
     .interpretation =
         "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many "
-        "orders of the "
-        "rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits and flatter "
-        "them. "
-        "Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders scatter by 1 to 5 "
-        "digits, so "
-        "the table of docs/literature.md 3.5 can be met only within that scatter. The fall from 5.0 to 3.6 (Carlson) "
-        "and 4.6 to "
-        "1.1 (inverse QR) that it has for Filip between c^2 = 1e20 and 1e40 is that scatter: medians fall by less than "
-        "half a "
-        "digit. qr_block leads qr on Longley by about three digits for a large prior and by none for c^2 = 1e6; the "
-        "cause is not "
-        "isolated here.",
+        "orders of the rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits "
+        "and flatter them. Triangular, UD and QR forms keep 9 to 14 of Longley's. One file order is one draw: orders "
+        "scatter by 1 to 5 digits, so the table of docs/literature.md 3.5 can be met only within that scatter. The "
+        "fall from 5.0 to 3.6 (Carlson) and 4.6 to 1.1 (inverse QR) that it has for Filip between c^2 = 1e20 and 1e40 "
+        "is that scatter: medians fall by less than half a digit. qr_block leads qr on Longley by about three digits "
+        "for a large prior and by none for c^2 = 1e6; the cause is not isolated here.",
     .data = "NIST StRD: Longley, Filip, Wampler 1 to 5, in other orders of their rows",
     .factors =
         [](Budget) {
@@ -93,8 +86,7 @@ Study const nist{
     .claims =
         {
             {"the table of docs/literature.md 3.5 at c^2 = 1e20: each of its 34 entries within 0.7 in file order "
-             "(fails: one order of the "
-             "rows is one draw, and orders scatter by 1 to 5 digits)",
+             "(fails: one order of the rows is one draw, and orders scatter by 1 to 5 digits)",
              [](Table const& t) { return table_is_met(prior_of(t, 1e20)); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"covariance forms keep less than one digit of Longley in file order, at any c^2",
@@ -151,8 +143,7 @@ Study const nist{
              [](Table const& t) { return within(prior_of(t, 1e20), {"set"}, lead("qr_block"), -1, 1); },
              reproduction("set with the earlier experiment, docs/literature.md 3.5")},
             {"residual law: from Wampler4 to Wampler5, a residual 100 times larger, every triangular, UD and QR form "
-             "loses 2.0 +- 0.5 "
-             "digits",
+             "loses 2.0 +- 0.5 digits",
              [](Table const& t) {
                  return within(prior_of(t, 1e20).where("variant", rooted), {"variant"}, fall("wampler4", "wampler5"),
                                1.5, 2.5);

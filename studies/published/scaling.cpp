@@ -158,17 +158,12 @@ Study const scaling{
               \text{the same significands})tex",
     .interpretation =
         "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same "
-        "units. So no "
-        "variant is better scaled than another, and the condition number that counts is that of columns of norm 1: "
-        "Filip's 1.8e15 "
-        "is 5.2e9. A filter that breaks down does so in both units (information on Filip). Rows of very different size "
-        "are another "
-        "matter. Rotations do not mind large rows that come late; they are even better off by up to a digit. Blocks of "
-        "Householder "
-        "reflections do not mind them in the block that starts from the prior, because the rows that the reflections "
-        "overwrite are "
-        "the prior's. In a later block the large rows overwrite what the small ones before had left in R, and five "
-        "digits are gone.",
+        "units. So no variant is better scaled than another, and the condition number that counts is that of columns "
+        "of norm 1: Filip's 1.8e15 is 5.2e9. A filter that breaks down does so in both units (information on Filip). "
+        "Rows of very different size are another matter. Rotations do not mind large rows that come late; they are "
+        "even better off by up to a digit. Blocks of Householder reflections do not mind them in the block that starts "
+        "from the prior, because the rows that the reflections overwrite are the prior's. In a later block the large "
+        "rows overwrite what the small ones before had left in R, and five digits are gone.",
     .data = "white rows, d = 5; NIST StRD: Longley and Filip; white rows of which three are 2^26 times as large",
     .factors =
         [](Budget budget) {
@@ -202,8 +197,7 @@ Study const scaling{
     .claims =
         {
             {"F1: powers of two of columns, of rows, of the output, and signs of columns change no number of theta or "
-             "P, of any dense "
-             "variant",
+             "P, of any dense variant",
              [](Table const& t) {
                  return everywhere(of(t, "invariance").where("setting", {"columns", "rows", "output", "signs"}),
                                    "differing", 0.0, Estimate::proven);
@@ -222,8 +216,7 @@ Study const scaling{
              [](Table const& t) { return condition_is(t, "filip", 1.8e15, 5.2e9); },
              verification("computed beforehand, elsewhere")},
             {"F2: Longley and Filip in units in which the columns have a norm of about 1, the prior along: the same "
-             "numbers in every "
-             "variant",
+             "numbers in every variant",
              [](Table const& t) { return everywhere(of(t, "units"), "differing", 0.0, Estimate::proven); },
              verification("docs/theory.md 52").by("docs/theory.md 52")},
             {"F3: qr and gentleman do not mind large rows that come last: by less than half a digit",

@@ -75,23 +75,17 @@ Study const sliding_window{
     .question = "What does an outlier that has left the window leave behind?",
     .source =
         "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are "
-        "derived "
-        "(docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
+        "derived (docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
     .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
                 \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim
                 u)tex",
     .interpretation =
         "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q "
-        "while it is "
-        "inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no better. In "
-        "P the "
-        "downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a relative error u "
-        "10^4q. Only a "
-        "factor of the rows in the window forgets. With lambda = 1 the damage stays: over many draws the ratio of late "
-        "to early "
-        "error has a median near 1, where the single draws of docs/literature.md 3.11 had 0.1 to 1. With lambda below "
-        "1 it decays "
-        "as lambda^k.",
+        "while it is inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no "
+        "better. In P the downdate divides by 1 - psi'P psi = O(10^-2q), which is computed with an error u 10^2q: a "
+        "relative error u 10^4q. Only a factor of the rows in the window forgets. With lambda = 1 the damage stays: "
+        "over many draws the ratio of late to early error has a median near 1, where the single draws of "
+        "docs/literature.md 3.11 had 0.1 to 1. With lambda below 1 it decays as lambda^k.",
     .data = "white rows, d = 4, one outlier",
     .factors =
         [](Budget budget) {

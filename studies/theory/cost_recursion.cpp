@@ -79,12 +79,9 @@ Study const cost_recursion{
               \frac{|\delta J|}{J} \sim u\,\frac{y^2}{\sigma^2})tex",
     .interpretation =
         "J carried along adds terms that are not negative, and loses digits only where e = y - psi'theta cancels: u "
-        "times "
-        "output over noise. As a difference of sums of squares it loses the square of that ratio: at 1e6 three digits "
-        "of it "
-        "are right, where the recursion has ten. The forms that compute e with the same dot product have the same "
-        "error of J "
-        "to three digits: it is the rounding of that product.",
+        "times output over noise. As a difference of sums of squares it loses the square of that ratio: at 1e6 three "
+        "digits of it are right, where the recursion has ten. The forms that compute e with the same dot product have "
+        "the same error of J to three digits: it is the rounding of that product.",
     .data = "white rows, d = 4, the output 1 to 1e7 times the noise, N = 64 to 4096",
     .factors =
         [](Budget budget) {

@@ -121,13 +121,10 @@ V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \
 \end{aligned})tex",
     .interpretation =
         "Eight rows of small integers in exact rationals, each variant that needs no square root. The recursion of the "
-        "error holds with "
-        "==, its noise term included. In the metric of P^-1 the error contracts: V falls by the factor lambda at "
-        "least, and noise adds at "
-        "most its square. In the 2-norm it does not: steps without noise make the error longer, from P0 = c^2 I too, "
-        "and from another P0 "
-        "it may end longer than it began. What holds there is the bound of a whole run, the root of the condition "
-        "number of P0.",
+        "error holds with ==, its noise term included. In the metric of P^-1 the error contracts: V falls by the "
+        "factor lambda at least, and noise adds at most its square. In the 2-norm it does not: steps without noise "
+        "make the error longer, from P0 = c^2 I too, and from another P0 it may end longer than it began. What holds "
+        "there is the bound of a whole run, the root of the condition number of P0.",
     .data = "random integers, d = 2 to 4, three priors; diag(1, a^2)",
     .factors =
         [](Budget) {

@@ -104,24 +104,17 @@ Study const estimate_statistics{
     .question = "Is the least squares estimate unbiased, consistent, efficient and normal, as the theory says?",
     .source =
         "docs/theory.md 5 to 8; Söderström & Stoica 1989, ch. 7 (cited, not read); for the bias of autoregressions "
-        "Kendall 1954, "
-        "Marriott & Pope 1954 (cited, not read)",
+        "Kendall 1954, Marriott & Pope 1954 (cited, not read)",
     .formula =
         R"tex(E\,\hat\theta = \theta \;\text{iff}\; E\,(\Phi^\top\Phi)^{-1}\Phi^\top\xi = 0, \qquad
               \operatorname{cov}\hat\theta \to \frac{\sigma^2}{N}R^{-1} = \text{Cramér-Rao bound})tex",
     .interpretation =
         "A system of second order with past outputs among its regressors, and its finite impulse response without "
-        "them, both in white "
-        "noise; and "
-        "the first in coloured noise. The impulse response is unbiased at every N. With past outputs the regressors "
-        "depend on old noise, "
-        "so that "
-        "even in white noise a bias of order 1/N is left: it is real, and it vanishes against the standard deviation, "
-        "which falls as "
-        "the root of N only. In coloured noise the bias stays whatever N. Efficiency is judged by the bound of the "
-        "known system, sigma^2 "
-        "R^-1 / N, "
-        "not by the P that the same filter reports.",
+        "them, both in white noise; and the first in coloured noise. The impulse response is unbiased at every N. With "
+        "past outputs the regressors depend on old noise, so that even in white noise a bias of order 1/N is left: it "
+        "is real, and it vanishes against the standard deviation, which falls as the root of N only. In coloured noise "
+        "the bias stays whatever N. Efficiency is judged by the bound of the known system, sigma^2 R^-1 / N, not by "
+        "the P that the same filter reports.",
     .data = "a system of order 2 and its impulse response, binary white input",
     .factors =
         [](Budget budget) {
@@ -206,8 +199,7 @@ Study const estimate_statistics{
              },
              reproduction("docs/theory.md 8")},
             {"coloured noise: a1 and a2 are biased by more than one standard deviation at the largest N, and the "
-             "intervals miss the truth "
-             "more often than not",
+             "intervals miss the truth more often than not",
              [](Table const& t) {
                  Table const a = longest(t, "coloured").where("parameter", {"a1", "a2"});
                  return labelled("standard deviations", within(a, {"parameter"}, size_of_bias, 1, 1e9)) &&

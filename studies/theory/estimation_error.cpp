@@ -44,11 +44,8 @@ Study const estimation_error{
               P_{k-1}^{-1}\tilde\theta_{k-1})tex",
     .interpretation =
         "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In "
-        "the plain norm "
-        "single steps "
-        "do make it longer, and the more the input is coloured the longer, because I - K psi' is no contraction unless "
-        "psi is an "
-        "eigenvector of P.",
+        "the plain norm single steps do make it longer, and the more the input is coloured the longer, because I - K "
+        "psi' is no contraction unless psi is an eigenvector of P.",
     .data = "delay lines of poles 0, 0.9, 0.99, d = 4, no noise",
     .factors =
         [](Budget budget) {

@@ -91,8 +91,7 @@ Study const identities{
     .question = "Do the identities of recursive least squares hold exactly, in every variant?",
     .source =
         "derived (docs/theory.md 12, 14, 15, 17, 18, 20 to 23; docs/literature.md 2, F1 to F6, F12); for Kalman's also "
-        "Sayed & "
-        "Kailath 1994 (cited, not read)",
+        "Sayed & Kailath 1994 (cited, not read)",
     .formula = R"tex(\begin{aligned} P_k^{-1} &= \lambda P_{k-1}^{-1} + \psi\psi^\top, \quad K = P_k \psi, \quad
 y - \psi^\top \theta_k = \gamma e, \quad \gamma = \lambda / s \\
 I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \gamma, \quad \det = \gamma, \quad
@@ -100,13 +99,11 @@ I - K\psi^\top &= \lambda P_k P_{k-1}^{-1}, \quad \operatorname{tr} = d - 1 + \g
 J_k &= \lambda J_{k-1} + \gamma e^2, \quad V_k = \lambda V_{k-1} + v^2 - \gamma e^2 \end{aligned})tex",
     .interpretation =
         "Six rows of small integers, a full prior and a state that is known, in exact rationals: each variant that "
-        "needs no "
-        "square root is the library's own text, and each identity is asked with == after every row. Thirteen are exact "
-        "everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in every "
-        "case: the "
-        "question can be answered with no. Kalman's filter is written out here on its own and starts every step from S "
-        "= P / "
-        "lambda, which is how forgetting looks to it. J is computed by its definition, from all rows and the prior.",
+        "needs no square root is the library's own text, and each identity is asked with == after every row. Thirteen "
+        "are exact everywhere. The last column is a control, an identity with P_k and P_k-1 exchanged, which fails in "
+        "every case: the question can be answered with no. Kalman's filter is written out here on its own and starts "
+        "every step from S = P / lambda, which is how forgetting looks to it. J is computed by its definition, from "
+        "all rows and the prior.",
     .data = "random integers, d = 3",
     .factors =
         [](Budget) {

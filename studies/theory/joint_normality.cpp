@@ -105,19 +105,14 @@ Study const joint_normality{
               \frac{N\,(\hat\theta-\theta)^\top G\,(\hat\theta-\theta)}{\sigma^2} \to \chi^2_d)tex",
     .interpretation =
         "The quadratic form of all five errors together, in the metric of Phi'Phi or of its limit, against chi-squared "
-        "with 5 "
-        "degrees of freedom. Noise of two points, uniform, or exponential, which is skew: in the limit the shape does "
-        "not "
-        "matter, as the martingale central limit theorem says. With few rows it does: the tail beyond the 99 % point "
-        "is too "
-        "heavy in exponential noise and too light in noise of two points. Coloured noise puts nearly every record "
-        "beyond it.",
+        "with 5 degrees of freedom. Noise of two points, uniform, or exponential, which is skew: in the limit the "
+        "shape does not matter, as the martingale central limit theorem says. With few rows it does: the tail beyond "
+        "the 99 % point is too heavy in exponential noise and too light in noise of two points. Coloured noise puts "
+        "nearly every record beyond it.",
     .data =
         "a system of order 2, binary white input, noise of two points, uniform, exponential; and coloured normal "
-        "noise; 40 batches: 98 "
-        "were planned, 60 after a quick run (the upper edge of the coloured band was then removed), 40 for lack of "
-        "time after partial "
-        "tables were seen",
+        "noise; 40 batches: 98 were planned, 60 after a quick run (the upper edge of the coloured band was then "
+        "removed), 40 for lack of time after partial tables were seen",
     .factors =
         [](Budget budget) {
             bool const full = budget == Budget::full;

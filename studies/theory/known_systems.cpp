@@ -50,10 +50,8 @@ Study const known_systems{
     .formula = R"tex(y_k + a_1 y_{k-1} + \dots + a_n y_{k-n} = b_0 u_k + \dots + b_n u_{k-n} + \xi_k)tex",
     .interpretation =
         "Two hundred random stable systems of order 1 to 6 driven by a PRBS, each identified at its order. Without "
-        "noise the parameters "
-        "come back to the "
-        "arithmetic and the conditioning of the record; with it the estimate's own 95 % intervals hold the true values "
-        "95 % of the time.",
+        "noise the parameters come back to the arithmetic and the conditioning of the record; with it the estimate's "
+        "own 95 % intervals hold the true values 95 % of the time.",
     .data = "random stable systems of order 1 to 6, PRBS input",
     .factors =
         [](Budget budget) {

@@ -75,17 +75,11 @@ Study const order_recursion{
               g = P\,\Phi^\top x, \quad \frac1\beta = x^\top x - x^\top\Phi\,g)tex",
     .interpretation =
         "Bordering the inverse of the Gram matrix gives every order's estimate in one pass and is exact in exact "
-        "arithmetic. In double it "
-        "does not lose "
-        "digits as the square of the condition number, as is usually said of it and as the normal equations factored "
-        "afresh (information) "
-        "do, but up to the "
-        "fourth power, by the spectrum: P itself carries a relative error u kappa^2, and the pivot x'x - c'P c, "
-        "kappa^2 times smaller than "
-        "its terms, "
+        "arithmetic. In double it does not lose digits as the square of the condition number, as is usually said of it "
+        "and as the normal equations factored afresh (information) do, but up to the fourth power, by the spectrum: P "
+        "itself carries a relative error u kappa^2, and the pivot x'x - c'P c, kappa^2 times smaller than its terms, "
         "takes that error in. No digit is left at kappa = 1e5. Appending columns to a QR factorisation loses them as "
-        "the condition "
-        "number. Both are far cheaper than fitting each order anew.",
+        "the condition number. Both are far cheaper than fitting each order anew.",
     .data = "graded columns (geometric singular values), d = 6",
     .factors =
         [](Budget budget) {

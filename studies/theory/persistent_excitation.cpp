@@ -129,13 +129,10 @@ Study const persistent_excitation{
 u_k = w_k - w_{k-1}: \; \lambda_{\min} = 2 - 2\cos\frac{\pi}{n+2})tex",
     .interpretation =
         "White noise, coloured noise and a difference of white noise are exciting of every order: their matrices are "
-        "definite at each "
-        "number of delays. Diagonal dominance, the sufficient condition that the lecture names, holds for white noise, "
-        "and for coloured "
-        "noise at every order only up to a = 1/3. The least eigenvalue of a coloured input is what the estimate pays "
-        "for. The matrix of a "
-        "record, and that of past outputs and inputs together, tends to its limit as one over the root of the number "
-        "of rows.",
+        "definite at each number of delays. Diagonal dominance, the sufficient condition that the lecture names, holds "
+        "for white noise, and for coloured noise at every order only up to a = 1/3. The least eigenvalue of a coloured "
+        "input is what the estimate pays for. The matrix of a record, and that of past outputs and inputs together, "
+        "tends to its limit as one over the root of the number of rows.",
     .data = "white, first-order coloured and differenced noise; a first-order system in white noise",
     .factors =
         [](Budget budget) {

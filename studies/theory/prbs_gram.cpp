@@ -80,13 +80,10 @@ Study const prbs_gram{
 \kappa_P = \frac{M + 1}{M + 1 - n})tex",
     .interpretation =
         "One full period of a two-level sequence, n delays of it, circular: everything is an integer and equal to the "
-        "formula "
-        "with ==. The condition number of P stays close to 1 until the number of delays comes near the period; with "
-        "all M delays "
-        "the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, its mean of 1/M "
-        "included. "
-        "Every variant that exists in rationals, fed the same period from P0 = I, holds exactly the inverse of I + "
-        "Gram matrix.",
+        "formula with ==. The condition number of P stays close to 1 until the number of delays comes near the period; "
+        "with all M delays the smallest eigenvalue is still 1, so the sequence is persistently exciting of order M, "
+        "its mean of 1/M included. Every variant that exists in rationals, fed the same period from P0 = I, holds "
+        "exactly the inverse of I + Gram matrix.",
     .data = "maximum-length sequences of 3 to 10 bits",
     .factors =
         [](Budget) {

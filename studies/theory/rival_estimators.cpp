@@ -128,18 +128,13 @@ Study const rival_estimators{
               \sigma^2(\Phi^\top\Phi)^{-1})tex",
     .interpretation =
         "Least squares against four other estimators that are linear in y and unbiased: wrong weights, half of the "
-        "rows, and "
-        "two choices of instruments. In rationals each covariance exceeds that of least squares by a semidefinite "
-        "matrix. "
-        "Measured, the ratios of the mean square errors are those of the moments of the regressors, and least squares "
-        "itself "
-        "meets the unconditional bound in the limit. With 20 rows it does not: it has 1.25 times the bound, the mean "
-        "of an "
-        "inverse Wishart matrix. Nothing of this asks for normal noise.",
+        "rows, and two choices of instruments. In rationals each covariance exceeds that of least squares by a "
+        "semidefinite matrix. Measured, the ratios of the mean square errors are those of the moments of the "
+        "regressors, and least squares itself meets the unconditional bound in the limit. With 20 rows it does not: it "
+        "has 1.25 times the bound, the mean of an inverse Wishart matrix. Nothing of this asks for normal noise.",
     .data =
         "white normal rows, d = 3, normal and exponential noise; for the order of the covariances integers, d = 2; 100 "
-        "of 200 "
-        "planned batches, for lack of time after partial tables were seen",
+        "of 200 planned batches, for lack of time after partial tables were seen",
     .factors =
         [](Budget budget) {
             bool const full = budget == Budget::full;

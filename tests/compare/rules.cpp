@@ -132,8 +132,7 @@ TEST(Recommendation, SaysWhyAnArithmeticIsTooShort) {
     EXPECT_EQ(r.variant, "");
     EXPECT_EQ(r.why,
               "carlson, the best, keeps -1.0 digits of theta's worst component at nine tenths of the checkpoints, 3 "
-              "are wanted; the condition "
-              "number of the rows is 2.1e+05");
+              "are wanted; the condition number of the rows is 2.1e+05");
     c.recommendations = {r};
     EXPECT_THAT(verdict(c),
                 testing::StartsWith("in double  too short for this record: carlson, the best, keeps -1.0 digits"));

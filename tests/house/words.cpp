@@ -34,10 +34,10 @@ std::vector<std::string> gone(std::string const& code) {
 /// Verbs of speech for data, relative clauses in place of nouns, private metaphors.
 std::vector<std::string> avoided(std::string const& prose) {
     static std::regex const phrases(
-        "\\b(what (it|they) (has|have|keeps?)|of (those|these|them) (where|that)|of those where there (is|are)|"
-        "(is|are|was|were|be) (told|asked for)|(asks?|asked|tells?|told) of|(a|the|each) "
-        "(filter|variant|form|matrix|row|number) "
-        "(asks|tells|says|knows)|to be had|yardstick|nothing that we know of)\\b",
+        "\\b(what (it|they) (has|have|keeps?)|of (those|these|them) (where|that)|of those where there "
+        "(is|are)|(is|are|was|were|be) (told|asked for)|(asks?|asked|tells?|told) of|(a|the|each) "
+        "(filter|variant|form|matrix|row|number) (asks|tells|says|knows)|to be had|yardstick|nothing that we know "
+        "of)\\b",
         std::regex::icase);
     std::vector<std::string> out;
     for (std::sregex_iterator it(prose.begin(), prose.end(), phrases), end; it != end; ++it) out.push_back(it->str());

@@ -154,8 +154,7 @@ TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
     EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
     EXPECT_EQ(message_of([&] { identify::identify(file, {.output = "y"}); }),
               "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
-              "--regressors "
-              "'y[k-1..k-3]')");
+              "--regressors 'y[k-1..k-3]')");
     EXPECT_EQ(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }),
               "--output: expected the name of the output column");
 }
@@ -299,8 +298,7 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
                           m.fpe, m.fitted));
     EXPECT_EQ(line_of(flat, "arithmetic: "),
               fmt::format("arithmetic: ud agrees with the certified minimiser in {:.3g} of 15.9 digits ({:.3g} in its "
-                          "worst component); kappa = "
-                          "{:.3g}",
+                          "worst component); kappa = {:.3g}",
                           std::round(10 * m.digits) / 10, std::round(10 * m.digits_worst) / 10, m.condition));
     auto const largest = [](Signal const& r, size_t first) {
         size_t at = first;

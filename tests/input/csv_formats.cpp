@@ -51,8 +51,7 @@ TEST(DecimalComma, OneMarkAFile) {
 TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
     std::string const why =
         "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says "
-        "which "
-        "(--decimal , if it is the former)";
+        "which (--decimal , if it is the former)";
     EXPECT_EQ(refusal("u;y\n1,234;1\n2;2\n", {"u"}), why);
     EXPECT_EQ(read("u;y\n1,234;1\n2,5;2\n", {"u"})["u"], (Numbers{1.234, 2.5}));          // the next one tells
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u", "y"})["u"], (Numbers{1.234}));               // or another column
@@ -229,8 +228,7 @@ TEST(CommaOrThousands, AnyColumnShowsWhich) {
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u"})["u"], (Numbers{1.234}));
     EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u"}),
               "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in "
-              "line 2 has a decimal "
-              "point (--decimal , if it is the former)");
+              "line 2 has a decimal point (--decimal , if it is the former)");
 }
 
 // --- blank lines in a file of one column -----------------------------------------------------------------------------

@@ -64,8 +64,7 @@ TEST_F(DataFiles, OfADoubtfulFormAreExplained) {
     write("doubt.csv", "u;y\n1,234;2\n2;3\n");
     refused("excitation doubt.csv --input u",
             "doubt.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number "
-            "says which (--decimal "
-            ", if");
+            "says which (--decimal , if");
     EXPECT_EQ(shell("rlslab excitation doubt.csv --input u --decimal , --max-order 1").code,
               1);  // read, and found to identify nothing
     refused("excitation ok.csv --input u --separator x",

@@ -119,8 +119,7 @@ struct Fortescue {
     static constexpr std::string_view name = "fortescue", type = "Fortescue";
     static constexpr std::string_view what =
         "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below "
-        "LEAST; "
-        "VARIANCE is the noise's, of the residuals where it is not given";
+        "LEAST; VARIANCE is the noise's, of the residuals where it is not given";
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"noise_variance",
                                      &Fortescue::noise_variance,

@@ -214,8 +214,7 @@ void CsvFile::State::use_numbers_as_names(std::vector<std::string> const& reques
     for (auto const& name : requested)
         if (auto const found = std::ranges::find(names, name); found != names.end())
             fail(first, fmt::format("expected a row of names: {0} may be column {0}, or column {1} with {0} in this "
-                                    "row, which is like the "
-                                    "row below",
+                                    "row, which is like the row below",
                                     in_quotes(name), found - names.begin() + 1));
     header = false;
     names = std::move(numbers);
