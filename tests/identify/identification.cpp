@@ -247,7 +247,7 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
     }
     std::string const constant =
         folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
-    EXPECT_THAT(files::message_of([&] { identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
+    EXPECT_THAT(files::message_of([&] { identify::identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
                 HasSubstr("column \"y\" does not change"));
 }
 /// With forgetting the estimate scatters as its own standard deviation says.
@@ -286,13 +286,13 @@ TEST(Identify, SaysWhichOrderAPoorInputSupports) {
     };
     auto const said = [&](Signal const& u, int order) {
         return files::message_of(
-            [&] { identify(record(u), {.inputs = {"u"}, .output = "y", .order = order, .detrend = false}); });
+            [&] { identify::identify(record(u), {.inputs = {"u"}, .output = "y", .order = order, .detrend = false}); });
     };
     Signal sine(600);
     for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
     EXPECT_THAT(said(sine, 3), HasSubstr("order 3 cannot be identified from this input; it supports order 1"));
     EXPECT_THAT(said(Signal(600, 1.0), 2), HasSubstr("supports no model of order 1 or more"));
-    Identified const m = identify(record(sine), {.inputs = {"u"}, .output = "y", .detrend = false});
+    Identified const m = identify::identify(record(sine), {.inputs = {"u"}, .output = "y", .detrend = false});
     EXPECT_LE(m.order, 1);
     ASSERT_FALSE(m.warnings().empty());
     EXPECT_THAT(m.warnings().front(), HasSubstr("input u is exciting of order 2 only: it supports a model of order 1"));

@@ -191,11 +191,11 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
 
 /// The first hundredth of a stage says nothing of the rest: half an hour was promised where two minutes were left.
 TEST(Progress, PromisesATimeFromATenthOn) {
-    EXPECT_EQ(rlslab::progress_text("reference", 0.099, 100), "reference   9 %");
-    EXPECT_EQ(rlslab::progress_text("reference", 0.1, 100), "reference  10 %, 15 min left");
-    EXPECT_EQ(rlslab::progress_text("comparing", 0.5, 30), "comparing  50 %, 30 s left");
-    EXPECT_EQ(rlslab::progress_text("comparing", 0.5, 4), "comparing  50 %");
-    EXPECT_EQ(rlslab::progress_text("comparing", 1, 100), "comparing 100 %");
+    EXPECT_EQ(rlslab::report::progress_text("reference", 0.099, 100), "reference   9 %");
+    EXPECT_EQ(rlslab::report::progress_text("reference", 0.1, 100), "reference  10 %, 15 min left");
+    EXPECT_EQ(rlslab::report::progress_text("comparing", 0.5, 30), "comparing  50 %, 30 s left");
+    EXPECT_EQ(rlslab::report::progress_text("comparing", 0.5, 4), "comparing  50 %");
+    EXPECT_EQ(rlslab::report::progress_text("comparing", 1, 100), "comparing 100 %");
 }
 
 // --- interrupted -----------------------------------------------------------------------------------------------------

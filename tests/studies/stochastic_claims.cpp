@@ -8,7 +8,9 @@
 
 namespace rlslab {
 using namespace studies;
+namespace studies {
 extern Study const stochastic_definiteness;
+}
 namespace {
 
 /// The verdict of the claim that begins so.
