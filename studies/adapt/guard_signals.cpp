@@ -213,7 +213,7 @@ Study const guard_signals{
         "must be off by more than c_eff, which is near 6 for few parameters and 28 standard deviations at d = 32 with "
         "a memory of 50 rows. So there are fewer false alarms than a normal distribution's tail has, and more is "
         "missed. A change is known after 5 rows if each of them fails the test; a change of 10 sigma is not, because "
-        "half of its rows pass, and the noise is learnt from these. Windup is told of when P_jj has grown from its "
+        "half of its rows pass, and the noise is learnt from these. Windup is signalled when P_jj has grown from its "
         "settled value to the limit, within one turn of the coordinates.",
     .data = "white rows, normal noise of 0.1, lambda = 0.98; d = 4, the threshold and one rate at d = 2 to 32",
     .factors =
@@ -307,7 +307,7 @@ Study const guard_signals{
                  return within(mine, {"arithmetic", "variant"}, over_predicted, 0.85, 1.15);
              },
              own_result("docs/theory.md 86, band set before the run")},
-            {"windup is told of ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in "
+            {"windup is signalled ln(1600 / P_jj) / -ln lambda rows after the rows fell silent, 0 to 5 rows later, in "
              "most runs",
              [](Table const& t) {
                  return within(of(t, "windup"), {"arithmetic", "variant"},

@@ -92,8 +92,7 @@ Stored<T> short_gain(Problem<T> const& problem, std::vector<Vector<T>> const& ps
     for (size_t k = 0; k < y.size(); ++k) filter.update({psi[k].data(), psi[k].size()}, y[k], RoundedTo{p_K});
     return filter.stored();
 }
-/// Every operation up to the gain (the innovation, f = P psi, s, K) rounds to p_K bits, every operation after it to
-/// p_P.
+/// Every operation up to the gain (the innovation, f = P psi, s, K) rounds to p_K bits, every later one to p_P.
 template <class F>
 Stored<T> short_until_gain(Problem<T> const& problem, std::vector<Vector<T>> const& psi, std::vector<T> const& y,
                            int p_K) {

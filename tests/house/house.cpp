@@ -81,8 +81,8 @@ TEST(House, AVariantIsAPageAndEndsWithItsClaim) {
         EXPECT_NE(code.find("Source"), std::string::npos) << file << ": no source";
     }
 }
-TEST(House, NoFileIsLongerThanFourHundredLines) {
-    for (auto const& [path, code] : project()) EXPECT_LE(std::ranges::count(code, '\n'), 400) << path;
+TEST(House, NoFileIsLongerThanFourHundredAndFiftyLines) {
+    for (auto const& [path, code] : project()) EXPECT_LE(std::ranges::count(code, '\n'), 450) << path;
 }
 
 struct Folder {
@@ -104,6 +104,7 @@ std::vector<Folder> const house{
     {"src/rlslab/adapt", {"src/rlslab/state"}},
     {"src/rlslab/many", {"src/rlslab/adapt"}},
     {"variants", {"src/rlslab/linalg"}},
+    {"src/rlslab", {"src/rlslab/many", "variants"}},
     {"catalogue", {"src/rlslab/many", "src/rlslab/model", "variants"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
@@ -200,8 +201,11 @@ std::vector<std::string> faults(Tree const& tree) {
         if (!under.contains(from)) out.push_back(path + ": its folder has no place in the house");
         for (std::string const& target : included(code)) {
             std::string const to = folder_of(target);
-            if (!tree.contains(target)) out.push_back(path + ": " + target + " is not in the tree");
-            else if (under.contains(from) && !under.at(from).contains(to))
+            if (!tree.contains(target)) {
+                out.push_back(path + ": " + target + " is not in the tree");
+                continue;
+            }
+            if (under.contains(from) && !under.at(from).contains(to))
                 out.push_back(path + ": does not stand on " + target);
             if (from != to) reached[from].insert(to);
         }
