@@ -1,4 +1,4 @@
-// Compiles the kernels and runs them. Each has one text (isa/*.hpp) for all arithmetics; for float and double it is
+// Compiles the kernels and runs them. Each has one text (kernels/*) for all arithmetics; for float and double it is
 // compiled for several instruction sets, and one is chosen at start-up. All give the same bits: the texts fix the order
 // of evaluation in blocks of eight rows, nothing is fused, and lanes are combined only in the tree that ends a dot
 // product.
@@ -80,9 +80,9 @@ inline constexpr Index one_pass_from<SweepRotations<double>> = 512;
 template <>
 inline constexpr Index one_pass_from<SweepRotations<float>> = 640;
 
-/// From this d on a sweep is faster with a few columns side by side (isa/columns.hpp) than with a few blocks of rows
-/// (isa/sweep.hpp), on registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels alone, A
-/// in memory or in the caches as it fits.
+/// From this d on a sweep is faster with a few columns side by side (kernels/columns.hpp) than with a few blocks of
+/// rows (kernels/sweep.hpp), on registers of 64 bytes or on smaller ones. Measured as the table above was, the kernels
+/// alone, A in memory or in the caches as it fits.
 struct ByColumns {
     Index from, from_on_wide;
 };
