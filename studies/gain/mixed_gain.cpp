@@ -218,6 +218,17 @@ Judgement definite_in(Table const& t, double p_K, double from, double to) {
                     proportion(rows.where("definite", "yes").rows().size(), rows.rows().size(), from, to));
 }
 
+Plot error_over_length(std::string title, std::vector<std::pair<std::string, std::vector<std::string>>> where) {
+    return {.title = std::move(title),
+            .x = "p_K",
+            .y = "error",
+            .panel = "data",
+            .log = "y",
+            .x_label = "p_K",
+            .y_label = "relative error of P",
+            .where = std::move(where)};
+}
+
 }  // namespace
 
 extern Study const mixed_gain;
@@ -228,8 +239,8 @@ Study const mixed_gain{
         "Bucy & Joseph 1968 (cited, not read); the laws are derived (docs/theory.md 36, 68), floors measured "
         "beforehand",
     .formula =
-        R"tex(\begin{aligned} \text{symmetric: } & \sqrt{(0.42\,u_K A)^2 + (Z_s u)^2}, \quad A =
-              \sqrt{(d+2)/N_{\text{eff}}} \\
+        R"tex(\begin{aligned} \text{symmetric: } & \sqrt{(0.42\,u_K A)^2 + (Z_s u)^2}, \quad
+              A = \sqrt{(d+2)/N_{\text{eff}}} \\
 \text{Joseph's forms: } & 0.18\,u_K^2 \frac{\lVert\operatorname{diag}P\rVert}{\lVert P\rVert} + Z_J u \\
 \text{Joseph's form wins: } & p_K < p_P - \log_2 \frac{\sqrt{Z_J^2 - Z_s^2}}{0.42 A} \end{aligned})tex",
     .interpretation =
@@ -268,23 +279,10 @@ Study const mixed_gain{
     .measures = {"variant", "short", "p_K", "u_K", "error", "over_prediction", "over_noise_and_bias", "over_floor",
                  "predicted_crossing", "definite"},
     .measure = measure,
-    .plots =
-        {{.title = "The gain alone in p_K bits, P in 24",
-          .x = "p_K",
-          .y = "error",
-          .panel = "data",
-          .log = "y",
-          .x_label = "p_K",
-          .y_label = "relative error of P",
-          .where = {{"short", {"K"}}, {"p_P", {"24"}}, {"variant", {"symmetric", "joseph", "joseph_rank_two", "ud"}}}},
-         {.title = "f, s and K in p_K bits, P in 24",
-          .x = "p_K",
-          .y = "error",
-          .panel = "data",
-          .log = "y",
-          .x_label = "p_K",
-          .y_label = "relative error of P",
-          .where = {{"short", {"f s K"}}, {"p_P", {"24"}}}}},
+    .plots = {error_over_length(
+                  "The gain alone in p_K bits, P in 24",
+                  {{"short", {"K"}}, {"p_P", {"24"}}, {"variant", {"symmetric", "joseph", "joseph_rank_two", "ud"}}}),
+              error_over_length("f, s and K in p_K bits, P in 24", {{"short", {"f s K"}}, {"p_P", {"24"}}})},
     .claims =
         {
             {"a gain as long as the state: whether it alone or also f and s is rounded to its length changes no bit",
