@@ -21,7 +21,8 @@ constexpr char usage[] = R"(expected one of
   limits RUN.json             how the run stands to the limits of docs/speed.md
   table RUN.json              nanoseconds at 4, 16 and 64 parameters beside dlib, as Markdown
   ranks [RANKS [PARAMETERS [ROWS [GROUP]]]]
-                              rows a second of the ranks of an MPI job, which it starts by mpirun)";
+                              rows a second of the ranks of an MPI job, which it starts by mpirun
+                              (in builds with MPI))";
 
 template <class Make>
 auto of_run(char const* path, Make make) {

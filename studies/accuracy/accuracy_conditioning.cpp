@@ -60,8 +60,8 @@ Study const accuracy_conditioning{
         "slopes: an earlier experiment (docs/literature.md 3.6)",
     .formula =
         R"tex(\frac{\|\delta P\|}{\|P\|} \sim u\,\kappa^p \qquad
-              p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \; \text{nearly } 3 \text{
-              (Joseph's products)})tex",
+              p = 1 \text{ (a factor)}, \; 2 \text{ (}P \text{ or } P^{-1}\text{)}, \;
+              \text{nearly } 3 \text{ (Joseph's products)})tex",
     .interpretation =
         "A factor of P or of its inverse costs one digit for every decade of the condition number, P itself or P^-1 "
         "two: what is stored has the condition number kappa^2. Joseph's form written as products costs nearly three "

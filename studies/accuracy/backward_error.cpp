@@ -151,8 +151,8 @@ Study const backward_error{
         "read); the backward error of P and its evaluation are derived (docs/theory.md 69 to 71)",
     .formula = R"tex(\begin{aligned} \eta_\theta &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad
 \text{such that } \hat\theta \text{ minimises } \lVert(A + \delta A)x - b\rVert \\
-\eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad \text{such that } (A + \delta A)'(A + \delta A) = \hat
-P^{-1} \\
+\eta_P &= \min \lVert\delta A\rVert_F / \lVert A\rVert_F \quad
+\text{such that } (A + \delta A)'(A + \delta A) = \hat P^{-1} \\
 &= \min_{Q'Q = I} \lVert R - Q\hat R\rVert_F / \lVert R\rVert_F \end{aligned})tex",
     .interpretation =
         "Backward errors in units of u. qr and gentleman solve a problem near the given one, in theta and in P, "

@@ -110,8 +110,7 @@ Study const fixed_point{
         "(abstract read), Raghunath & Parhi 1997 (abstract read); ranges and thresholds are derived (docs/theory.md 65 "
         "to 67)",
     .formula =
-        R"tex(\begin{aligned} F_{P} &\approx \log_2 \frac{1}{\min_t \lambda_{\min}(P_t)} +
-              \tfrac12\log_2\frac{1}{1-\lambda^2} + 3 \\
+        R"tex(\begin{aligned} F_{P} &\approx \log_2 \frac{1}{\min_t \lambda_{\min}(P_t)} + \tfrac12\log_2\frac{1}{1-\lambda^2} + 3 \\
               F_{\text{qr}} &\approx \log_2\frac{1}{1-\lambda} + 1 \ldots 4 \qquad
               W = 1 + I + F \end{aligned})tex",
     .interpretation =

@@ -139,8 +139,8 @@ Study const joseph_condition{
         R"tex(\begin{aligned} \mathrm{fl}(A P)_{ij} &= P_{ij} - K_i f_j + \epsilon, \quad
               |\epsilon| \lesssim u\,(|A||P|)_{ij}, \quad A = I - K\psi^\top, \; f = P\psi \\
 \|A\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau = \|K\|\|\psi\| \\
-\|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad \Phi_k = P_N P_k^{-1}
-\end{aligned})tex",
+\|\delta P_N\| &\lesssim u\,\max_k \|\Phi_k\|\,\|\Phi_{k-1}\|\,\|A_k\|\,\|P_{k-1}\|, \quad
+\Phi_k = P_N P_k^{-1} \end{aligned})tex",
     .interpretation =
         "When one direction is still unknown, P is kappa^2 large there, K is kappa large, and P psi is small all the "
         "same: the product A P adds terms of size |K||psi||P| that cancel to P - K f'. Their roundings do not cancel. "

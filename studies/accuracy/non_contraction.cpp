@@ -90,8 +90,8 @@ Study const non_contraction{
         "contractive, against Ljung & Ljung 1985 and Verhaegen 1989); the example and the formula are derived "
         "(docs/theory.md 24, 25; docs/literature.md 3.8)",
     .formula =
-        R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad \tau =
-              \|K\|\|\psi\| \\
+        R"tex(\begin{aligned} \|I - K\psi^\top\|_2 &= \tfrac12\left(\tau + \sqrt{\tau^2 + 4\gamma}\right), \quad
+              \tau = \|K\|\|\psi\| \\
 P &= \mathrm{diag}(1, a^2), \; \psi = (1, 1/a)^\top : \quad
         I - K\psi^\top = \begin{pmatrix} 2/3 & -1/(3a) \\ -a/3 & 2/3 \end{pmatrix}, \quad
         \text{eigenvalues } 1, \tfrac13 \end{aligned})tex",

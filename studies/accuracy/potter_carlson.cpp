@@ -80,8 +80,8 @@ Study const potter_carlson{
     .formula =
         R"tex(\begin{aligned}&\text{Potter: } S_1 = c\,I - \frac{c\,f f^\top}{s+\sqrt{\lambda s}},\; f=c\,\psi:\quad
     S_1^\top\psi \text{ is of order } 1,\text{ with an error } u\,c\,\|\psi\|\\
-&\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad \det P_1 = \prod_j S_{jj}^2 \text{ to a few }
-u\end{aligned})tex",
+&\text{Carlson: } S_{jj} \leftarrow S_{jj}\sqrt{s_{j-1}/s_j}:\quad
+\det P_1 = \prod_j S_{jj}^2 \text{ to a few } u\end{aligned})tex",
     .interpretation =
         "No. After the first row P has one small variance, along psi_1, and one of the size of c^2. Potter's form "
         "makes the small one by subtracting two full matrices whose entries are of the size of c: an error u c |psi| "

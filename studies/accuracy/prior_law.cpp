@@ -117,8 +117,7 @@ Study const prior_law{
     .source = "derived (docs/theory.md 72); its constants from study prior_size, condition 100",
     .formula = R"tex(\begin{aligned} \frac{\lVert\theta_N-\theta_{LS}\rVert}{\lVert\theta\rVert} &\approx \;
 \underbrace{\frac1{c^2}\sqrt{\tfrac1d\sum_i\sigma_i^{-4}}}_{\text{bias}} + \;
-\underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P
-\text{ stored}} \\
+\underbrace{C\,u\,c^2\,\frac{\sigma\,\lVert A\rVert_F^2\,\lVert A^+\rVert_F}{N^{3/2}\sqrt d}}_{\text{rounding, } P \text{ stored}} \\
 \text{Potter:}\quad & C\,u\,c\,\frac{\sigma\,\lVert A\rVert_F\,\lVert A^+\rVert_F}{N\sqrt d} \end{aligned})tex",
     .interpretation =
         "Left of each valley the bias, sqrt(mean of sigma_i^-4) / c^2; right of it the rounding. The forms that store "

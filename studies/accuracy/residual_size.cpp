@@ -109,8 +109,7 @@ Study const residual_size{
     .question = "Which variants inherit the factor kappa^2 ||r|| of least squares, on data that are not integers?",
     .source = "derived (docs/theory.md 49, 73); docs/literature.md 5, question 7",
     .formula =
-        R"tex(\begin{aligned} \frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} &\approx
-              \frac{c\,u}{\lVert\theta\rVert} \;
+        R"tex(\begin{aligned} \frac{\lVert\delta\theta\rVert}{\lVert\theta\rVert} &\approx \frac{c\,u}{\lVert\theta\rVert} \;
 \sqrt{\sum_{ikj}a_{kj}^2\left(A^+_{ik}\theta_j - M^{-1}_{ij}r_k\right)^2 + \sum_{ik}\left(A^+_{ik}y_k\right)^2} \\
 &\sim u\,\kappa\left(1 + \kappa\,\frac{\lVert r\rVert}{\lVert A\rVert\lVert\theta\rVert}\right) \end{aligned})tex",
     .interpretation =

@@ -168,8 +168,7 @@ Study const guard_policies{
     .question = "What does a guard save?",
     .source = "derived (docs/theory.md 28, 47, 61, 84); Gänsler, Gay, Sondhi & Benesty 2000 (cited, not read)",
     .formula =
-        R"tex(\|\tilde\theta\| \approx \frac{a}{\sigma}\,\lambda^{n}\sqrt{1-\lambda^2}\
-              \|\tilde\theta_{\mathrm{fresh}}\|)tex",
+        R"tex(\|\tilde\theta\| \approx \frac{a}{\sigma}\,\lambda^{n}\sqrt{1-\lambda^2}\ \|\tilde\theta_{\mathrm{fresh}}\|)tex",
     .interpretation =
         "500 good rows, a disturbance, 250 good rows: five memories. Then theta is compared with that of a filter in "
         "double that started where the disturbance ended. A guard that only reports leaves the filter's own bits: what "

@@ -207,8 +207,8 @@ Study const window_downdating{
     .question = "Is a window with an alarm never worse than ten times a fresh filter?",
     .source = "derived (docs/theory.md 47, 59, 60, 85); Björck, Park & Eldén 1994 (cited, not read)",
     .formula =
-        R"tex(V \to \gamma^2 V + 1, \qquad V \to \frac{V + \nu^2}{\alpha^4}, \qquad \text{factored anew where } V >
-              16\,V_0)tex",
+        R"tex(V \to \gamma^2 V + 1, \qquad V \to \frac{V + \nu^2}{\alpha^4}, \qquad
+              \text{factored anew where } V > 16\,V_0)tex",
     .interpretation =
         "A window of 50 rows over 2000. A row 10^q times too large comes at 120 and leaves at 170. \"Nothing done\" "
         "still factors anew where a removal is refused. Without an alarm what it leaves is kept until the rows are "

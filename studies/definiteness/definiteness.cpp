@@ -140,8 +140,8 @@ Study const definiteness{
         "does too is often said and contradicted by docs/literature.md 3.9, 3.10 (why: docs/theory.md 43); the "
         "survival curves are measured here",
     .formula =
-        R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i
-              \le k)tex",
+        R"tex(h = \kappa_P\,u, \qquad \text{definite after } k: \quad
+              x^\top P_i\,x > 0 \ \text{ for all } x \neq 0,\ i \le k)tex",
     .interpretation =
         "Each curve is the fraction of runs whose stored P is still positive definite, decided exactly for the bits at "
         "every step. The data have kappa_P = h/u, so that each arithmetic meets the same difficulty for its length; "

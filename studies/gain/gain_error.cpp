@@ -49,11 +49,10 @@ Study const gain_error{
         "Bucy & Joseph 1968 (cited, not read); the laws of one step are derived (docs/theory.md 16, 17, 32, 33) and "
         "exact (study gain_identities)",
     .formula =
-        R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P =
-              O(\delta K) \\
+        R"tex(\begin{aligned} \text{where } P \text{ is stored and } K\psi^\top P \text{ subtracted: } & \delta P = O(\delta K) \\
               \text{Joseph's forms: } & \delta P = O(\delta K^2) \\
-              \text{where a factor is stored: } & \delta P = O(\delta v), \quad v \text{ what plays the gain}
-              \end{aligned})tex",
+              \text{where a factor is stored: } & \delta P = O(\delta v), \quad
+              v \text{ what plays the gain} \end{aligned})tex",
     .interpretation =
         "At every step the vector that plays the gain in the update of P is wrong by a random relative error of size "
         "epsilon: K where P is stored, v = S f in Potter's form, the running gain in the sweeps. All pass it on in "

@@ -212,8 +212,7 @@ Study const gain_identities{
         R"tex(\begin{aligned} \text{subtracting } K\psi^\top P: &\quad \delta P = -\delta K\,\psi^\top P / \lambda \\
 \text{Joseph}: &\quad \delta P = s\,\delta K\,\delta K^\top / \lambda \\
 \text{UD, after column } j: &\quad
-\delta P = \bigl[-(\delta v\, w^\top + w\, \delta v^\top) + (1/s_j - 1/s) \delta v\, \delta v^\top\bigr] / \lambda,
-\quad
+\delta P = \bigl[-(\delta v\, w^\top + w\, \delta v^\top) + (1/s_j - 1/s) \delta v\, \delta v^\top\bigr] / \lambda, \quad
 w = K - K_{(j)} \\
 \text{with gain } (1 + \varepsilon) K: &\quad
 P_k > 0 \iff \varepsilon < \lambda / \psi^\top P \psi = \gamma / (1 - \gamma) \end{aligned})tex",

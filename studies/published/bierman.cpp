@@ -56,8 +56,8 @@ Study const bierman{
         "Bierman 1977, ch. V (cited, not read); Tapley, Schutz & Born (abstract read); the example: docs/theory.md 54; "
         "an earlier experiment (docs/literature.md 3.3)",
     .formula = R"tex(\psi_1 = (1, \varepsilon),\ \psi_2 = (1, 1),\ P_0 = \varepsilon^{-2} I: \quad
-P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\ -1 - \varepsilon & 2 + \varepsilon^2
-\end{pmatrix}, \quad
+P_2 = \frac{1}{\beta} \begin{pmatrix} 1 + 2 \varepsilon^2 & -1 - \varepsilon \\
+-1 - \varepsilon & 2 + \varepsilon^2 \end{pmatrix}, \quad
 \beta = 1 - 2 \varepsilon + 4 \varepsilon^2 + 2 \varepsilon^4)tex",
     .interpretation =
         "Where 1 + eps^2 rounds to 1 the first row leaves a P of rank one, and the second turns the first variance of "

@@ -58,8 +58,8 @@ Study const dyer_mcreynolds{
         "docs/theory.md 54; an earlier experiment (docs/literature.md 3.4)",
     .formula =
         R"tex(H = \begin{pmatrix} 1 & 1 & 1 \\ 1 & 1 & 1 + \delta \end{pmatrix},\ R = \delta^2 I,\ P_0 = I: \qquad
-\lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad u / \delta \text{ (factor
-forms)})tex",
+\lVert \hat P - P \rVert_F / \lVert P \rVert_F \approx u / \delta^2 \text{ (P forms)}, \quad
+u / \delta \text{ (factor forms)})tex",
     .interpretation =
         "Covariance forms lose two digits a decade and have none left at delta = sqrt(u), Joseph's among them; factor "
         "forms lose one. Below sqrt(u) the covariance forms stand at 0.2, a wrong P that no longer depends on delta; "

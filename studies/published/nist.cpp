@@ -48,8 +48,7 @@ Study const nist{
         "NIST StRD (values read); McCullough 1998, Miller 1992 (cited, not read); docs/theory.md 49; table: an earlier "
         "experiment (docs/literature.md 3.5)",
     .formula = R"tex(\text{LRE} = \min_i -\log_{10}\frac{|\hat\theta_i - \theta_i|}{|\theta_i|}, \qquad
-                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2
-                 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
+                 \frac{\|\delta\theta\|}{\|\theta\|} \lesssim u\,\kappa + u\,\kappa^2 \frac{\|r\|}{\|\Phi\|\,\|\theta\|})tex",
     .interpretation =
         "Digits of the worst parameter against the exact minimiser of the stored data with the same prior, over many "
         "orders of the rows. Forms that propagate P keep none of Longley's or Filip's; Wampler1 and 2 are exact fits "

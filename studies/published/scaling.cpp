@@ -153,8 +153,8 @@ Study const scaling{
     .question = "Which changes of units, and which sizes of rows, change the digits?",
     .source = "van der Sluis 1969, Cox & Higham 1998 (cited, not read); docs/theory.md 52",
     .formula =
-        R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad D =
-              \mathrm{diag}(2^{a_i}): \qquad
+        R"tex(\psi \to D\psi,\quad \theta_0 \to D^{-1}\theta_0,\quad P_0 \to D^{-1}P_0D^{-1},\quad
+              D = \mathrm{diag}(2^{a_i}): \qquad
               \text{the same significands})tex",
     .interpretation =
         "Units that differ by powers of two change no bit of any dense variant, if the prior is given in the same "

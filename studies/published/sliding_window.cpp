@@ -77,8 +77,8 @@ Study const sliding_window{
         "Stewart 1979; Alexander, Pan & Plemmons 1988; Björck, Park & Eldén 1994 (cited, not read); the slopes are "
         "derived (docs/theory.md 47); the table: an earlier experiment (docs/literature.md 3.11)",
     .formula = R"tex(\text{covariance: } \frac{\|\delta P\|}{\|P\|} \sim u\,10^{4q} \qquad
-                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad \text{refactored: } \sim
-                u)tex",
+                \text{information, } R: \ \frac{\|\delta P\|}{\|P\|} \sim u\,10^{2q} \qquad
+                     \text{refactored: } \sim u)tex",
     .interpretation =
         "The row at t = 40 is 10^q times too large and leaves the window of 20 rows with row 60. P^-1 holds 10^2q "
         "while it is inside, and the rounding of that, u 10^2q, stays when it is subtracted; R and its downdates do no "

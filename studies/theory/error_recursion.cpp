@@ -117,8 +117,7 @@ Study const error_recursion{
         "public",
     .formula = R"tex(\begin{aligned} \tilde\theta_k &= (I - K\psi^\top)\tilde\theta_{k-1} - K\xi_k, \qquad
 V_k = \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \lambda V_{k-1} + \xi_k^2 \\
-\lVert\tilde\theta_N\rVert &\le \sqrt{\kappa_2(P_0)}\,\lVert\tilde\theta_0\rVert \ \text{ without noise}
-\end{aligned})tex",
+\lVert\tilde\theta_N\rVert &\le \sqrt{\kappa_2(P_0)}\,\lVert\tilde\theta_0\rVert \ \text{ without noise} \end{aligned})tex",
     .interpretation =
         "Eight rows of small integers in exact rationals, each variant that needs no square root. The recursion of the "
         "error holds with ==, its noise term included. In the metric of P^-1 the error contracts: V falls by the "

@@ -38,10 +38,9 @@ Study const estimation_error{
     .question = "Does the estimation error ever grow when there is no noise?",
     .source = "derived (docs/theory.md 18, 19, 23, 25)",
     .formula =
-        R"tex(\tilde\theta_k = (I - K\psi^\top)\tilde\theta_{k-1} = A_k\tilde\theta_{k-1}, \; A_k = P_kP_{k-1}^{-1},
-              \qquad
-              \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \tilde\theta_{k-1}^\top
-              P_{k-1}^{-1}\tilde\theta_{k-1})tex",
+        R"tex(\tilde\theta_k = (I - K\psi^\top)\tilde\theta_{k-1} = A_k\tilde\theta_{k-1}, \;
+              A_k = P_kP_{k-1}^{-1}, \qquad
+              \tilde\theta_k^\top P_k^{-1}\tilde\theta_k \le \tilde\theta_{k-1}^\top P_{k-1}^{-1}\tilde\theta_{k-1})tex",
     .interpretation =
         "With lambda = 1 the eigenvalues of A_k are 1, and once gamma: in the metric of P^-1 the error never grows. In "
         "the plain norm single steps do make it longer, and the more the input is coloured the longer, because I - K "

@@ -124,8 +124,7 @@ Study const rival_estimators{
     .source = "the Gauss-Markov theorem; docs/theory.md 7; Söderström & Stoica 1989, ch. 4 and 8 (cited, not read)",
     .formula =
         R"tex(\hat\theta_Z = (Z^\top\Phi)^{-1}Z^\top Y, \qquad
-              \operatorname{cov}\hat\theta_Z = \sigma^2(Z^\top\Phi)^{-1}Z^\top Z(\Phi^\top Z)^{-1} \ge
-              \sigma^2(\Phi^\top\Phi)^{-1})tex",
+              \operatorname{cov}\hat\theta_Z = \sigma^2(Z^\top\Phi)^{-1}Z^\top Z(\Phi^\top Z)^{-1} \ge \sigma^2(\Phi^\top\Phi)^{-1})tex",
     .interpretation =
         "Least squares against four other estimators that are linear in y and unbiased: wrong weights, half of the "
         "rows, and two choices of instruments. In rationals each covariance exceeds that of least squares by a "

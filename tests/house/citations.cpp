@@ -100,6 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
         Planted{"studies/a.cpp", "(study of_nothing)", "no study of_nothing"},
         Planted{"studies/a.cpp", "exact (test Citations.DoNotResolve)", "no test"},
         Planted{"studies/a.cpp", ".formula = R~\"tex(a \\qquad \"\n        \"b)tex\",", "a quote mark in the formula"},
+        Planted{"studies/a.cpp", ".formula = R~\"tex(a +\n    b)tex\",", "a line break in the formula"},
         Planted{"studies/a.cpp", ".formula = R~\"tex(a + b)\",", "a formula without an end"}));
 
 TEST(Citations, OfEveryFormThatIsTrueAreTaken) {

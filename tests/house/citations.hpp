@@ -292,8 +292,8 @@ inline Faults names_in_code(Tree const& tree, std::string const& path, std::stri
     return out;
 }
 
-/// A line wrapper that takes a raw string for code puts quote marks into it. So a formula has none. A line may end at
-/// any blank: it is one in MathML, too.
+/// A line wrapper that takes a raw string for code puts quote marks and a line break into it. So a formula has no quote
+/// mark, and its source line ends only where the formula has a new row or wide space of its own.
 inline Faults formulas(Tree const&, std::string const&, std::string const& text) {
     Faults out;
     std::string const begin =
@@ -307,6 +307,10 @@ inline Faults formulas(Tree const&, std::string const&, std::string const& text)
         if (last == text.npos) return out.push_back("a formula without an end"), out;
         std::string const tex = text.substr(at + begin.size(), last - at - begin.size());
         if (tex.find('"') != tex.npos) out.push_back("a quote mark in the formula " + tex);
+        each(tex, "([^\n]*)\n", [&](std::smatch const& line) {
+            bool const at_a_break = std::regex_search(line[1].str(), std::regex("(\\\\\\\\|\\\\q?quad|\\\\;)\\s*$"));
+            if (!at_a_break) out.push_back("a line break in the formula behind " + line[1].str());
+        });
     }
     return out;
 }
