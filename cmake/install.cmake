@@ -1,5 +1,6 @@
 # What an installation holds, in components that can be installed apart (cmake --install BUILD --component NAME):
 #   headers   the variants and what they stand on; what find_package(rlslab) and pkg-config rlslab find
+#   kernels   the compiled kernels of float and double: shorter compilation, the same bits
 #   core      the compiled reference, multiprecision, data files
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
@@ -27,8 +28,8 @@ endif()
 set(components headers)
 set(found_by_pkgconfig rlslab)
 if(TARGET rlslab_core)
-  list(APPEND components core)
-  list(APPEND found_by_pkgconfig rlslab-core)
+  list(APPEND components kernels core)
+  list(APPEND found_by_pkgconfig rlslab-kernels rlslab-core)
   # A static library does not carry what it calls: whoever links an installed core needs fmt as well.
   target_link_libraries(rlslab_core PRIVATE $<INSTALL_INTERFACE:fmt::fmt>)
 endif()
@@ -68,8 +69,8 @@ string(REGEX REPLACE "/$" "" up "${up}")
 foreach(name IN LISTS found_by_pkgconfig)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
   set(component headers)
-  if(name STREQUAL "rlslab-core")
-    set(component core)
+  if(name MATCHES "rlslab-(.*)")
+    set(component ${CMAKE_MATCH_1})
   endif()
   install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${pkgconfig_dir} COMPONENT ${component})
 endforeach()

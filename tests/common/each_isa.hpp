@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/linalg/dispatch.hpp>
+#include <rlslab/linalg/kernels/each_isa.hpp>
 
 #include <string_view>
 

@@ -40,6 +40,7 @@ run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_BUILD_TYPE=Debug)
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/build -j 2)
 run(${WORK_DIR}/build/with_headers)
+run(${WORK_DIR}/build/with_kernels)
 run(${WORK_DIR}/build/with_core)
 
 # An app may be compiled for another instruction set than the core. What this machine cannot run is compiled at least.

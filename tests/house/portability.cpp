@@ -148,7 +148,8 @@ TEST(Headers, CompileWithTheOtherStandardLibrary) {
             std::string const name = std::filesystem::relative(file.path(), RLSLAB_SOURCE_DIR).string();
             bool const library =
                 name.find("sparse") != name.npos || name.find("cholmod") != name.npos || name.find("spqr") != name.npos;
-            if (file.path().extension() == ".hpp" && name.find("linalg/kernels/") == name.npos && !library)
+            if (file.path().extension() == ".hpp" && name.find("linalg/kernels/") == name.npos &&
+                name.find("core/instructions") == name.npos && !library)
                 all += "#include <rlslab/" + (name.starts_with("src/") ? name.substr(11) : name) + ">\n";
         }
     Outcome const tried = shell(command + folder.file(all, "all.cpp"));
@@ -163,6 +164,8 @@ void expect_the_bits_of_this_machine(std::string const& command) {
     EXPECT_THAT(here.text, HasSubstr("\nud double 24 "));
     EXPECT_EQ(there.text, here.text);
 }
+
+TEST(CompiledKernels, LeaveTheBitsOfTheHeaders) { expect_the_bits_of_this_machine(RLSLAB_DIGEST_BY_KERNELS); }
 
 /// Of another order of bytes, too (s390x). A minute each: all but the first by option.
 struct Processor {

@@ -1,5 +1,7 @@
 // Each dense kernel leaves the same bits with the registers of every instruction set that this machine has as in the
 // text for single rows, at every size up to 130 and for special values, whichever of them dispatch.hpp would choose.
+#include "tests/common/each_isa.hpp"
+
 #include <rlslab/core/random.hpp>
 #include <rlslab/linalg/kernels.hpp>
 

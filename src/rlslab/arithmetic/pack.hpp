@@ -9,12 +9,15 @@
 #include <utility>
 #include <cstdint>
 #ifdef __x86_64__
-#include <immintrin.h>
+#include <emmintrin.h>
 #endif
 
 namespace rlslab {
 
 namespace detail {
+namespace registers {
+#include <rlslab/core/instructions.hpp>
+}
 /// Bytes of a register of the instruction set for which this translation unit is compiled. GCC makes slow code of wider
 /// vectors.
 #if defined(__AVX512F__)
@@ -187,7 +190,7 @@ public:
     /// x - x is zero for every number, NaN for infinities and NaN.
     [[gnu::always_inline]] friend Mask isfinite(Pack const& a) { return a - a == Pack(); }
     [[gnu::always_inline]] friend Pack sqrt(Pack const& a) {
-        return zipped(a, a, [](Numbers x, Numbers) { return root(x); });
+        return zipped(a, a, [](Numbers x, Numbers) { return Numbers(detail::registers::root_of_each(x)); });
     }
     /// a where the mask is set, else b.
     [[gnu::always_inline]] friend Pack select(Mask const& mask, Pack const& a, Pack const& b) {
@@ -205,22 +208,6 @@ private:
         Pack out(Raw{});
         detail::for_registers<R>([&](auto k) __attribute__((always_inline)) { out.v[k] = operation(a.v[k], b.v[k]); });
         return out;
-    }
-    [[gnu::always_inline]] static Numbers root(Numbers x) {
-#ifdef __x86_64__
-        if constexpr (Shape::bytes == 16 && sizeof(T) == 8) return Numbers(_mm_sqrt_pd(__m128d(x)));
-        if constexpr (Shape::bytes == 16 && sizeof(T) == 4) return Numbers(_mm_sqrt_ps(__m128(x)));
-#ifdef __AVX__
-        if constexpr (Shape::bytes == 32 && sizeof(T) == 8) return Numbers(_mm256_sqrt_pd(__m256d(x)));
-        if constexpr (Shape::bytes == 32 && sizeof(T) == 4) return Numbers(_mm256_sqrt_ps(__m256(x)));
-#endif
-#ifdef __AVX512F__
-        if constexpr (Shape::bytes == 64 && sizeof(T) == 8) return Numbers(_mm512_sqrt_pd(__m512d(x)));
-        if constexpr (Shape::bytes == 64 && sizeof(T) == 4) return Numbers(_mm512_sqrt_ps(__m512(x)));
-#endif
-#endif
-        for (int i = 0; i < Shape::width; ++i) x[i] = std::sqrt(x[i]);
-        return x;
     }
 };
 

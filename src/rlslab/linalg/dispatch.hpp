@@ -11,7 +11,7 @@
 #include <limits>
 #include <type_traits>
 #ifdef __x86_64__
-#include <immintrin.h>
+#include <emmintrin.h>
 #endif
 
 // --- registers of 64 bytes: which kernels use them -------------------------------------------------------------------
@@ -122,54 +122,11 @@ inline constexpr Index together_from = 5;
 
 // --- the texts, compiled for each instruction set --------------------------------------------------------------------
 
-// GCC splits vectors that are wider than its target's registers before it inlines. A target attribute on the caller
-// comes too late, so the whole text is compiled under each target. What a translation unit is compiled for needs no
-// text of its own.
 namespace rlslab::kernels::portable {
 #include <rlslab/linalg/kernels/all.hpp>
 }
-#ifdef __x86_64__
-#ifdef __AVX2__
-namespace rlslab::kernels {
-namespace avx2 = portable;
-}
-#else
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx2")
-#endif
-namespace rlslab::kernels::avx2 {
-#include <rlslab/linalg/kernels/all.hpp>
-}
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
-#endif
-#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
-namespace rlslab::kernels {
-namespace avx512 = portable;
-}
-#else
-#ifdef __clang__
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
-#else
-#pragma GCC push_options
-#pragma GCC target("avx512f,avx512dq,avx512vl")
-#pragma GCC optimize("fp-contract=off")
-#endif
-namespace rlslab::kernels::avx512 {
-#include <rlslab/linalg/kernels/all.hpp>
-}
-#ifdef __clang__
-#pragma clang attribute pop
-#else
-#pragma GCC pop_options
-#endif
-#endif
+#ifndef RLSLAB_COMPILED_KERNELS
+#include <rlslab/linalg/kernels/each_isa.hpp>
 #endif
 
 namespace rlslab {
@@ -221,6 +178,28 @@ constexpr bool one_pass_is_faster(Isa on, Index d) {
 }
 }  // namespace kernels
 
+namespace kernels {
+/// Runs the text for the processor at hand. With RLSLAB_COMPILED_KERNELS it stands in the library rlslab::kernels, for
+/// every kernel of float and double; otherwise it is compiled here. The bits are the same.
+template <class T, class Kernel>
+#ifdef RLSLAB_COMPILED_KERNELS
+void dispatch(Kernel const& kernel);
+#else
+[[gnu::always_inline]] inline void dispatch(Kernel const& kernel) {
+    if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
+        if (kernel.d <= 4)
+            return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
+#ifdef __x86_64__
+    if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
+        if (uses_wide_registers<Kernel>(isa, kernel.d))
+            return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
+    if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
+#endif
+    portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
+}
+#endif
+}  // namespace kernels
+
 /// Runs the kernel. N: its d if that is fixed, or Dynamic. Small kernels are inlined, because a call would take a large
 /// part of their time.
 template <class T, int N, class Kernel>
@@ -233,21 +212,10 @@ template <class T, int N, class Kernel>
     } else if constexpr (N != Dynamic && N <= 8) {
         portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
-        if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
-            if (kernel.d <= 4)
-                return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(
-                    kernel);
         if constexpr (Elementwise<Kernel>)
             if (kernel.d <= inlined_bytes / Index(sizeof(T)))
                 return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
-#ifdef __x86_64__
-        if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
-            if (uses_wide_registers<Kernel>(isa, kernel.d))
-                return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
-        if (register_bytes >= 32 || isa >= Isa::avx2)
-            return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
-#endif
-        portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
+        dispatch<T>(kernel);
     }
 }
 

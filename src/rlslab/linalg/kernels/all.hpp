@@ -1,5 +1,7 @@
 // The texts of the kernels, in the order in which they build on one another. Included by dispatch.hpp once for each
 // instruction set, each time in a namespace of its own: no #pragma once.
+#include <rlslab/core/instructions.hpp>
+
 #include <rlslab/linalg/kernels/block.hpp>
 
 #include <rlslab/linalg/kernels/dense.hpp>

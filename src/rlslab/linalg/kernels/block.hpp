@@ -94,11 +94,13 @@ struct SimdBlock {
                 v[m] = *reinterpret_cast<Anywhere const*>(at);
 #ifdef __x86_64__  // not through an array: narrow stores do not forward to a wide load, which would wait
             } else if constexpr (Bytes == 64) {
-                v[m] = V(_mm512_maskz_loadu_pd(first_lanes(left), at));
+                v[m] = V(__builtin_ia32_loadupd512_mask(at, V{}, first_lanes(left)));
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
-                v[m] = V(_mm256_maskload_pd(at, __m256i(mask(left < 0 ? 0 : left, 0))));
+                typedef long long Lanes __attribute__((vector_size(Bytes)));
+                v[m] = V(__builtin_ia32_maskloadpd256(reinterpret_cast<V const*>(at),
+                                                      Lanes(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
-                v[m] = V(_mm256_maskload_ps(at, __m256i(mask(left, 0))));
+                v[m] = V(__builtin_ia32_maskloadps256(reinterpret_cast<V const*>(at), mask(left, 0)));
             } else if constexpr (W == 2) {
                 if (left == 1) v[m] = V(_mm_load_sd(at));
 #endif
@@ -176,7 +178,7 @@ struct SimdBlock {
     }
     [[gnu::always_inline]] void square_root_each() {
 #pragma GCC unroll 16
-        for (V& r : v) root(r);
+        for (V& r : v) r = root_of_each(r);
     }
     [[gnu::always_inline]] void add_product(SimdBlock const& a, T b) {
 #pragma GCC unroll 16
@@ -206,15 +208,9 @@ struct SimdBlock {
         for (int m = 1; m < registers; ++m) sum = sum + v[m];
         Mask const zero = sum == V{};
 #ifdef __x86_64__
-        if constexpr (Bytes == 64) return _mm512_cmp_pd_mask(__m512d(sum), __m512d(V{}), _CMP_EQ_OQ) == 255;
-        if constexpr (Bytes == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(zero)) == 15;
-        if constexpr (Bytes == 32 && sizeof(T) == 4) return _mm256_movemask_ps(__m256(zero)) == 255;
-        if constexpr (Bytes == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(zero)) == 3;
-        if constexpr (Bytes == 16 && sizeof(T) == 4) return _mm_movemask_ps(__m128(zero)) == 15;
+        if constexpr (Bytes == 64) return __builtin_ia32_cmppd512_mask(sum, V{}, 0, 255, 4) == 255;
 #endif
-        bool out = true;
-        for (int i = 0; i < W; ++i) out = out && zero[i] != 0;
-        return out;
+        return holds_in_all<T>(zero);
     }
     /// The running lanes of dot products. A row outside p adds -0, which changes no number, not even a zero. The
     /// functions "_all" are for blocks without padding.
@@ -331,16 +327,5 @@ private:
     [[gnu::always_inline]] static void leave_out(V& product, Index count, int m) {
         Mask const here = mask(count, m);
         product = V((here & Mask(product)) | (~here & Mask(-V{})));
-    }
-    [[gnu::always_inline]] static void root(V& x) {
-#ifdef __x86_64__
-        if constexpr (Bytes == 64) x = V(_mm512_maskz_sqrt_pd(255, __m512d(x)));  // of _mm512_sqrt_pd g++ 12 warns
-        else if constexpr (Bytes == 32 && sizeof(T) == 8) x = V(_mm256_sqrt_pd(__m256d(x)));
-        else if constexpr (Bytes == 32) x = V(_mm256_sqrt_ps(__m256(x)));
-        else if constexpr (sizeof(T) == 8) x = V(_mm_sqrt_pd(__m128d(x)));
-        else x = V(_mm_sqrt_ps(__m128(x)));
-#else
-        for (int i = 0; i < W; ++i) x[i] = std::sqrt(x[i]);
-#endif
     }
 };

@@ -82,14 +82,7 @@ struct Abreast : SimdBlock<T, std::min(Bytes, RotateInRows<T>::together* int(siz
 #pragma GCC unroll 16
         for (int m = 0; m < registers; ++m)
             out = out & (aside.in[m] | ((V{} + least < v[m]) & (v[m] <= V{} + std::numeric_limits<T>::max())));
-#ifdef __x86_64__
-        if constexpr (sizeof(V) == 32 && sizeof(T) == 8) return _mm256_movemask_pd(__m256d(out)) == 15;
-        if constexpr (sizeof(V) == 16 && sizeof(T) == 8) return _mm_movemask_pd(__m128d(out)) == 3;
-        if constexpr (sizeof(V) == 16 && sizeof(T) == 4) return _mm_movemask_ps(__m128(out)) == 15;
-#endif
-        bool all = true;
-        for (int i = 0; i < W; ++i) all = all && out[i] != 0;
-        return all;
+        return holds_in_all<T>(out);
     }
 
 private:

@@ -1,0 +1,49 @@
+// The library rlslab::kernels: every kernel of one scalar, RLSLAB_KERNELS_OF, for the files that are compiled with
+// RLSLAB_COMPILED_KERNELS. Whoever adds a kernel adds a line here: the linker names what is missing.
+#undef RLSLAB_COMPILED_KERNELS
+#include <rlslab/linalg/dispatch.hpp>
+
+#define RLSLAB_COMPILE(...) template void dispatch<T>(__VA_ARGS__ const&);
+
+namespace rlslab::kernels {
+
+using T = RLSLAB_KERNELS_OF;
+RLSLAB_COMPILE(DivideByOne<T>)
+RLSLAB_COMPILE(Divide<T>)
+RLSLAB_COMPILE(Scale<T>)
+RLSLAB_COMPILE(SquareRoots<T>)
+RLSLAB_COMPILE(AddScaled<T>)
+RLSLAB_COMPILE(ScaleByOne<T>)
+RLSLAB_COMPILE(Add<T>)
+RLSLAB_COMPILE(AddProduct<T>)
+RLSLAB_COMPILE(PrefixSums<T>)
+RLSLAB_COMPILE(AllFinite<T>)
+RLSLAB_COMPILE(MultiplySquares<T>)
+RLSLAB_COMPILE(Multiply<T>)
+RLSLAB_COMPILE(SubtractRankOne<T>)
+RLSLAB_COMPILE(AddSquare<T>)
+RLSLAB_COMPILE(SubtractMirrored<T>)
+RLSLAB_COMPILE(SubtractRankTwo<T>)
+RLSLAB_COMPILE(SweepUd<T>)
+RLSLAB_COMPILE(SweepCarlson<T>)
+RLSLAB_COMPILE(SweepRotations<T>)
+RLSLAB_COMPILE(Eliminate<T>)
+RLSLAB_COMPILE(SolveLower<T>)
+RLSLAB_COMPILE(SweepGentleman<T>)
+RLSLAB_COMPILE(RotateIn<T>)
+RLSLAB_COMPILE(RotateOut<T>)
+RLSLAB_COMPILE(ReflectIn<T>)
+RLSLAB_COMPILE(RotateInRows<T>)
+RLSLAB_COMPILE(SumOfSquares<T>)
+RLSLAB_COMPILE(Division<T>)
+RLSLAB_COMPILE(Reflection<T>)
+RLSLAB_COMPILE(Reflections<T>)
+RLSLAB_COMPILE(MultiplyTransposed<T, Shape::full>)
+RLSLAB_COMPILE(MultiplyTransposed<T, Shape::upper>)
+RLSLAB_COMPILE(ThenMultiply<SubtractRankOne<T>>)
+RLSLAB_COMPILE(ThenMultiply<SubtractMirrored<T>>)
+RLSLAB_COMPILE(ThenMultiply<SweepUd<T>>)
+RLSLAB_COMPILE(ThenMultiply<SweepCarlson<T>>)
+RLSLAB_COMPILE(ThenMultiply<SweepRotations<T>>)
+
+}  // namespace rlslab::kernels
