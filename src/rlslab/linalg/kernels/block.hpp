@@ -97,8 +97,8 @@ struct SimdBlock {
                 v[m] = V(__builtin_ia32_loadupd512_mask(at, V{}, first_lanes(left)));
             } else if constexpr (Bytes == 32 && sizeof(T) == 8) {
                 typedef long long Lanes __attribute__((vector_size(Bytes)));
-                v[m] = V(__builtin_ia32_maskloadpd256(reinterpret_cast<V const*>(at),
-                                                      Lanes(mask(left < 0 ? 0 : left, 0))));
+                v[m] = V(
+                    __builtin_ia32_maskloadpd256(reinterpret_cast<V const*>(at), Lanes(mask(left < 0 ? 0 : left, 0))));
             } else if constexpr (Bytes == 32) {
                 v[m] = V(__builtin_ia32_maskloadps256(reinterpret_cast<V const*>(at), mask(left, 0)));
             } else if constexpr (W == 2) {
