@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
-#include <rlslab/core/stored.hpp>
+#include <rlslab/core/problem.hpp>
 
 #include <memory>
 #include <string>

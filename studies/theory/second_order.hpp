@@ -2,6 +2,7 @@
 // coloured.
 #pragma once
 
+#include <rlslab/core/matrices.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/core/random.hpp>
