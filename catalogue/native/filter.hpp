@@ -1,0 +1,136 @@
+// A filter of any dense variant in float or double, alone or composed, by name, behind an interface of plain numbers.
+// Needs headers and Eigen where it is compiled, and neither where it is used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string_view>
+
+namespace rlslab::native {
+
+using Index = std::ptrdiff_t;
+
+/// What one row did, rlslab::Step with numbers in binary64. `health` is an rlslab::Health (0 sound, 1 undetermined,
+/// 2 indefinite, 3 nonfinite); `signal` an rlslab::GuardSignal (0 none, 1 unusable, 2 breakdown, 3 change, 4 outlier,
+/// 5 windup), none without a guard.
+struct Step {
+    double innovation, residual, gamma;
+    std::int32_t health, signal;
+    bool sound() const { return health == 0; }
+};
+static_assert(sizeof(Step) == 32);
+
+std::string_view name_of_health(std::int32_t health);
+std::string_view name_of_signal(std::int32_t signal);
+
+/// A member that is left at its value here has the library's default.
+struct Options {
+    Index size = 0;                                ///< d >= 1
+    double forgetting = 1;                         ///< lambda, 0 < lambda <= 1
+    double prior_variance = 16384;                 ///< c^2 of P0 = c^2 I; 0: no prior
+    double const* prior_theta = nullptr;           ///< theta0, d numbers; null: 0
+    double const* prior_covariance = nullptr;      ///< P0, d x d, symmetric; null: c^2 I
+    Index window = 0;                              ///< rows; 0: none
+    std::string_view guard = {};                   ///< a policy's name (guards()); empty: none
+    std::string_view control = {};                 ///< the name of a rule of forgetting (controls()); empty: constant
+    std::span<double const> control_numbers = {};  ///< the rule's, in its order; NaN or missing: its default, if any
+
+    // Of the guard (GuardOptions): NaN, or 0 rows, is the default.
+    static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
+    double largest_variance = unset, innovation = unset, least_noise = unset, asymmetry = unset;
+    Index noise_memory = 0, rebuild_rows = 0;
+};
+
+/// What happened so far. Counts of what is not part of the filter stay 0.
+struct Counts {
+    std::int64_t rows = 0;  ///< offered since it was made, reset or loaded
+    std::int64_t unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as the guard counts them
+    std::int64_t refactored = 0;   ///< times that the window's rows were factored anew
+    std::int64_t since = 0;        ///< rows since then, or since the start
+    std::int64_t handed_over = 0;  ///< 1: to the sounder variant
+};
+
+/// One filter. Of several threads one at a time may use it, also to read. Where an argument is refused
+/// std::invalid_argument is thrown, in one line, and the filter is as it was.
+class Filter {
+public:
+    virtual ~Filter() = default;
+    virtual Index size() const = 0;                   ///< d
+    virtual std::string_view variant() const = 0;     ///< "ud"
+    virtual std::string_view arithmetic() const = 0;  ///< "float" or "double"
+
+    /// One row, psi of d numbers. Numbers of the other arithmetic are rounded once. Allocates nothing, except where a
+    /// guard hands over.
+    virtual Step update(double const* psi, double y) = 0;
+    virtual Step update(float const* psi, float y) = 0;
+    /// Many rows, the oldest first, each of d contiguous numbers, `stride` >= d numbers apart (0: d). `steps` has room
+    /// for all, or is null: then rows are processed as `rlslab::process` does, the fast way where the variant has one,
+    /// with the same bits; qr_block, which takes blocks, reports NaN and its health then. Returns the last row's step.
+    virtual Step update_many(double const* psi, Index rows, Index stride, double const* y, Step* steps) = 0;
+    virtual Step update_many(float const* psi, Index rows, Index stride, float const* y, Step* steps) = 0;
+    /// Time without a row: P / lambda.
+    virtual Step pass_time() = 0;
+
+    virtual void theta(double* out) const = 0;  ///< d numbers
+    virtual void gain(double* out) const = 0;   ///< d numbers, of the last row
+    /// Whether covariance() is reported; else information() is.
+    virtual bool reports_covariance() const = 0;
+    /// P, or P^-1: d x d, by columns. By rows it is the same, except that a P in full storage (conventional) may have
+    /// lost its symmetry.
+    virtual void covariance(double* out) const = 0;
+    virtual void information(double* out) const = 0;
+
+    /// The state, as rlslab::save writes it of the C++ type. `to`: state_size() bytes, or more.
+    virtual std::size_t state_size() const = 0;
+    virtual void save(std::span<std::byte> to) const = 0;
+    /// Into a filter of the same variant, arithmetic, size and composition; forgetting and prior may be others.
+    virtual void load(std::span<std::byte const> from) = 0;
+
+    virtual std::int32_t health() const = 0;  ///< of the last row
+    virtual std::int32_t signal() const = 0;  ///< of the last row
+    virtual Counts counts() const = 0;
+    virtual void reset() = 0;  ///< as it was made
+    virtual std::unique_ptr<Filter> clone() const = 0;
+};
+
+/// Throws std::invalid_argument for a name that is none, options that no filter has, and a composition that the variant
+/// cannot carry, with its reason.
+std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmetic, Options const& options);
+
+/// The names that `make` takes, in the order of the library's lists: 15 variants, "float" and "double", the policies of
+/// guards, the rules of forgetting.
+std::span<std::string_view const> variants();
+std::span<std::string_view const> arithmetics();
+std::span<std::string_view const> guards();
+std::span<std::string_view const> controls();
+
+/// M filters of one variant and one problem, which take a row each at a time, in lockstep (rlslab::Fleet).
+class Fleet {
+public:
+    virtual ~Fleet() = default;
+    virtual Index size() const = 0;     ///< d
+    virtual Index filters() const = 0;  ///< M
+    virtual std::string_view variant() const = 0;
+    virtual std::string_view arithmetic() const = 0;
+    /// A row for each filter: psi is M x d, filter m's row contiguous; y has M numbers. A row with a number that is not
+    /// finite is missing: its filter stays as it was. Returns how many were missing. Numbers of the other arithmetic
+    /// are rounded once.
+    virtual Index update(double const* psi, double const* y) = 0;
+    virtual Index update(float const* psi, float const* y) = 0;
+    virtual void theta(Index filter, double* out) const = 0;
+    virtual std::int32_t health(Index filter) const = 0;  ///< undetermined, then the worst of its steps
+    virtual void reset(Index filter) = 0;
+    virtual std::size_t state_size() const = 0;
+    virtual void save(std::span<std::byte> to) const = 0;
+    virtual void load(std::span<std::byte const> from) = 0;
+    virtual std::unique_ptr<Fleet> clone() const = 0;
+};
+
+/// As `make`; fleets are of plain variants, and qr_block has none.
+std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
+                                  Options const& options);
+
+}  // namespace rlslab::native
