@@ -2,6 +2,8 @@
 #   headers   the variants and what they stand on; what find_package(rlslab) and pkg-config rlslab find
 #   kernels   the compiled kernels of float and double: shorter compilation, the same bits
 #   native    every dense variant in float and double by name, compiled: needs no library
+#   library   librlslab.so.1, what a program that calls C needs to run
+#   c         what it needs to be compiled: rlslab.h, librlslab.so, librlslab.a (rlslab::c, rlslab::c_static)
 #   core      the compiled reference, multiprecision, data files
 #   catalogue every variant in every arithmetic by name, compiled
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
@@ -54,6 +56,14 @@ foreach(component IN LISTS components)
       ${component})
   install(EXPORT rlslab-${component} NAMESPACE rlslab:: DESTINATION ${package_dir} COMPONENT ${component})
 endforeach()
+
+if(TARGET rlslab_c)
+  install(TARGETS rlslab_c rlslab_c_static EXPORT rlslab-c ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT c
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT c)
+  install(FILES ${PROJECT_SOURCE_DIR}/capi/rlslab.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT c)
+  list(APPEND found_by_pkgconfig rlslab-c)
+  install(EXPORT rlslab-c NAMESPACE rlslab:: DESTINATION ${package_dir} COMPONENT c)
+endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/rlslabConfig.cmake.in
   ${PROJECT_BINARY_DIR}/rlslabConfig.cmake INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)

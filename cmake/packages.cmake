@@ -1,4 +1,5 @@
-# Debian packages, by `./lab package` or cpack: rlslab (the program) and librlslab-dev (headers, core, what finds them).
+# Debian packages, by `./lab package` or cpack: rlslab (the program), librlslab1 (for programs that call C) and
+# librlslab-dev (headers, core, what finds them).
 set(CPACK_PACKAGE_NAME rlslab)
 set(CPACK_PACKAGE_VENDOR "the rlslab authors")
 set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING
@@ -23,6 +24,14 @@ if(TARGET rlslab_program)
   set(CPACK_COMPONENT_PROGRAM_GROUP app)
 endif()
 
+if(TARGET rlslab_c)
+  get_target_property(abi rlslab_c SOVERSION)
+  set(librlslab librlslab${abi})
+  list(APPEND CPACK_COMPONENTS_ALL c library)
+  set(CPACK_COMPONENT_C_GROUP dev)
+  set(CPACK_COMPONENT_LIBRARY_GROUP shared)
+endif()
+
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_APP_PACKAGE_NAME rlslab)
 set(CPACK_DEBIAN_APP_PACKAGE_SECTION math)
@@ -31,11 +40,23 @@ set(CPACK_DEBIAN_APP_DESCRIPTION "The program compares the variants of recursive
 in arithmetics from bfloat16 to 257 bits, against a certified reference;
 identifies ARX models; and runs the studies that its claims rest on.")
 
+set(CPACK_DEBIAN_SHARED_PACKAGE_NAME "${librlslab}")
+set(CPACK_DEBIAN_SHARED_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_SHARED_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+set(CPACK_DEBIAN_SHARED_DESCRIPTION "Recursive least squares behind a C interface: every dense variant in float and
+double, guarded, windowed, with a rule of forgetting; fleets. For programs that
+are linked with it; its header is in librlslab-dev.")
+
 # Headers need Eigen alone. What only the core and the sparse variants need is recommended: apt installs it unless told
 # otherwise.
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME librlslab-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
+if(librlslab)
+  string(PREPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${librlslab} (= ${PROJECT_VERSION}), ")
+endif()
 set(recommended "")
 if(TARGET rlslab_core)
   set(recommended "libboost-dev (>= 1.74), libflint-arb-dev, libflint-dev, libmpfr-dev, libgmp-dev, libfmt-dev (>= 9)")
@@ -45,9 +66,10 @@ if(TARGET rlslab_sparse)
   set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS libsuitesparse-dev)
 endif()
 set(CPACK_DEBIAN_DEV_DESCRIPTION "C++20 headers of every textbook variant of recursive least squares, which
-need Eigen alone, and static libraries: any variant by name in float and double,
-or in any arithmetic, and the certified reference. Found by CMake
-(find_package(rlslab)) and pkg-config (rlslab, rlslab-native, rlslab-core).")
+need Eigen alone; static libraries: any variant by name in float and double,
+or in any arithmetic, and the certified reference; rlslab.h for C. Found by
+CMake (find_package(rlslab)) and pkg-config (rlslab, rlslab-c, rlslab-native,
+rlslab-core).")
 
 # Debian wants the licence in every package. The program's is not ours alone where it links SuiteSparse.
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
@@ -67,7 +89,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/changelog @ONLY CONTENT "rlslab (@PR
 
  -- @RLSLAB_MAINTAINER@  @today@
 ")
-foreach(package "program;rlslab" "headers;librlslab-dev")
+foreach(package "program;rlslab" "headers;librlslab-dev" "library;${librlslab}")
   list(GET package 0 component)
   list(GET package 1 name)
   if(component IN_LIST CPACK_COMPONENTS_ALL)

@@ -37,7 +37,7 @@ Tree const& project() {
             std::string const name = room.path().filename();
             if (!room.is_directory() || name.starts_with(".") || name == "build" || name == "out") continue;
             for (auto const& file : fs::recursive_directory_iterator(room))
-                if (file.path().extension() == ".hpp" || file.path().extension() == ".cpp")
+                if (std::set<std::string>{".hpp", ".cpp", ".h"}.contains(file.path().extension()))
                     out[file.path().lexically_relative(root)] = text(file);
         }
         return out;
@@ -118,7 +118,8 @@ std::vector<Folder> const house{
     {"studies/adapt", {"studies/engine"}},
     {"studies/published", {"studies/engine"}},
     {"studies/theory", {"studies/engine"}},
-    {"bench", {"catalogue", "report"}},
+    {"capi", {"catalogue/native"}},
+    {"bench", {"catalogue", "report", "capi"}},
     {"program", {"compare", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
@@ -153,8 +154,10 @@ std::vector<Folder> const house{
     {"tests/studies", {"tests/common", "studies/definiteness", "studies/published"}},
     {"tests/program", {"tests/common", "program"}},
     {"tests/bench", {"tests/common", "bench"}},
+    {"tests/capi", {"tests/common", "capi"}},
+    {"tests/doors", {"src/rlslab/state", "variants"}},
     {"tests/house", {"tests/common"}},
-    {"tests/alone", {"tests/common"}},
+    {"tests/alone", {"tests/common", "capi"}},
 };
 
 /// What each folder stands on, itself included.

@@ -14,7 +14,7 @@ cat >"$given/try.sh" <<'END'
 set -eux
 cd /given
 export DEBIAN_FRONTEND=noninteractive
-apt-get install -y --no-install-recommends ./librlslab-dev_*.deb
+apt-get install -y --no-install-recommends ./librlslab1_*.deb ./librlslab-dev_*.deb
 for compiler in g++ clang++; do
   for instructions in "" -march=native; do
     $compiler -O2 $instructions consumer/main.cpp $(pkg-config --cflags --libs rlslab) -o app
@@ -22,7 +22,8 @@ for compiler in g++ clang++; do
     $compiler -O2 $instructions consumer/native.cpp $(pkg-config --cflags --libs rlslab-native) -o app
     ./app
   done
-  for example in examples/*/; do
+  for example in examples/*/CMakeLists.txt; do
+    example=${example%/*}
     cmake -G Ninja -S $example -B built -DCMAKE_CXX_COMPILER=$compiler -DCMAKE_BUILD_TYPE=Release
     cmake --build built
     (cd built && ctest --output-on-failure --no-tests=error)
@@ -32,6 +33,8 @@ done
 apt-get install -y --no-install-recommends ./rlslab_*.deb
 rlslab --version
 rlslab compare sales.csv --input lead --output sales --order 2 --detrend --no-timings | head -n 3
+cc examples/c/main.c $(pkg-config --cflags --libs rlslab-c) -o from_c
+./from_c
 apt-get install -y ./librlslab-dev_*.deb libboost-dev libflint-arb-dev libflint-dev libmpfr-dev libgmp-dev libfmt-dev
 g++ -g0 consumer/owning.cpp $(pkg-config --cflags --libs rlslab-core) -o with_core
 ./with_core
@@ -41,7 +44,7 @@ built/with_headers
 built/with_core
 built/with_native
 built/with_catalogue
-apt-get remove -y rlslab librlslab-dev
+apt-get remove -y rlslab librlslab-dev librlslab1
 test -z "$(find / -xdev -name '*rlslab*' \
   -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"
 END

@@ -1,0 +1,150 @@
+// Recursive least squares from C: every dense variant in float and double, alone, guarded, windowed or with a rule of
+// forgetting, and fleets. C99; also valid C++.
+//
+// A function returns RLSLAB_OK or the error's code. After an error the filter is as it was, and rlslab_message() says
+// why in one line. No function throws, exits, aborts or writes to a stream. A null pointer is an error (RLSLAB_NULL)
+// except where "or null" stands. One thread at a time may use a filter; several filters need no lock. A breakdown is a
+// result, not an error: see rlslab_step.health.
+//
+// d is the number of parameters. Matrices are d x d, by columns.
+#ifndef RLSLAB_H
+#define RLSLAB_H
+#include <stddef.h>
+#include <stdint.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Of this header; rlslab_abi() is the library's. It grows when something here is removed or changes its meaning.
+#define RLSLAB_ABI 1
+int rlslab_abi(void);
+char const* rlslab_version(void);  // "0.1.0"
+char const* rlslab_message(void);  // of the calling thread's last error; "" before; never null
+
+typedef enum rlslab_status {
+    RLSLAB_OK = 0,
+    RLSLAB_NULL = 1,     // a pointer is null
+    RLSLAB_NAME = 2,     // an unknown name; the message has the list
+    RLSLAB_INVALID = 3,  // a number that is refused, or a composition that this variant cannot carry
+    RLSLAB_STATE = 4,    // the bytes are no state of such a filter
+    RLSLAB_ROOM = 5,     // the room for the state is too small
+    RLSLAB_ABILITY = 6,  // the other of covariance and information is reported
+    RLSLAB_MEMORY = 7,
+    RLSLAB_INTERNAL = 8  // an error of the library's own; please report it
+} rlslab_status;
+
+// Lists of names, in the library's order. HEALTHS and SIGNALS: the place of a name is its number in rlslab_step:
+// sound, undetermined, indefinite, nonfinite; none, unusable, breakdown, change, outlier, windup.
+typedef enum rlslab_list {
+    RLSLAB_VARIANTS = 0,
+    RLSLAB_ARITHMETICS = 1,
+    RLSLAB_GUARDS = 2,
+    RLSLAB_CONTROLS = 3,
+    RLSLAB_HEALTHS = 4,
+    RLSLAB_SIGNALS = 5
+} rlslab_list;
+char const* rlslab_name(int list, size_t place);  // null where there is no such list, and from its end on
+
+// What a row did. Of a float filter the numbers are widened.
+typedef struct rlslab_step {
+    double innovation;  // y - psi'theta before the row
+    double residual;    // y - psi'theta after it
+    double gamma;       // residual / innovation, in (0, 1]
+    int32_t health;     // 0: sound; a place in RLSLAB_HEALTHS
+    int32_t signal;     // of the guard: 0: none; a place in RLSLAB_SIGNALS
+} rlslab_step;
+
+// Later versions append members. rlslab_defaults(&options, sizeof options) sets all; then `size` alone is needed.
+typedef struct rlslab_options {
+    size_t bytes;                    // sizeof(rlslab_options)
+    size_t size;                     // d >= 1
+    double forgetting;               // lambda, 0 < lambda <= 1; 1
+    double prior_variance;           // c^2 of P0 = c^2 I; 16384; 0: no prior, which the information forms take
+    double const* prior_theta;       // d numbers, or null: 0
+    double const* prior_covariance;  // P0, d x d, symmetric, or null: c^2 I
+    size_t window;                   // rows; 0: none
+    char const* guard;               // a name of RLSLAB_GUARDS, or null: none
+    char const* control;             // a name of RLSLAB_CONTROLS (a rule of forgetting), or null: constant
+    double const* control_numbers;   // the rule's, in its order; NaN: the rule's default; or null: all of them
+    size_t control_count;            // how many are there
+    double largest_variance;         // this and the next three are the guard's; NaN: its default
+    double innovation;
+    double least_noise;
+    double asymmetry;
+    size_t noise_memory;  // rows, of the guard's estimate of noise; 0: its default
+    size_t rebuild_rows;  // rows that a guard keeps to rebuild from; 0: its default
+} rlslab_options;
+rlslab_status rlslab_defaults(rlslab_options* options, size_t bytes);
+
+typedef struct rlslab_filter rlslab_filter;
+
+// rlslab_new("ud", "double", &options, &filter): a new filter, or null after an error (NAME, INVALID, MEMORY).
+rlslab_status rlslab_new(char const* variant, char const* arithmetic, rlslab_options const* options,
+                         rlslab_filter** out);
+rlslab_status rlslab_copy(rlslab_filter const* filter, rlslab_filter** out);
+void rlslab_free(rlslab_filter* filter);                     // or null
+rlslab_status rlslab_reset(rlslab_filter* filter);           // as it was made
+size_t rlslab_size(rlslab_filter const* filter);             // d; 0 of null
+char const* rlslab_variant(rlslab_filter const* filter);     // null of null
+char const* rlslab_arithmetic(rlslab_filter const* filter);  // null of null
+
+// One row: psi has d numbers. step: or null. Numbers of the other arithmetic are rounded once. Allocates nothing,
+// except where a guard hands over to the sounder variant.
+rlslab_status rlslab_update(rlslab_filter* filter, double const* psi, double y, rlslab_step* step);
+rlslab_status rlslab_update_f32(rlslab_filter* filter, float const* psi, float y, rlslab_step* step);
+// Many rows, the oldest first: row k starts at psi + k * stride, stride >= d (0: d). steps: room for all, or null:
+// faster, the same bits. 0 rows: the pointers may be null. INVALID: a stride below d, or more rows than memory has.
+rlslab_status rlslab_update_many(rlslab_filter* filter, double const* psi, size_t rows, size_t stride, double const* y,
+                                 rlslab_step* steps);
+rlslab_status rlslab_update_many_f32(rlslab_filter* filter, float const* psi, size_t rows, size_t stride,
+                                     float const* y, rlslab_step* steps);
+// Time without a row. step: or null.
+rlslab_status rlslab_pass_time(rlslab_filter* filter, rlslab_step* step);
+
+rlslab_status rlslab_theta(rlslab_filter const* filter, double* out);  // d numbers
+rlslab_status rlslab_gain(rlslab_filter const* filter, double* out);   // d numbers, of the last row
+// P, or P^-1: a variant reports one of the two; of the other ABILITY.
+rlslab_status rlslab_covariance(rlslab_filter const* filter, double* out);
+rlslab_status rlslab_information(rlslab_filter const* filter, double* out);
+int32_t rlslab_health(rlslab_filter const* filter);  // of the last row; -1 of null
+int32_t rlslab_signal(rlslab_filter const* filter);  // of the last row; -1 of null
+
+// So far; counts of what is not part of the filter are 0. Later versions append members: bytes is sizeof(it).
+typedef struct rlslab_counts {
+    int64_t rows;                                              // since it was made, reset or loaded
+    int64_t unusable, outliers, changes, windups, breakdowns;  // of the guard
+    int64_t refactored, since;                                 // times that the window was factored; rows since then
+    int64_t handed_over;                                       // 1: to the sounder variant
+} rlslab_counts;
+rlslab_status rlslab_count(rlslab_filter const* filter, rlslab_counts* out, size_t bytes);
+
+// The state is of the same bytes from every language. It is loaded into a filter of the same variant, arithmetic, size
+// and composition. Errors: ROOM, STATE.
+size_t rlslab_state_size(rlslab_filter const* filter);  // bytes, 0 of null
+rlslab_status rlslab_save(rlslab_filter const* filter, void* to, size_t room);
+rlslab_status rlslab_load(rlslab_filter* filter, void const* from, size_t bytes);
+
+// M filters of one variant and one problem, which take a row each at a time. Not of qr_block, not composed.
+typedef struct rlslab_fleet rlslab_fleet;
+rlslab_status rlslab_fleet_new(char const* variant, char const* arithmetic, size_t filters,
+                               rlslab_options const* options, rlslab_fleet** out);
+rlslab_status rlslab_fleet_copy(rlslab_fleet const* fleet, rlslab_fleet** out);
+void rlslab_fleet_free(rlslab_fleet* fleet);             // or null
+size_t rlslab_fleet_size(rlslab_fleet const* fleet);     // d; 0 of null
+size_t rlslab_fleet_filters(rlslab_fleet const* fleet);  // M; 0 of null
+// psi: M rows of d numbers; y: M numbers. A row with a number that is not finite is missing: its filter stays as it
+// was. missing: how many were, or null.
+rlslab_status rlslab_fleet_update(rlslab_fleet* fleet, double const* psi, double const* y, size_t* missing);
+rlslab_status rlslab_fleet_update_f32(rlslab_fleet* fleet, float const* psi, float const* y, size_t* missing);
+// Of filter m < M: d numbers; the worst health of its rows, -1 where there is no such filter; as it was made.
+rlslab_status rlslab_fleet_theta(rlslab_fleet const* fleet, size_t m, double* out);
+int32_t rlslab_fleet_health(rlslab_fleet const* fleet, size_t m);
+rlslab_status rlslab_fleet_reset(rlslab_fleet* fleet, size_t m);
+size_t rlslab_fleet_state_size(rlslab_fleet const* fleet);  // bytes, 0 of null
+rlslab_status rlslab_fleet_save(rlslab_fleet const* fleet, void* to, size_t room);
+rlslab_status rlslab_fleet_load(rlslab_fleet* fleet, void const* from, size_t bytes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,232 @@
+// The C interface does what the native layer does, bit for bit, and allocates nothing in an update.
+#include "tests/capi/filters.hpp"
+
+#include <rlslab/adapt/rules.hpp>
+#include <rlslab/catalogue/native/filter.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+
+namespace rlslab::c {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr std::size_t d = 4, rows = 120;
+
+/// The steps, bit for bit: a NaN equals itself.
+bool same(rlslab_step const& a, native::Step const& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// What a composition is made from, in C and in C++.
+struct Composition {
+    char const* what;
+    rlslab_options c = options_of(d, 0.98);
+    native::Options cpp{.size = d, .forgetting = 0.98};
+    explicit Composition(char const* name) : what(name) {}
+};
+std::vector<Composition> compositions() {
+    std::vector<Composition> out;
+    out.emplace_back("alone");
+    Composition& prior = out.emplace_back("another prior");
+    static double const theta[d] = {1, 2, 3, 4};
+    static double const P[d * d] = {2, 1, 0, 0, 1, 2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4};
+    prior.c.prior_theta = prior.cpp.prior_theta = theta;
+    prior.c.prior_covariance = prior.cpp.prior_covariance = P;
+    Composition& guarded = out.emplace_back("guarded");
+    guarded.c.guard = "reset";
+    guarded.cpp.guard = "reset";
+    guarded.c.innovation = guarded.cpp.innovation = 4;
+    guarded.c.noise_memory = 50;
+    guarded.cpp.noise_memory = 50;
+    Composition& windowed = out.emplace_back("windowed");
+    windowed.c.window = 40;
+    windowed.cpp.window = 40;
+    windowed.c.forgetting = windowed.cpp.forgetting = 1;
+    for (std::string_view const rule : native::controls()) {
+        Composition& controlled = out.emplace_back("with a rule");
+        controlled.c.control = rule.data();
+        controlled.cpp.control = rule;
+        static double const number[] = {0.5};
+        controlled.c.control_numbers = number;
+        controlled.c.control_count = 1;
+        controlled.cpp.control_numbers = number;
+    }
+    return out;
+}
+
+TEST(Filters, AreThoseOfTheNativeLayerAloneAndComposed) {
+    auto psi = numbers(rows * d, 3), y = numbers(rows, 4);
+    y[90] = 50;  // an outlier
+    std::size_t made = 0, refused = 0;
+    for (Composition const& composition : compositions())
+        for (std::string_view const variant : native::variants())
+            for (std::string_view const arithmetic : native::arithmetics()) {
+                SCOPED_TRACE(std::string(composition.what) + " " + std::string(variant));
+                FilterHandle const filter = filter_of(variant.data(), arithmetic.data(), composition.c);
+                std::unique_ptr<native::Filter> expected;
+                try {
+                    expected = native::make(variant, arithmetic, composition.cpp);
+                } catch (std::invalid_argument const& error) {
+                    EXPECT_STREQ(rlslab_message(), error.what());
+                }
+                ASSERT_EQ(bool(filter), bool(expected)) << rlslab_message();
+                ++(filter ? made : refused);
+                if (!filter) continue;
+                EXPECT_EQ(rlslab_variant(filter.get()), variant);
+                EXPECT_EQ(rlslab_arithmetic(filter.get()), arithmetic);
+                EXPECT_EQ(rlslab_size(filter.get()), d);
+                for (std::size_t k = 0; k < rows; ++k) {
+                    rlslab_step step;
+                    ASSERT_EQ(rlslab_update(filter.get(), &psi[k * d], y[k], &step), RLSLAB_OK);
+                    ASSERT_TRUE(same(step, expected->update(&psi[k * d], y[k]))) << k;
+                }
+                std::vector<std::byte> state(expected->state_size());
+                expected->save(state);
+                EXPECT_EQ(state_of(filter.get()), state);
+                EXPECT_EQ(rlslab_health(filter.get()), expected->health());
+                EXPECT_EQ(rlslab_signal(filter.get()), expected->signal());
+                rlslab_counts counts;
+                ASSERT_EQ(rlslab_count(filter.get(), &counts, sizeof counts), RLSLAB_OK);
+                native::Counts const c = expected->counts();
+                EXPECT_THAT((std::vector{counts.rows, counts.unusable, counts.outliers, counts.changes, counts.windups,
+                                         counts.breakdowns, counts.refactored, counts.since, counts.handed_over}),
+                            ElementsAre(c.rows, c.unusable, c.outliers, c.changes, c.windups, c.breakdowns,
+                                        c.refactored, c.since, c.handed_over));
+            }
+    EXPECT_GT(made, 150u);
+    EXPECT_GT(refused, 0u);
+}
+
+template <class T>
+rlslab_status update_many(rlslab_filter* filter, T const* psi, std::size_t count, std::size_t stride, T const* y,
+                          rlslab_step* steps) {
+    if constexpr (std::same_as<T, float>) return rlslab_update_many_f32(filter, psi, count, stride, y, steps);
+    else return rlslab_update_many(filter, psi, count, stride, y, steps);
+}
+/// Many rows, by stride, with steps and without, leave the state of one after another.
+template <class T>
+void many_rows() {
+    constexpr std::size_t stride = d + 3;
+    auto const psi = numbers<T>(rows * stride, 5), y = numbers<T>(rows, 6);
+    for (std::string const& variant : names(RLSLAB_VARIANTS))
+        for (std::string const& arithmetic : names(RLSLAB_ARITHMETICS)) {
+            SCOPED_TRACE(variant + " " + arithmetic);
+            FilterHandle const one = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98)),
+                               all = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98)),
+                               fast = filter_of(variant.c_str(), arithmetic.c_str(), options_of(d, 0.98));
+            std::vector<rlslab_step> steps(rows);
+            ASSERT_EQ(update_many(all.get(), psi.data(), rows, stride, y.data(), steps.data()), RLSLAB_OK);
+            ASSERT_EQ(update_many(fast.get(), psi.data(), rows, stride, y.data(), nullptr), RLSLAB_OK);
+            for (std::size_t k = 0; k < rows; ++k) {
+                rlslab_step step;
+                if constexpr (std::same_as<T, float>) rlslab_update_f32(one.get(), &psi[k * stride], y[k], &step);
+                else rlslab_update(one.get(), &psi[k * stride], y[k], &step);
+                ASSERT_EQ(std::memcmp(&step, &steps[k], sizeof step), 0) << k;
+            }
+            EXPECT_EQ(state_of(all.get()), state_of(one.get()));
+            EXPECT_EQ(theta_of(all.get()), theta_of(one.get()));
+            if (variant != "qr_block") {
+                EXPECT_EQ(state_of(fast.get()), state_of(one.get()));
+            }
+        }
+}
+TEST(Filters, ManyRowsLeaveTheStateOfOneAfterAnother) {
+    many_rows<double>();
+    many_rows<float>();
+}
+
+TEST(Filters, ACopyGoesOnAloneAndAResetBeginsAnew) {
+    auto const psi = numbers(rows * d, 7), y = numbers(rows, 8);
+    FilterHandle const filter = filter_of("carlson", "float", options_of(d, 0.97));
+    std::vector<std::byte> const start = state_of(filter.get());
+    rlslab_update_many(filter.get(), psi.data(), 60, d, y.data(), nullptr);
+    rlslab_filter* other = nullptr;
+    ASSERT_EQ(rlslab_copy(filter.get(), &other), RLSLAB_OK);
+    FilterHandle const copy(other);
+    std::vector<std::byte> const half = state_of(filter.get());
+    EXPECT_EQ(state_of(copy.get()), half);
+    rlslab_update_many(filter.get(), &psi[60 * d], 60, d, &y[60], nullptr);
+    EXPECT_EQ(state_of(copy.get()), half);
+    rlslab_update_many(copy.get(), &psi[60 * d], 60, d, &y[60], nullptr);
+    EXPECT_EQ(state_of(copy.get()), state_of(filter.get()));
+    EXPECT_EQ(theta_of(copy.get()), theta_of(filter.get()));
+    EXPECT_EQ(rlslab_load(copy.get(), half.data(), half.size()), RLSLAB_OK);
+    EXPECT_EQ(state_of(copy.get()), half);
+    EXPECT_EQ(rlslab_reset(filter.get()), RLSLAB_OK);
+    EXPECT_EQ(state_of(filter.get()), start);
+}
+
+TEST(Filters, AMissingSampleInflatesP) {
+    FilterHandle const filter = filter_of("ud", "double", options_of(2, 0.5));
+    double before[4], after[4];
+    rlslab_covariance(filter.get(), before);
+    ASSERT_EQ(rlslab_pass_time(filter.get(), nullptr), RLSLAB_OK);
+    rlslab_covariance(filter.get(), after);
+    EXPECT_THAT(after, ElementsAre(2 * before[0], 0, 0, 2 * before[3]));
+}
+
+/// docs/c.md has a row for each rule of forgetting, with its numbers in their order.
+TEST(Filters, ThePageHasTheNumbersOfEachRule) {
+    std::ifstream file(RLSLAB_SOURCE_DIR "/docs/c.md");
+    std::string const page{std::istreambuf_iterator<char>(file), {}};
+    std::size_t rules = 0;
+    for_each(Rules<double>{}, [&]<class Rule>() {
+        std::string row;
+        detail::for_each_number<Rule>([&](auto const& number) {
+            bool const needed =
+                number.range.otherwise == RuleDefault::none || number.range.otherwise == RuleDefault::noise_variance;
+            row += (row.empty() ? " " : ", ") + std::string(number.member) + (needed ? " (no default)" : "");
+        });
+        row = "| `" + std::string(Rule::name) + "` |" + row + " |\n";
+        EXPECT_THAT(page, testing::HasSubstr(row));
+        ++rules;
+    });
+    EXPECT_EQ(rules, native::controls().size());
+}
+
+TEST(Filters, AFleetIsItsFilters) {
+    constexpr std::size_t count = 7;
+    auto psi = numbers(rows * count * d, 9), y = numbers(rows * count, 10);
+    psi[50 * count * d + 2 * d] = native::Options::unset;  // NaN: filter 2 misses row 50
+    rlslab_options const options = options_of(d, 0.98);
+    for (char const* const arithmetic : {"float", "double"}) {
+        rlslab_fleet* made = nullptr;
+        ASSERT_EQ(rlslab_fleet_new("ud", arithmetic, count, &options, &made), RLSLAB_OK) << rlslab_message();
+        FleetHandle const fleet(made);
+        EXPECT_EQ(rlslab_fleet_size(made), d);
+        EXPECT_EQ(rlslab_fleet_filters(made), count);
+        std::vector<FilterHandle> alone;
+        for (std::size_t m = 0; m < count; ++m) alone.push_back(filter_of("ud", arithmetic, options));
+        for (std::size_t k = 0; k < rows; ++k) {
+            std::size_t missing = 99;
+            ASSERT_EQ(rlslab_fleet_update(made, &psi[k * count * d], &y[k * count], &missing), RLSLAB_OK);
+            ASSERT_EQ(missing, k == 50 ? 1u : 0u);
+            for (std::size_t m = 0; m < count; ++m)
+                if (k != 50 || m != 2)
+                    rlslab_update(alone[m].get(), &psi[(k * count + m) * d], y[k * count + m], nullptr);
+        }
+        for (std::size_t m = 0; m < count; ++m) {
+            std::vector<double> theta(d);
+            ASSERT_EQ(rlslab_fleet_theta(made, m, theta.data()), RLSLAB_OK);
+            EXPECT_EQ(theta, theta_of(alone[m].get())) << m;
+            EXPECT_EQ(rlslab_fleet_health(made, m), 0);
+        }
+        std::vector<char> state(rlslab_fleet_state_size(made)), other(state.size());
+        ASSERT_EQ(rlslab_fleet_save(made, state.data(), state.size()), RLSLAB_OK);
+        rlslab_fleet* copied = nullptr;
+        ASSERT_EQ(rlslab_fleet_copy(made, &copied), RLSLAB_OK);
+        FleetHandle const copy(copied);
+        ASSERT_EQ(rlslab_fleet_reset(copied, 3), RLSLAB_OK);
+        ASSERT_EQ(rlslab_fleet_save(copied, other.data(), other.size()), RLSLAB_OK);
+        EXPECT_NE(other, state);
+        ASSERT_EQ(rlslab_fleet_load(copied, state.data(), state.size()), RLSLAB_OK);
+        ASSERT_EQ(rlslab_fleet_save(copied, other.data(), other.size()), RLSLAB_OK);
+        EXPECT_EQ(other, state);
+    }
+}
+
+}  // namespace
+}  // namespace rlslab::c
