@@ -5,6 +5,7 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -31,8 +32,11 @@ struct View {
 
     /// 'd' or 'f' for numbers of binary64 or binary32 in this machine's order of bytes, else 0.
     char kind() const {
-        char const* const format = buffer.format;
-        return format && (format[0] == 'd' || format[0] == 'f') && format[1] == 0 ? format[0] : '\0';
+        char const* format = buffer.format;
+        if (!format) return 0;
+        char const own = std::endian::native == std::endian::little ? '<' : '>';
+        if (*format == '@' || *format == '=' || *format == own) ++format;
+        return (*format == 'd' || *format == 'f') && format[1] == 0 ? *format : char(0);
     }
     bool aligned() const {
         auto const unit = std::uintptr_t(buffer.itemsize);
