@@ -1,8 +1,7 @@
-// Rules of forgetting, windows and guards by name: which there are, and which variant they go around.
+// What follows from a record, and what is odd about it, for a composition.
 #include <rlslab/catalogue/composition.hpp>
-#include <rlslab/catalogue/compose.hpp>
 
-#include <rlslab/adapt/rules.hpp>
+#include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
@@ -10,90 +9,6 @@
 #include <fmt/format.h>
 
 namespace rlslab {
-
-namespace {
-
-template <class Rule>
-Control control_of() {
-    Control out{Rule::name, Rule::what, Rule::type, "adapt/forgetting", false, {}};
-    if constexpr (requires { Rule::header; }) out.header = Rule::header;
-    if constexpr (requires { Rule::below_one; }) out.below_one = Rule::below_one;
-    detail::for_each_number<Rule>([&]<class X>(RuleNumber<Rule, X> const& n) {
-        double const start = n.range.otherwise == RuleDefault::member ? double(Rule{}.*n.at) : std::nan("");
-        if (!n.name.empty()) out.parameters.push_back({n.name, n.member, std::same_as<X, Index>, start, n.range});
-    });
-    return out;
-}
-
-}  // namespace
-
-std::vector<Control> const& controls() {
-    static std::vector<Control> const all = [] {
-        std::vector<Control> out;
-        for_each(Rules<double>{}, [&]<class Rule>() { out.push_back(control_of<Rule>()); });
-        return out;
-    }();
-    return all;
-}
-
-Control const& control_named(std::string_view name) {
-    auto const found = std::ranges::find(controls(), name, &Control::name);
-    expects(found != controls().end(), "the name of a rule of forgetting");
-    return *found;
-}
-
-std::vector<std::string_view> const& guard_names() {
-    static std::vector<std::string_view> const all = [] {
-        std::vector<std::string_view> out;
-        for (NamedPolicy const& named : guard_policies) out.push_back(named.name);
-        return out;
-    }();
-    return all;
-}
-
-bool Composition::keeps_the_problem() const { return control.empty() || control == ConstantForgetting<double>::name; }
-
-GuardPolicy Composition::policy() const {
-    if (guard.empty()) return reporting;
-    NamedPolicy const* const named = find_policy(guard);
-    expects(named != nullptr, "the name of a guard's policy");
-    return named->policy;
-}
-
-std::vector<std::string_view> const& composed_arithmetics() {
-    static std::vector<std::string_view> const all{"float", "double"};
-    return all;
-}
-
-std::string contradiction(Composition const& c) {
-    if (c.window > 0 && !c.keeps_the_problem()) return "a window takes rows back, whose weight a rule has changed";
-    if (c.policy().hands_over() && c.window > 0) return "a window cannot take back rows from the filter that goes on";
-    if (c.policy().hands_over() && !c.keeps_the_problem())
-        return "a rule of forgetting does not go along to the filter that goes on";
-    return "";
-}
-
-bool is_its_own_rule(Composition const& c, std::string_view variant) {
-    return c.control == RandomWalk<double>::name && c.window == 0 && c.guard.empty() && abilities_of(variant).walks;
-}
-
-std::string obstacle(Composition const& c, std::string_view variant) {
-    VariantAbilities const can = abilities_of(variant);
-    Abilities const& a = can.abilities;
-    bool const ruled = !c.keeps_the_problem();
-    if (!ruled && c.window == 0 && c.guard.empty())
-        return can.single_rows ? "" : "takes rows in blocks, or is another library's";
-    if (is_its_own_rule(c, variant)) return "";
-    if (!a.form) return "shows no state that could be discounted, reset or relieved of a row";
-    if (c.window > 0 && !a.downdates) return "takes no row back";
-    if (c.policy().hands_over() && !can.relays) return "does not tell how near to singular its P is";
-    if (ruled && std::ranges::count(can.rules, c.control) == 0)
-        return !a.inflates      ? "takes no P + c a a': its square root of P is no triangle"
-               : !a.information ? "has psi'P^-1 psi not at hand: it stores P, or no triangle"
-                                : "cannot do what the rule asks of a variant";
-    if (!c.guard.empty() && !a.guardable) return "cannot be restarted by a guard";
-    return "";
-}
 
 bool needs_noise_variance(Composition const& c) {
     for (size_t i = 0; i < c.parameters.size(); ++i)

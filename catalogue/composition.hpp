@@ -1,58 +1,9 @@
-// What may be composed around a variant, named while the program runs: a rule of forgetting, a window, a guard.
+// A composition and a record: numbers that follow from the data, and what is odd about the two together.
 #pragma once
 
-#include <rlslab/adapt/guard_policy.hpp>
-#include <rlslab/adapt/rule_number.hpp>
-#include <rlslab/core/problem.hpp>
-
-#include <string>
-#include <string_view>
-#include <vector>
+#include <rlslab/catalogue/native/composition.hpp>
 
 namespace rlslab {
-
-/// One number of a rule of forgetting, as the rule itself describes it (adapt/rules.hpp). `start` is NaN where the
-/// number must be given or follows from the data.
-struct ControlParameter {
-    std::string_view name, member;
-    bool whole;
-    double start;
-    RuleRange range;
-};
-/// A rule of adapt/rules.hpp by name.
-struct Control {
-    std::string_view name, what, type, header;
-    bool below_one;  ///< wants Problem::forgetting < 1
-    std::vector<ControlParameter> parameters;
-};
-std::vector<Control> const& controls();
-/// Throws std::invalid_argument for another name.
-Control const& control_named(std::string_view name);
-
-/// The names of guard_policies.
-std::vector<std::string_view> const& guard_names();
-
-/// Names that are empty and a window of 0 rows are not there. Throughout: a window stands next to the filter, a guard
-/// outermost.
-struct Composition {
-    std::string control = "";
-    std::vector<double> parameters = {};  ///< of the control, all of them
-    Index window = 0;                     ///< rows
-    std::string guard = "";
-
-    bool empty() const { return control.empty() && window == 0 && guard.empty(); }
-    /// Whether theta and P minimise the J of some rows with constant lambda: no rule changes the forgetting.
-    bool keeps_the_problem() const;
-    /// What the guard does; that it reports where there is none. Throws std::invalid_argument for a name that is no
-    /// policy's.
-    GuardPolicy policy() const;
-};
-/// Why no variant can be composed so, or "".
-std::string contradiction(Composition const& composition);
-/// Whether the rule is this variant's own, and nothing is composed around it: the random walk of kalman.
-bool is_its_own_rule(Composition const& composition, std::string_view variant);
-/// Why this variant cannot, or "". The reason is the same in every arithmetic.
-std::string obstacle(Composition const& composition, std::string_view variant);
 
 /// Whether one of its numbers is not given and follows from the noise.
 bool needs_noise_variance(Composition const& composition);
@@ -62,14 +13,5 @@ Composition completed(Composition composition, Problem<double> const& problem, d
 
 /// What is odd about it on a record of so many rows and parameters.
 std::vector<std::string> warnings_of(Composition const& composition, Index rows, Index parameters);
-
-/// What a composition did so far. Counts of what is not part of it stay 0.
-struct CompositionCounts {
-    Index refactored = 0;  ///< times that a window's kept rows were factored anew
-    Index since = 0;       ///< rows since then, or since the start
-    Index unusable = 0, outliers = 0, changes = 0, windups = 0,
-          breakdowns = 0;      ///< as a guard counts them (GuardCounts)
-    bool handed_over = false;  ///< to the sounder variant
-};
 
 }  // namespace rlslab

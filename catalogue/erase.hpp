@@ -48,6 +48,19 @@ struct RelativeErrors {
     }
 };
 
+/// The state of f as bytes, and back. Throws InputError in one line for other bytes.
+template <NamesItsState F>
+std::vector<std::byte> saved_bytes(F const& f) {
+    std::vector<std::byte> out(state_size(f));
+    save(f, std::span(out));
+    return out;
+}
+template <NamesItsState F>
+void load_bytes(F& f, std::span<std::byte const> from) {
+    if (StateFault const fault = load(f, from); fault != StateFault::none)
+        throw InputError(refusal(fault, state_header(f), state_entries(f), from));
+}
+
 template <RecursiveLeastSquares F>
 class Erased final : public AnyFilter {
     using T = typename F::scalar;
@@ -115,23 +128,8 @@ public:
     Stored<Reference> stored() const override { return filter_.stored().template mapped<Reference>(&widened<T>); }
     Stored<double> stored_in_double() const override { return in_double(filter_.stored()); }
     std::unique_ptr<AnyFilter> clone() const override { return std::make_unique<Erased>(*this); }
-    std::vector<std::byte> saved() const override {
-        if constexpr (NamesItsState<F>) {
-            std::vector<std::byte> out(state_size(*this));
-            save(*this, std::span(out));
-            return out;
-        } else {
-            throw std::invalid_argument("expected a variant that names its state, not " + std::string(F::name));
-        }
-    }
-    void load(std::span<std::byte const> from) override {
-        if constexpr (NamesItsState<F>) {
-            if (StateFault const fault = rlslab::load(*this, from); fault != StateFault::none)
-                throw InputError(refusal(fault, state_header(*this), state_entries(*this), from));
-        } else {
-            throw std::invalid_argument("expected a variant that names its state, not " + std::string(F::name));
-        }
-    }
+    std::vector<std::byte> saved() const override { return saved_bytes(*this); }
+    void load(std::span<std::byte const> from) override { load_bytes(*this, from); }
 };
 
 /// The least time per row over stretches of the records, each measured as in the benchmarks.

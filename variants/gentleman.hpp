@@ -74,15 +74,12 @@ public:
 
     Vector<T, N> theta() const {
         Vector<T, N> theta = z_.view();
-        solve_lower_transposed(L_, theta);
-        for (Index i = 0; i < theta.size(); ++i) theta[i] = select(D_[i] == RealOf<T>(0), undefined<T>(), theta[i]);
+        solve(theta);
         return theta;
     }
-    Vector<T, N> gain() const {
-        Vector<T, N> K = psi_.view();
-        solve_outer(L_, D_, K);
-        return K;
-    }
+    Vector<T, N> gain() const { return solved_outer(L_, D_, psi_); }
+    void theta(StateVector<T, N>& out) const { out = z_; solve(out); }    // without the heap
+    void gain(StateVector<T, N>& out) const { out = psi_; solve_outer(L_, D_, out); }
     Matrix<T, N> information() const { return outer(L_, D_); }
     Stored<T> stored() const {
         return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view(), D_.view()};
@@ -91,6 +88,12 @@ public:
         return UnitInformation<T, N>{lambda_, z_, x_, c_, s_, rest_, before_, D_, L_, lengths_};
     }
     static auto state(auto& f) { return std::tie(f.lambda_, f.D_, f.z_, f.psi_, f.L_, f.lengths_); }
+
+private:
+    void solve(auto& z) const {
+        solve_lower_transposed(L_, z);
+        for (Index i = 0; i < z.size(); ++i) z[i] = select(D_[i] == RealOf<T>(0), undefined<T>(), z[i]);
+    }
 };
 static_assert(ReportsInformation<Gentleman<double>> && StartsWithoutPrior<Gentleman<double>>);
 

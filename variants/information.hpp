@@ -82,6 +82,12 @@ public:
         solve_ldl(L_, D_, positive_, K);
         return K.view();
     }
+    void theta(StateVector<T, N>& out) const { out = solved_ ? theta_ : solved().theta_; }    // without the heap, solved
+    void gain(StateVector<T, N>& out) const {
+        if (!solved_) return solved().gain(out);
+        out = psi_;
+        solve_ldl(L_, D_, positive_, out);
+    }
     Matrix<T, N> information() const { return X_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::plain, X_.view()}; }
     auto form() requires Field<T> { return equations(); }

@@ -63,6 +63,8 @@ public:
 
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
+    void theta(StateVector<T, N>& out) const { out = z_; solve_lower_transposed(L_, out); }    // without the heap
+    void gain(StateVector<T, N>& out) const { out = psi_; solve_outer(L_, out); }
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
     auto form() requires Field<T> { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }

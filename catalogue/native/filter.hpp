@@ -46,7 +46,7 @@ struct Options {
 
 /// What happened so far. Counts of what is not part of the filter stay 0.
 struct Counts {
-    std::int64_t rows = 0;  ///< since it was made, reset or loaded; with a guard all that its state has seen
+    std::int64_t rows = 0;  ///< offered since it was made, reset or loaded
     std::int64_t unusable = 0, outliers = 0, changes = 0, windups = 0, breakdowns = 0;  ///< as the guard counts them
     std::int64_t refactored = 0;   ///< times that the window's rows were factored anew
     std::int64_t since = 0;        ///< rows since then, or since the start

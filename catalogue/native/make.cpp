@@ -1,21 +1,17 @@
 // Filters by name, and what is refused.
+#include <rlslab/catalogue/native/filter_of.hpp>
 #include <rlslab/catalogue/native/makers.hpp>
 
-#include <rlslab/adapt/guard.hpp>
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
-#include <stdexcept>
-#include <string>
+#include <cmath>
 
 namespace rlslab::native {
 namespace {
 
 using Names = std::span<std::string_view const>;
 
-[[noreturn]] void refuse(std::string const& why) { throw std::invalid_argument(why); }
-
-/// The names of a list, collected once.
 template <class List>
 std::vector<std::string_view> names_of(List const& list, auto member) {
     std::vector<std::string_view> out;
@@ -34,7 +30,7 @@ Problem<double> problem_of(Options const& o) {
     expects(o.size >= 1, "size >= 1");
     expects(o.prior_variance >= 0, "prior variance >= 0 (0: no prior)");
     bool const has_prior = o.prior_variance > 0 || o.prior_covariance;
-    expects(has_prior || !o.prior_theta, "a prior variance or covariance beside prior theta");
+    expects(has_prior || !o.prior_theta, "a prior variance or covariance beside a prior theta");
     if (!has_prior) return out;
     out.prior.emplace();
     if (o.prior_variance > 0) out.prior->variance = o.prior_variance;
@@ -44,11 +40,63 @@ Problem<double> problem_of(Options const& o) {
     return out;
 }
 
+/// The numbers of the rule: those given, and its defaults for others.
+std::vector<double> numbers_of(Control const& control, Options const& o, Problem<double> const& problem) {
+    std::string const of = "control " + std::string(control.name) + ": ";
+    if (o.control_numbers.size() > control.parameters.size())
+        refuse(of + "expected at most " + std::to_string(control.parameters.size()) + " numbers, found " +
+               std::to_string(o.control_numbers.size()));
+    std::vector<double> out;
+    for (ControlParameter const& p : control.parameters) {
+        double x = out.size() < o.control_numbers.size() ? o.control_numbers[out.size()] : Options::unset;
+        if (std::isnan(x)) x = p.start;
+        if (std::isnan(x) && p.range.otherwise == RuleDefault::prior_variance && problem.prior)
+            x = problem.prior->covariance ? problem.prior->covariance->diagonal().maxCoeff() : problem.prior->variance;
+        if (std::isnan(x)) refuse(of + "expected its number " + std::string(p.name));
+        bool const above = p.range.positive ? x > p.range.least : x >= p.range.least;
+        if (!above || !(x <= p.range.most) || (p.whole && x != std::floor(x)))
+            refuse(of + std::string(p.name) + " is out of its range");
+        out.push_back(x);
+    }
+    return out;
+}
+Composition composition_of(Options const& o, Problem<double> const& problem) {
+    expects(o.window >= 0, "a window of rows >= 0 (0: none)");
+    Composition out{.control = std::string(o.control), .window = o.window, .guard = std::string(o.guard)};
+    if (!o.guard.empty()) expect_one_of(guards(), o.guard, "guard");
+    if (!o.control.empty()) expect_one_of(controls(), o.control, "control");
+    if (o.control.empty()) expects(o.control_numbers.empty(), "a control beside its numbers");
+    else out.parameters = numbers_of(control_named(o.control), o, problem);
+    return out;
+}
+GuardOptions<double> guard_options_of(Options const& o) {
+    GuardOptions<double> out;
+    auto const set = [](double& member, double given) {
+        if (!std::isnan(given)) member = given;
+    };
+    set(out.largest_variance, o.largest_variance);
+    set(out.innovation, o.innovation);
+    set(out.least_noise, o.least_noise);
+    set(out.asymmetry, o.asymmetry);
+    if (o.noise_memory != 0) out.noise_memory = o.noise_memory;
+    out.rebuild_rows = o.rebuild_rows;
+    return out;
+}
+
+template <class T>
+Problem<T> problem_in(Problem<double> const& problem) {
+    return problem.mapped<T>([](double x) { return T(x); });
+}
 template <class T>
 std::unique_ptr<Filter> made(std::string_view variant, Options const& options) {
-    Problem<T> const problem = problem_of(options).mapped<T>([](double x) { return T(x); });
-    auto const& all = makers<T>();
-    return std::ranges::find(all, variant, &Maker<T>::variant)->make(problem);
+    Problem<double> const problem = problem_of(options);
+    Composition const composition = composition_of(options, problem);
+    if (composition.empty())
+        return std::ranges::find(makers<T>(), variant, &Maker<T>::variant)->make(problem_in<T>(problem));
+    if (std::string const why = contradiction(composition); !why.empty()) refuse(why);
+    if (std::string const why = obstacle(composition, variant); !why.empty())
+        refuse(std::string(variant) + " cannot be composed so: it " + why);
+    return composed<T>(composition, guard_options_of(options), variant, problem_in<T>(problem));
 }
 
 }  // namespace
@@ -61,17 +109,45 @@ Names arithmetics() {
     static constexpr std::string_view all[] = {ArithmeticTraits<float>::name, ArithmeticTraits<double>::name};
     return all;
 }
+Names guards() {
+    static auto const all = names_of(guard_policies, &NamedPolicy::name);
+    return all;
+}
+Names controls() {
+    static auto const all = names_of(rlslab::controls(), &Control::name);
+    return all;
+}
 
-std::string_view name_of_health(std::int32_t health) { return rlslab::name_of(Health(health)); }
-std::string_view name_of_signal(std::int32_t signal) {
-    constexpr std::string_view names[] = {"none", "unusable", "breakdown", "change", "outlier", "windup"};
-    return names[signal];
+std::string_view name_of_health(std::int32_t health) { return name_of(Health(health)); }
+std::string_view name_of_signal(std::int32_t signal) { return name_of(GuardSignal(signal)); }
+
+std::string refusal_of(StateFault fault, std::span<std::byte const> from) {
+    std::string text = "the state is " + std::string(name_of(fault));
+    StateHeader found;
+    if (StateHeader::read(from, found) == StateFault::none)
+        text += ": " + printable(StateHeader::text(found.variant)) + " in " +
+                printable(StateHeader::text(found.arithmetic)) + " with " + std::to_string(found.parameters) +
+                " parameters";
+    return text;
 }
 
 std::unique_ptr<Filter> make(std::string_view variant, std::string_view arithmetic, Options const& options) {
     expect_one_of(variants(), variant, "variant");
     expect_one_of(arithmetics(), arithmetic, "arithmetic");
     return arithmetic == ArithmeticTraits<float>::name ? made<float>(variant, options) : made<double>(variant, options);
+}
+
+std::unique_ptr<Fleet> make_fleet(std::string_view variant, std::string_view arithmetic, Index filters,
+                                  Options const& options) {
+    expect_one_of(variants(), variant, "variant");
+    expect_one_of(arithmetics(), arithmetic, "arithmetic");
+    Problem<double> const problem = problem_of(options);
+    expects(composition_of(options, problem).empty(), "a fleet of plain variants: no guard, window or control");
+    auto out = arithmetic == ArithmeticTraits<float>::name
+                   ? fleet_named<float>(variant, filters, problem_in<float>(problem))
+                   : fleet_named<double>(variant, filters, problem);
+    if (!out) refuse(std::string(variant) + " counts the rows of all filters at once: there is no fleet of it");
+    return out;
 }
 
 }  // namespace rlslab::native

@@ -30,6 +30,11 @@ concept HandsOver = requires(F& f) {
 /// What a guard saw of a row, the worst first.
 enum class GuardSignal : unsigned char { none, unusable, breakdown, change, outlier, windup };
 
+constexpr std::string_view name_of(GuardSignal signal) {
+    constexpr std::string_view names[] = {"none", "unusable", "breakdown", "change", "outlier", "windup"};
+    return names[static_cast<int>(signal)];
+}
+
 struct GuardCounts {
     Index rows = 0;      ///< offered
     Index unusable = 0;  ///< not finite, or out of range: skipped

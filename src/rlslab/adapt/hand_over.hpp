@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/state/convert.hpp>
+#include <rlslab/adapt/around.hpp>
 #include <rlslab/adapt/window.hpp>
 
 #include <tuple>
@@ -148,6 +149,8 @@ public:
     }
     Vector<T, N> theta() const { return handed_ ? narrowed(second_.theta()) : Vector<T, N>(first_.theta()); }
     Vector<T, N> gain() const { return handed_ ? narrowed(second_.gain()) : Vector<T, N>(first_.gain()); }
+    void theta(StateVector<T, N>& out) const { handed_ ? narrow(second_.theta(), out) : detail::theta_of(first_, out); }
+    void gain(StateVector<T, N>& out) const { handed_ ? narrow(second_.gain(), out) : detail::gain_of(first_, out); }
     Stored<T> stored() const {
         return handed_ ? second_.stored().template mapped<T>(&number_as<T, U>) : first_.stored();
     }
@@ -207,10 +210,14 @@ private:
         for (Index i = 0; i < x.size(); ++i) psi_[i] = number_as<U>(x[i]);
         return {psi_.data(), psi_.size()};
     }
+    template <class V, class Out>
+    static void narrow(V const& x, Out& out) {
+        for (Index i = 0; i < x.size(); ++i) out[i] = number_as<T>(x[i]);
+    }
     template <class V>
     static Vector<T, N> narrowed(V const& x) {
         Vector<T, N> out(x.size());
-        for (Index i = 0; i < x.size(); ++i) out[i] = number_as<T>(x[i]);
+        narrow(x, out);
         return out;
     }
     static Step<T> narrowed(Step<U> const& step) {

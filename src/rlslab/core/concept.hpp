@@ -117,12 +117,13 @@ concept TakesRowsAtOnce =
 
 /// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on,
 /// and to nothing that the next row overwrites. One of them may name a state itself: so a type around a filter lists
-/// the filter first and its own members after it. <rlslab/state/state.hpp> saves and loads what is named.
+/// the filter first and its own members after it. <rlslab/state/state.hpp> saves and loads what is named. A filter whose
+/// type only the run knows has `hides_its_state`, and shows its state itself (catalogue/native/adaptive.hpp).
 template <class F>
 concept NamesItsState = requires(F& f, F const& c) {
     F::state(f);
     F::state(c);
-};
+} || requires { requires F::hides_its_state; };
 
 /// One option of a type around a filter, or a count of what it took, as its state says it by name:
 ///   static std::array<StateOption, 2> options(auto const& f) { return {{{"every", double(f.every_)}, {"rows",

@@ -118,11 +118,17 @@ void solve_outer(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
     for (Index i = 0; i < x.size(); ++i) x[i] /= D[i];
     solve_lower_transposed(L, x);
 }
-/// (L L')^-1 b.
+/// (L L')^-1 b, and (L diag(D) L')^-1 b.
 template <Scalar T, int N>
 Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<T, N> const& b) {
     Vector<T, N> x = b.view();
     solve_outer(L, x);
+    return x;
+}
+template <Scalar T, int N>
+Vector<T, N> solved_outer(StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& b) {
+    Vector<T, N> x = b.view();
+    solve_outer(L, D, x);
     return x;
 }
 

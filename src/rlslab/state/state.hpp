@@ -37,10 +37,35 @@ constexpr bool is_first_of_its_type() {
         return (!std::same_as<std::tuple_element_t<i, Members>, std::tuple_element_t<j, Members>> && ...);
     }(std::make_index_sequence<i>());
 }
+/// A filter whose type only the run knows walks and describes its state itself.
+template <class X>
+concept HidesItsState = requires { requires X::hides_its_state; };
+/// Whether that is so of F, or of what F is around: then F's own names do not tell the variant.
+template <class F>
+concept NamedAtRunTime = requires(F const& f) { f.variant_name(); };
+template <class F>
+std::string_view variant_of(F const& f) {
+    if constexpr (NamedAtRunTime<F>) return f.variant_name();
+    else return F::name;
+}
+/// Any callable that takes entries.
+class EntryVisitor {
+    void const* to_;
+    void (*visit_)(void const*, StateEntry const&);
+
+public:
+    template <class To>
+    explicit EntryVisitor(To const& to)
+        : to_(&to), visit_([](void const* at, StateEntry const& entry) { (*static_cast<To const*>(at))(entry); }) {}
+    void operator()(StateEntry const& entry) const { visit_(to_, entry); }
+};
+
 /// Shows what x says by name, from outside in: to(entry).
 template <class To, class X>
-void describe(To& to, X const& x) {
-    if constexpr (NamesItsState<X>) {
+void describe(To const& to, X const& x) {
+    if constexpr (HidesItsState<X>) {
+        x.describe_state(EntryVisitor(to));
+    } else if constexpr (NamesItsState<X>) {
         auto const entry = [&to](char kind, std::string_view name, double value) {
             StateEntry out{.kind = kind, .value = value};
             std::copy(name.begin(), name.end(), out.name.begin());
@@ -80,14 +105,27 @@ constexpr std::size_t entries_of() {
     return out;
 }
 template <class F>
+std::size_t entries_in(F const& f) {
+    if constexpr (NamedAtRunTime<F>) {
+        std::size_t out = 0;
+        auto const count = [&out](StateEntry const&) { ++out; };
+        describe(count, f);
+        return out;
+    } else {
+        return entries_of<F>();
+    }
+}
+template <class F>
 inline constexpr std::size_t entry_bytes = 4 + StateEntry::size * entries_of<F>();
 
 /// Shows every member to `to`, in order.
 template <class To, class X>
 void walk(To& to, X& x) {
     using Member = std::remove_const_t<X>;
-    if constexpr (NamesItsState<Member>) {
-        if constexpr (requires { Member::name; }) to.name(Member::name);
+    if constexpr (HidesItsState<Member>) {
+        x.walk_state(to);
+    } else if constexpr (NamesItsState<Member>) {
+        if constexpr (requires { Member::name; }) to.name(variant_of(x));
         to.token('(', 0);
         std::apply([&to](auto&... members) { (walk(to, members), ...); }, Member::state(x));
         to.token(')', 0);
@@ -240,7 +278,8 @@ constexpr Known known_of(std::tuple<Members&...> const*) {
 }
 template <class X>
 constexpr Known known() {
-    if constexpr (NamesItsState<X>) return known_of(static_cast<decltype(X::state(std::declval<X&>()))*>(nullptr));
+    if constexpr (HidesItsState<X>) return {.exact = false};
+    else if constexpr (NamesItsState<X>) return known_of(static_cast<decltype(X::state(std::declval<X&>()))*>(nullptr));
     else if constexpr (Encodable<X>) return {.bytes = Encoding<X>::size};
     else return KnownOf<X>::value;
 }
@@ -272,12 +311,13 @@ StateHeader state_header(F const& f) {
                     .digits = std::uint64_t(significand_bits<T>()),
                     .min_exp = std::uint32_t(Traits::min_exp),
                     .max_exp = std::uint32_t(Traits::max_exp)};
-    std::copy(F::name.begin(), F::name.end(), out.variant.begin());
+    std::string_view const name = detail::variant_of(f);
+    std::copy(name.begin(), name.end(), out.variant.begin());
     std::copy(Traits::name.begin(), Traits::name.end(), out.arithmetic.begin());
     detail::Measuring measuring;
     detail::walk(measuring, f);
     measuring.into(out);
-    out.bytes += StateHeader::size + detail::entry_bytes<F> + StateHeader::checksum;
+    out.bytes += StateHeader::size + 4 + StateEntry::size * detail::entries_in(f) + StateHeader::checksum;
     return out;
 }
 
@@ -302,7 +342,7 @@ std::size_t save(F const& f, std::span<std::byte> to) {
     std::size_t const end = std::size_t(header.bytes) - StateHeader::checksum;
     header.write(to.data());
     std::byte* at = to.data() + StateHeader::size;
-    detail::write_low(detail::entries_of<F>(), 4, at);
+    detail::write_low(detail::entries_in(f), 4, at);
     at += 4;
     auto const put = [&at](StateEntry const& entry) {
         entry.write(at);
@@ -339,7 +379,7 @@ namespace detail {
 /// The first thing that f says by name otherwise than the entries do.
 template <NamesItsState F>
 StateFault compared(F const& f, std::span<std::byte const> entries, Edition accepted) {
-    if (entries.size() != entry_bytes<F>) return StateFault::layout;
+    if (entries.size() != 4 + StateEntry::size * entries_in(f)) return StateFault::layout;
     bool named = true, same_edition = true, same_options = true;
     std::byte const* at = entries.data() + 4;
     auto const compare = [&](StateEntry const& mine) {

@@ -2,12 +2,12 @@
 // guards and rules need.
 #pragma once
 
-#include <rlslab/catalogue/composition.hpp>
+#include <rlslab/catalogue/native/composition.hpp>
 
 #include <rlslab/adapt/assessed.hpp>
 #include <rlslab/adapt/guard.hpp>
 #include <rlslab/adapt/hand_over.hpp>
-#include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/state/state.hpp>
 
 #include <memory>
 
@@ -44,25 +44,41 @@ struct AnyForm {
     typename AnyAdaptive<T>::Interface& filter;
 };
 
+namespace detail {
+/// P, or P^-1, as the variant inside f reports it.
+template <class F>
+Matrix<typename F::scalar> reported_matrix(F const& f) {
+    if constexpr (ReportsCovariance<F>) return f.covariance();
+    else if constexpr (ReportsInformation<F>) return f.information();
+    else if constexpr (requires { f.matrix(); }) return f.matrix();
+    else if constexpr (requires { f.filter(); }) return reported_matrix(f.filter());
+    else return f.handed_over() ? multiplied_out(f.stored()) : reported_matrix(f.first());
+}
+}  // namespace detail
+
 /// A value: copies are filters of their own. Around a variant, or around what is composed around one: so a window, a
 /// guard or a rule is compiled once an arithmetic, and not once a variant. Each call is one virtual call to F's own
-/// text: the bits are those of the type F. By its type it models everything that adapt/ asks for. What F cannot do
-/// throws std::logic_error: ask `abilities` before composing. Allocates at copies, and where theta or gain are
-/// reported.
+/// text: the bits are those of the type F, and so are the bytes of its state. By its type it models everything that
+/// adapt/ asks for. What F cannot do throws std::logic_error: ask `abilities` before composing. An update allocates
+/// nothing, F allowing, and neither do theta and gain: views, of what the next call may overwrite.
 template <Real T>
 class AnyAdaptive {
 public:
     using scalar = T;
     static constexpr std::string_view name = "any";
+    static constexpr bool hides_its_state = true;
+    using View = Eigen::Map<Vector<T> const>;
 
     struct Interface {
         virtual ~Interface() = default;
         virtual std::unique_ptr<Interface> clone() const = 0;
         virtual Abilities abilities() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
-        virtual Vector<T> theta() const = 0;
-        virtual Vector<T> gain() const = 0;
+        virtual Step<T> pass_time(StateVector<T>& scratch) = 0;
+        virtual View theta() const = 0;
+        virtual View gain() const = 0;
         virtual Stored<T> stored() const = 0;
+        virtual Matrix<T> matrix() const = 0;
         virtual void set_forgetting(T const& lambda) = 0;
         virtual void discount(T const& lambda) = 0;
         virtual void inflate(T const& c, Regressor<T> a) = 0;
@@ -80,6 +96,12 @@ public:
         virtual bool set_aside() const = 0;
         virtual bool restarted() const = 0;
         virtual CompositionCounts counts() const = 0;
+        virtual GuardSignal signal() const = 0;
+        virtual std::string_view variant_name() const = 0;
+        virtual void describe_state(detail::EntryVisitor to) const = 0;
+        virtual void walk_state(detail::Measuring& to) const = 0;
+        virtual void walk_state(detail::Writing& to) const = 0;
+        virtual void walk_state(detail::Reading& to) = 0;
     };
 
     /// The variant of that name, which must exist in T. Throws std::invalid_argument as the variant does, or for
@@ -90,7 +112,11 @@ public:
     /// to know what it is.
     template <class F>
     static AnyAdaptive around(F const& filter) {
-        return AnyAdaptive(std::make_unique<Around<F>>(filter));
+        return AnyAdaptive(interface_around(filter));
+    }
+    template <class F>
+    static std::unique_ptr<Interface> interface_around(F const& filter) {
+        return std::make_unique<Around<F>>(filter);
     }
     AnyAdaptive(AnyAdaptive const& other) : filter_(other.filter_->clone()) {}
     AnyAdaptive(AnyAdaptive&&) noexcept = default;
@@ -100,9 +126,11 @@ public:
     }
 
     Step<T> update(Regressor<T> psi, T y) { return filter_->update(psi, y); }
-    Vector<T> theta() const { return filter_->theta(); }
-    Vector<T> gain() const { return filter_->gain(); }
+    Step<T> pass_time(StateVector<T>& scratch) { return filter_->pass_time(scratch); }
+    View theta() const { return filter_->theta(); }
+    View gain() const { return filter_->gain(); }
     Stored<T> stored() const { return filter_->stored(); }
+    Matrix<T> matrix() const { return filter_->matrix(); }  ///< P, or P^-1: as stored() has it
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->abilities(); }
     bool hand_over() { return filter_->hand_over(); }
@@ -114,6 +142,16 @@ public:
     bool set_aside() const { return filter_->set_aside(); }
     bool restarted() const { return filter_->restarted(); }
     CompositionCounts composition_counts() const { return filter_->counts(); }
+    GuardSignal signal() const { return filter_->signal(); }
+
+    /// For rlslab::save and load.
+    std::string_view variant_name() const { return filter_->variant_name(); }
+    void describe_state(detail::EntryVisitor to) const { filter_->describe_state(to); }
+    template <class To>
+    void walk_state(To& to) const {
+        std::as_const(*filter_).walk_state(to);
+    }
+    void walk_state(detail::Reading& to) { filter_->walk_state(to); }
 
     /// Instead of those by form: what is inside may have its own.
     friend T variance(AnyAdaptive& f, Index j) { return f.filter_->variance(j); }
@@ -139,7 +177,11 @@ template <Real T>
 template <class F>
 struct AnyAdaptive<T>::Around final : Interface {
     F f;
-    explicit Around(F const& filter) : f(filter) {}
+    static constexpr bool views_theta = !std::same_as<decltype(f.theta()), Vector<T>>,
+                          views_gain = !std::same_as<decltype(f.gain()), Vector<T>>;
+    mutable StateVector<T> theta_, gain_;  // where f solves for them
+    explicit Around(F const& filter)
+        : f(filter), theta_(views_theta ? 0 : f.theta().size()), gain_(views_gain ? 0 : f.theta().size()) {}
 
     [[noreturn]] static void cannot() {
         throw std::logic_error("asked of a filter that cannot do it: " + std::string(F::name));
@@ -148,9 +190,25 @@ struct AnyAdaptive<T>::Around final : Interface {
     std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
     Abilities abilities() const override { return abilities_by_type<F>; }
     Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
-    Vector<T> theta() const override { return f.theta(); }
-    Vector<T> gain() const override { return f.gain(); }
+    Step<T> pass_time(StateVector<T>& scratch) override { return detail::pass_time(f, scratch); }
+    View theta() const override {
+        if constexpr (views_theta) {
+            return f.theta();
+        } else {
+            detail::theta_of(f, theta_);
+            return theta_.view();
+        }
+    }
+    View gain() const override {
+        if constexpr (views_gain) {
+            return f.gain();
+        } else {
+            detail::gain_of(f, gain_);
+            return gain_.view();
+        }
+    }
     Stored<T> stored() const override { return f.stored(); }
+    Matrix<T> matrix() const override { return detail::reported_matrix(f); }
     void set_forgetting(T const& lambda) override {
         using rlslab::set_forgetting;
         if constexpr (TimeUpdates<F>) set_forgetting(f, lambda);
@@ -227,16 +285,22 @@ struct AnyAdaptive<T>::Around final : Interface {
         if constexpr (requires { f.handed_over(); }) out.handed_over = f.handed_over();
         return out;
     }
+    GuardSignal signal() const override {
+        if constexpr (requires { f.signal(); }) return f.signal();
+        else return GuardSignal::none;
+    }
+    std::string_view variant_name() const override { return detail::variant_of(f); }
+    void describe_state(detail::EntryVisitor to) const override { detail::describe(to, f); }
+    void walk_state(detail::Measuring& to) const override { detail::walk(to, f); }
+    void walk_state(detail::Writing& to) const override { detail::walk(to, f); }
+    void walk_state(detail::Reading& to) override { detail::walk(to, f); }
 };
 
-// In the arithmetics of compositions.
+// catalogue/native/compose.cpp, compiled for both arithmetics, defines these.
 template <>
 std::unique_ptr<AnyAdaptive<float>::Interface> AnyAdaptive<float>::named(std::string_view, Problem<float> const&);
 template <>
 std::unique_ptr<AnyAdaptive<double>::Interface> AnyAdaptive<double>::named(std::string_view, Problem<double> const&);
-template <>
-std::unique_ptr<AnyAdaptive<Reference>::Interface> AnyAdaptive<Reference>::named(std::string_view,
-                                                                                 Problem<Reference> const&);
 
 // --- a form that only the run knows ----------------------------------------------------------------------------------
 

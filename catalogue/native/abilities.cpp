@@ -1,5 +1,5 @@
 // What each variant lets others do to its state.
-#include <rlslab/catalogue/compose.hpp>
+#include <rlslab/catalogue/native/compose.hpp>
 
 #include <rlslab/adapt/rules.hpp>
 #include <rlslab/variants/variants.hpp>

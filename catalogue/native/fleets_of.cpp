@@ -1,0 +1,21 @@
+// Fleets of the variants in one arithmetic, RLSLAB_NATIVE: float or double, eight filters at a time.
+#include <rlslab/catalogue/native/fleet_of.hpp>
+#include <rlslab/catalogue/native/makers.hpp>
+
+#include <rlslab/variants/variants.hpp>
+
+namespace rlslab::native {
+
+using T = RLSLAB_NATIVE;
+
+template <>
+std::unique_ptr<Fleet> fleet_named(std::string_view variant, Index filters, Problem<T> const& problem) {
+    std::unique_ptr<Fleet> out;
+    for_each(Variants<Pack<T, 8>>{}, [&]<class F>() {
+        if constexpr (KeepsLanesApart<F>)
+            if (F::name == variant) out = std::make_unique<FleetOf<F>>(filters, problem);
+    });
+    return out;
+}
+
+}  // namespace rlslab::native
