@@ -29,14 +29,18 @@ PyObject* use(PyObject*, PyObject* args) {
     Py_RETURN_NONE;
 }
 
-PyMethodDef functions[] = {{"variants", names_of<native::variants>, METH_NOARGS, nullptr},
-                           {"arithmetics", names_of<native::arithmetics>, METH_NOARGS, nullptr},
-                           {"guards", names_of<native::guards>, METH_NOARGS, nullptr},
-                           {"controls", names_of<native::controls>, METH_NOARGS, nullptr},
-                           {"healths", words<native::name_of_health, 4>, METH_NOARGS, nullptr},
-                           {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
-                           {"use", use, METH_VARARGS, nullptr},
-                           {nullptr, nullptr, 0, nullptr}};
+PyMethodDef functions[] = {
+    {"variants", names_of<native::variants>, METH_NOARGS,
+     "variants()\n--\n\nThe names of the dense variants, in the order of the library's list.\n\n>>> len(rlslab.variants())\n15"},
+    {"arithmetics", names_of<native::arithmetics>, METH_NOARGS, nullptr},
+    {"guards", names_of<native::guards>, METH_NOARGS,
+     "guards()\n--\n\nThe policies of guards, for `guard=`.\n\n>>> \"reset\" in rlslab.guards()\nTrue"},
+    {"controls", names_of<native::controls>, METH_NOARGS,
+     "controls()\n--\n\nThe rules of forgetting, for `control=`.\n\n>>> \"fortescue\" in rlslab.controls()\nTrue"},
+    {"healths", words<native::name_of_health, 4>, METH_NOARGS, nullptr},
+    {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
+    {"use", use, METH_VARARGS, nullptr},
+    {nullptr, nullptr, 0, nullptr}};
 PyModuleDef definition{
     PyModuleDef_HEAD_INIT, "rlslab._core", nullptr, -1, functions, nullptr, nullptr, nullptr, nullptr};
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import reprlib
 import tempfile
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, TypeVar, Union, overload
@@ -293,7 +294,7 @@ class Filter(_core.Filter):
 def _remade(version: int, made_of: type[Filter], options: dict[str, Any], state: bytes) -> Filter:
     """A pickled filter. ValueError for a pickle of another version of this module, or a damaged one."""
     if version != PICKLE:
-        raise ValueError(f"a pickle of version {version!r}; this rlslab reads version {PICKLE}")
+        raise ValueError(f"a pickle of version {reprlib.repr(version)}; this rlslab reads version {PICKLE}")
     if not (isinstance(made_of, type) and issubclass(made_of, Filter) and isinstance(options, dict)):
         raise ValueError("a damaged pickle of a filter")
     out = made_of(**options)

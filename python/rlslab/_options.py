@@ -6,6 +6,7 @@ import difflib
 import math
 import operator
 import os
+import reprlib
 from collections.abc import Mapping, Sequence
 from typing import Any, Union
 
@@ -30,7 +31,7 @@ def one_of(name: object, names: Sequence[str], what: str) -> str:
         return name
     near = difflib.get_close_matches(name, names, 1)
     hint = f'did you mean "{near[0]}"?' if near else "there are " + ", ".join(names)
-    raise ValueError(f"no {what} {name!r}; {hint}")
+    raise ValueError(f"no {what} {reprlib.repr(name)}; {hint}")
 
 
 def arithmetic(dtype: DTypeLike) -> str:
@@ -40,7 +41,7 @@ def arithmetic(dtype: DTypeLike) -> str:
     try:
         return ARITHMETICS[np.dtype(dtype).name]
     except (TypeError, KeyError):
-        raise ValueError(f"dtype {dtype!r}: a filter computes in float32 or float64") from None
+        raise ValueError(f"dtype {reprlib.repr(dtype)}: a filter computes in float32 or float64") from None
 
 
 def whole(value: Any, name: str) -> int:
@@ -74,7 +75,7 @@ def control_numbers(control: Control) -> tuple[str, Any]:
         name, *given = tuple(control)
     except (TypeError, ValueError):
         raise TypeError('control is a name, or a name and its numbers: ("fortescue", 0.1, 50)') from None
-    values = [math.nan if x is None else real(x, f"a number of control {name!r}") for x in given]
+    values = [math.nan if x is None else real(x, f"a number of control {reprlib.repr(name)}") for x in given]
     return one_of(name, _core.controls(), "control"), np.array(values, dtype=np.float64) if values else None
 
 

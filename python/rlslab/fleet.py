@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from typing import Any, TypeVar
 
 import numpy as np
@@ -146,7 +147,7 @@ class Fleet(_core.Fleet):
 
 def _remade(version: int, made_of: type[Fleet], options: dict[str, Any], state: bytes) -> Fleet:
     if version != 1:
-        raise ValueError(f"a pickle of version {version!r}; this rlslab reads version 1")
+        raise ValueError(f"a pickle of version {reprlib.repr(version)}; this rlslab reads version 1")
     if not (isinstance(made_of, type) and issubclass(made_of, Fleet) and isinstance(options, dict)):
         raise ValueError("a damaged pickle of a fleet")
     out = made_of(**options)
