@@ -19,6 +19,13 @@ template <int... I>
 Lists const& gathered(std::integer_sequence<int, I...>) {
     static Lists lists;  // entries point into it
     std::vector<Instances> all{instances<I>()...};
+#ifdef RLSLAB_LINKS_SPARSE
+    std::vector<CatalogueEntry>& in_double =
+        std::ranges::find(all, ArithmeticTraits<double>::name, [](Instances const& one) {
+            return one.arithmetic.name;
+        })->entries;
+    for (CatalogueEntry const& entry : sparse_entries()) in_double.push_back(entry);
+#endif
     for (Instances const& one : all) lists.arithmetics.push_back(one.arithmetic);
     for (size_t a = 0; a < all.size(); ++a)
         for (CatalogueEntry entry : all[a].entries) {

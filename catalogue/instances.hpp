@@ -13,5 +13,7 @@ struct Instances {
 /// The instances of the I-th arithmetic of the list. catalogue/instances.cpp, compiled for that I, defines it.
 template <int I>
 Instances instances();
+/// The sparse variants, which exist in double: catalogue/sparse_instances.cpp. They come after double's own.
+std::vector<CatalogueEntry> sparse_entries();
 
 }  // namespace rlslab

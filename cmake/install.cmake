@@ -1,7 +1,9 @@
 # What an installation holds, in components that can be installed apart (cmake --install BUILD --component NAME):
 #   headers   the variants and what they stand on; what find_package(rlslab) and pkg-config rlslab find
 #   kernels   the compiled kernels of float and double: shorter compilation, the same bits
+#   native    every dense variant in float and double by name, compiled: needs no library
 #   core      the compiled reference, multiprecision, data files
+#   catalogue every variant in every arithmetic by name, compiled
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
 #   python    the Python package (python/CMakeLists.txt)
@@ -10,12 +12,14 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# In the tree rlslab/variants is a link: the variants are installed from where they are. The catalogue is not installed.
+# In the tree rlslab/variants and rlslab/catalogue are links: they are installed from where they are.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/rlslab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab COMPONENT headers
   FILES_MATCHING PATTERN "*.hpp" PATTERN formats EXCLUDE PATTERN variants EXCLUDE PATTERN catalogue EXCLUDE)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/variants/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/variants COMPONENT
-    headers
-  FILES_MATCHING PATTERN "*.hpp")
+foreach(room variants catalogue)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rlslab/${room} COMPONENT
+      headers
+    FILES_MATCHING PATTERN "*.hpp")
+endforeach()
 if(TARGET rlslab_program)
   install(TARGETS rlslab_program DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
   # A cross-compiled program that cannot run here has written none of these.
@@ -29,17 +33,25 @@ endif()
 set(components headers)
 set(found_by_pkgconfig rlslab)
 if(TARGET rlslab_core)
-  list(APPEND components kernels core)
-  list(APPEND found_by_pkgconfig rlslab-kernels rlslab-core)
+  list(APPEND components kernels native core)
+  list(APPEND found_by_pkgconfig rlslab-kernels rlslab-native rlslab-core)
   # A static library does not carry what it calls: whoever links an installed core needs fmt as well.
   target_link_libraries(rlslab_core PRIVATE $<INSTALL_INTERFACE:fmt::fmt>)
+endif()
+if(TARGET rlslab_catalogue_archive)
+  list(APPEND components catalogue)
+  list(APPEND found_by_pkgconfig rlslab-catalogue)
 endif()
 if(TARGET rlslab_sparse)
   list(APPEND components sparse)
 endif()
 foreach(component IN LISTS components)
-  set_target_properties(rlslab_${component} PROPERTIES EXPORT_NAME ${component})
-  install(TARGETS rlslab_${component} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT
+  set(target rlslab_${component})
+  if(TARGET ${target}_archive)    # in the tree, objects
+    set(target ${target}_archive)
+  endif()
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${component})
+  install(TARGETS ${target} EXPORT rlslab-${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT
       ${component})
   install(EXPORT rlslab-${component} NAMESPACE rlslab:: DESTINATION ${package_dir} COMPONENT ${component})
 endforeach()

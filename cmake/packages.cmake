@@ -51,8 +51,9 @@ if(TARGET rlslab_sparse)
   set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS libsuitesparse-dev)
 endif()
 set(CPACK_DEBIAN_DEV_DESCRIPTION "C++20 headers of every textbook variant of recursive least squares, which
-need Eigen alone, and the static core with the certified reference. Found by
-CMake (find_package(rlslab)) and pkg-config (rlslab, rlslab-core).")
+need Eigen alone, and static libraries: any variant by name in float and double,
+or in any arithmetic, and the certified reference. Found by CMake
+(find_package(rlslab)) and pkg-config (rlslab, rlslab-native, rlslab-core).")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rlslab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

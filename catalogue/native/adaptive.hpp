@@ -91,6 +91,7 @@ public:
         virtual T information_along(Regressor<T> psi) = 0;
         virtual T asymmetry(Index j) = 0;
         virtual bool hand_over() = 0;
+        virtual T const* root_lambda() = 0;
         virtual Index window_rows() const = 0;
         virtual bool follows_a_rule() const = 0;
         virtual bool set_aside() const = 0;
@@ -134,6 +135,7 @@ public:
     AnyForm<T> form() { return {*filter_}; }
     Abilities abilities() const { return filter_->abilities(); }
     bool hand_over() { return filter_->hand_over(); }
+    T const* root_lambda() { return filter_->root_lambda(); }  ///< of the form; null where it holds none
 
     /// What Assessed asks for.
     Index rows() const { return filter_->window_rows(); }
@@ -269,6 +271,7 @@ struct AnyAdaptive<T>::Around final : Interface {
         if constexpr (HandsOver<F>) return f.hand_over();
         else return false;
     }
+    T const* root_lambda() override { return detail::root_lambda_of(f); }
     Index window_rows() const override { return detail::window_rows(f); }
     bool follows_a_rule() const override { return detail::has_a_rule(f); }
     bool set_aside() const override { return detail::guard_of(f).set_aside(); }

@@ -1,57 +1,37 @@
 // The variant is an argument of the program: chosen_at_run_time [VARIANT...]
+#include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/core/random.hpp>
-#include <rlslab/variants/variants.hpp>
 
 #include <cstdio>
-#include <memory>
-#include <functional>
-#include <optional>
-#include <string_view>
+#include <exception>
 #include <vector>
 
-namespace {
+namespace native = rlslab::native;
 
-using rlslab::Vector;
-
-/// Any filter, behind the operations that this program needs.
-struct AnyFilter {
-    std::function<rlslab::Step<double>(rlslab::Regressor<double>, double)> update;
-    std::function<Vector<double>()> theta;
-};
-
-/// The variant of that name; nothing where there is none.
-std::optional<AnyFilter> make(std::string_view name, rlslab::Problem<double> const& problem) {
-    std::optional<AnyFilter> out;
-    rlslab::for_each(rlslab::Variants<double>{}, [&]<class Filter>() {
-        if (Filter::name != name) return;
-        auto const filter = std::make_shared<Filter>(problem);
-        out = AnyFilter{[filter](rlslab::Regressor<double> psi, double y) { return filter->update(psi, y); },
-                        [filter] { return Vector<double>(filter->theta()); }};
-    });
-    return out;
-}
-
-}  // namespace
-
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
     std::vector<std::string_view> names(arguments + 1, arguments + count);
     if (names.empty()) names = {"ud", "qr", "conventional"};
     for (std::string_view const name : names) {
-        auto const filter = make(name, {.size = 3, .forgetting = 0.999});
-        if (!filter) {
-            std::fprintf(stderr, "no variant '%.*s'; there are:", int(name.size()), name.data());
-            rlslab::for_each(rlslab::Variants<double>{},
-                             []<class Filter>() { std::fprintf(stderr, " %s", Filter::name.data()); });
-            std::fprintf(stderr, "\n");
-            return 2;
-        }
+        native::Options const options{.size = 3, .forgetting = 0.999, .guard = "reset"};
+        auto filter = native::make(name, "double", options);
         rlslab::Seed seed{1};
-        for (int k = 0; k < 1000; ++k) {  // y = 1 - 2 x + 3 z, and noise
-            double const x = seed.bell(), z = seed.bell();
-            if (filter->update({1.0, x, z}, 1 - 2 * x + 3 * z + 0.1 * seed.bell()).health != rlslab::Health::sound)
-                return 1;
+        for (int k = 0; k < 1000; ++k) {  // y = 1 - 2 x + 3 z, and noise; a faulty reading now and then
+            double const x = seed.bell(), z = seed.bell(), psi[] = {1, x, z};
+            double const y = 1 - 2 * x + 3 * z + 0.1 * seed.bell() + (k % 100 == 99 ? 50 : 0);
+            if (!filter->update(psi, y).sound()) return 1;
+            if (k == 500) {  // the program ends, and starts again
+                std::vector<std::byte> state(filter->state_size());
+                filter->save(state);
+                filter = native::make(name, "double", options);
+                filter->load(state);
+            }
         }
-        Vector<double> const theta = filter->theta();
-        std::printf("%-14.*s %.3f %.3f %.3f\n", int(name.size()), name.data(), theta[0], theta[1], theta[2]);
+        double theta[3];
+        filter->theta(theta);
+        std::printf("%-14.*s %.3f %.3f %.3f  outliers: %d\n", int(name.size()), name.data(), theta[0], theta[1],
+                    theta[2], int(filter->counts().outliers));
     }
+} catch (std::exception const& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
 }

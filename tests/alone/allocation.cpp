@@ -8,6 +8,7 @@
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/state/state.hpp>
 #include <rlslab/adapt/weighted.hpp>
+#include <rlslab/catalogue/native/filter.hpp>
 #include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
@@ -94,6 +95,49 @@ TEST(Allocation, NoneByWhatIsComposedAroundAFilter) {
     none(allocations_of<Guarded<Relay<Symmetric<double, 4>, Ud<double, 4>>, handing_over>>(),
          "a relay that does not hand over");
     EXPECT_EQ((allocations_of<Guarded<RowsOf<20, Ud<double>>>>().second), 0);
+}
+
+/// Of updates, theta and gain of a filter by name, over outliers, a change, silence, and rows of the other arithmetic.
+long allocations_by_name(std::string_view variant, std::string_view arithmetic, native::Options options) {
+    options.size = 4;
+    auto const filter = native::make(variant, arithmetic, options);
+    double psi[4], theta[4], gain[4];
+    float short_psi[4];
+    Seed seed{1};
+    long const before = allocations;
+    for (int k = 0; k < 300; ++k) {
+        double y = 0.1 * seed.bell() + (k % 50 == 40 ? 100 : 0) + (k > 200 ? 5 : 0);
+        for (double& x : psi) x = k / 50 == 3 ? 0 : seed.bell(), y += x;
+        for (int i = 0; i < 4; ++i) short_psi[i] = float(psi[i]);
+        filter->update(psi, y);
+        filter->update(short_psi, float(y));
+        filter->theta(theta);
+        filter->gain(gain);
+        filter->pass_time();
+    }
+    return allocations - before;
+}
+TEST(Allocation, NoneInFiltersByName) {
+    double const walk[] = {0.001}, fortescue[] = {0.01};
+    for (std::string_view const arithmetic : native::arithmetics())
+        for (std::string_view const variant : native::variants()) {
+            EXPECT_EQ(allocations_by_name(variant, arithmetic, {}), 0) << variant;
+            std::vector<native::Options> compositions{{.control = "random_walk", .control_numbers = walk},
+                                                      {.control = "fortescue", .control_numbers = fortescue},
+                                                      {.forgetting = 0.99, .control = "ridge"},
+                                                      {.window = 20},
+                                                      {.window = 20, .guard = "reset"},
+                                                      {.guard = "reset", .control = "kulhavy"}};
+            for (std::string_view const guard : native::guards())
+                if (guard != "hand_over") compositions.push_back({.forgetting = 0.99, .guard = guard});
+            for (native::Options const& options : compositions) {
+                try {
+                    EXPECT_EQ(allocations_by_name(variant, arithmetic, options), 0)
+                        << variant << ' ' << options.control << ' ' << options.window << ' ' << options.guard;
+                } catch (std::invalid_argument const&) {  // what the variant cannot carry
+                }
+            }
+        }
 }
 
 TEST(Allocation, NoneByOutputsWhoseNumberIsFixed) {

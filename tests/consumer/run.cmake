@@ -42,6 +42,8 @@ run(${CMAKE_COMMAND} --build ${WORK_DIR}/build -j 2)
 run(${WORK_DIR}/build/with_headers)
 run(${WORK_DIR}/build/with_kernels)
 run(${WORK_DIR}/build/with_core)
+run(${WORK_DIR}/build/with_native)
+run(${WORK_DIR}/build/with_catalogue)
 
 # An app may be compiled for another instruction set than the core. What this machine cannot run is compiled at least.
 file(STRINGS /proc/cpuinfo processor REGEX "^flags" LIMIT_COUNT 1)

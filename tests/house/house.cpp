@@ -105,7 +105,8 @@ std::vector<Folder> const house{
     {"src/rlslab/many", {"src/rlslab/adapt"}},
     {"variants", {"src/rlslab/linalg"}},
     {"src/rlslab", {"src/rlslab/many", "variants"}},
-    {"catalogue", {"src/rlslab/many", "src/rlslab/model", "variants"}},
+    {"catalogue/native", {"src/rlslab/many", "variants"}},
+    {"catalogue", {"catalogue/native", "src/rlslab/model"}},
     {"python", {"catalogue/native"}},
     {"report", {"src/rlslab/core"}},
     {"compare", {"catalogue", "report"}},
@@ -122,14 +123,14 @@ std::vector<Folder> const house{
     {"program", {"compare", "identify", "studies/engine"}},
     {"tests/compilers", {"variants"}},
     {"tests/portability", {"catalogue"}},
-    {"tests/consumer", {"src/rlslab/model", "variants"}},
+    {"tests/consumer", {"catalogue"}},
     {"tests/embedded", {"src/rlslab/many", "variants"}},
     {"examples/echo_canceller", {"src/rlslab/many", "variants"}},
     {"examples/battery_cell", {"src/rlslab/many", "variants"}},
     {"examples/guarded_oven", {"src/rlslab/many", "variants"}},
     {"examples/drift_and_silence", {"src/rlslab/many", "variants"}},
     {"examples/many_sensors", {"src/rlslab/many", "variants"}},
-    {"examples/chosen_at_run_time", {"src/rlslab/many", "variants"}},
+    {"examples/chosen_at_run_time", {"catalogue/native"}},
     {"examples/microcontroller", {"src/rlslab/many", "variants"}},
     {"examples/microcontroller/board", {}},
     {"tests/python", {"variants"}},
@@ -295,6 +296,35 @@ TEST(House, NoFileIncludesItselfByWayOfOthers) {
                                        "src/rlslab/core/stored.hpp", "src/rlslab/core/scalar.hpp"}));
     EXPECT_THAT(files_in_circles({{"report/a.hpp", "#include \"report/a.hpp\"\n"}}),
                 testing::ElementsAre("report/a.hpp"));
+}
+/// What a file includes of the tree, and what that includes.
+std::set<std::string> reached_from(Tree const& tree, std::string const& start) {
+    std::set<std::string> out;
+    std::vector<std::string> left{start};
+    while (!left.empty()) {
+        std::string const path = left.back();
+        left.pop_back();
+        if (!tree.contains(path) || !out.insert(path).second) continue;
+        for (std::string const& target : included(tree.at(path))) left.push_back(target);
+    }
+    return out;
+}
+/// The files below catalogue/native from which one of these libraries is included.
+std::set<std::string> native_files_that_need_a_library(Tree const& tree) {
+    std::set<std::string> out;
+    for (auto const& [path, code] : tree) {
+        if (!path.starts_with("catalogue/native/")) continue;
+        for (std::string const& file : reached_from(tree, path))
+            for (char const* library : {"<boost/", "<fmt/", "<mpfr.h>", "<gmp.h>", "<flint/", "<arb.h>", "<zlib.h>"})
+                if (tree.at(file).find(std::string("#include ") + library) != std::string::npos) out.insert(path);
+    }
+    return out;
+}
+TEST(House, TheNativeLayerNeedsEigenAlone) {
+    EXPECT_THAT(native_files_that_need_a_library(project()), IsEmpty());
+    Tree tree = project();
+    tree["catalogue/native/planted.hpp"] = "#include <rlslab/arithmetic/quad.hpp>\n";
+    EXPECT_THAT(native_files_that_need_a_library(tree), testing::ElementsAre("catalogue/native/planted.hpp"));
 }
 TEST(House, AnIncludeThatLeadsNowhereAndAFolderWithoutAPlaceAreRefused) {
     Tree tree = project();

@@ -19,6 +19,8 @@ for compiler in g++ clang++; do
   for instructions in "" -march=native; do
     $compiler -O2 $instructions consumer/main.cpp $(pkg-config --cflags --libs rlslab) -o app
     ./app
+    $compiler -O2 $instructions consumer/native.cpp $(pkg-config --cflags --libs rlslab-native) -o app
+    ./app
   done
   for example in examples/*/; do
     cmake -G Ninja -S $example -B built -DCMAKE_CXX_COMPILER=$compiler -DCMAKE_BUILD_TYPE=Release
@@ -34,9 +36,11 @@ apt-get install -y ./librlslab-dev_*.deb libboost-dev libflint-arb-dev libflint-
 g++ -g0 consumer/owning.cpp $(pkg-config --cflags --libs rlslab-core) -o with_core
 ./with_core
 cmake -G Ninja -S consumer -B built -DCMAKE_BUILD_TYPE=Debug
-cmake --build built --target with_headers with_core
+cmake --build built --target with_headers with_core with_native with_catalogue
 built/with_headers
 built/with_core
+built/with_native
+built/with_catalogue
 apt-get remove -y rlslab librlslab-dev
 test -z "$(find / -xdev -name '*rlslab*' \
   -not -path '/given/*' -not -path '/proc/*' -not -path '/var/lib/apt/*' -not -path '/var/log/*' -print -quit)"

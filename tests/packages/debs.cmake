@@ -58,7 +58,8 @@ expect_not("${rlslab}" "[^;]*(\\.hpp|\\.a|\\.cmake|\\.pc)(;|$)" "rlslab: what is
 expect("${rlslab_control}" "Depends: [^\n]*libc6" "rlslab: the libraries that it needs")
 foreach(file include/rlslab/variants/ud.hpp include/rlslab/core/problem.hpp lib/librlslab_core.a
     lib/cmake/rlslab/rlslabConfig.cmake
-    lib/pkgconfig/rlslab.pc lib/pkgconfig/rlslab-core.pc)
+    lib/librlslab_native.a lib/librlslab_catalogue.a
+    lib/pkgconfig/rlslab.pc lib/pkgconfig/rlslab-core.pc lib/pkgconfig/rlslab-native.pc)
   expect(";${librlslab-dev};" ";usr/${file};" "librlslab-dev")
 endforeach()
 expect_not("${librlslab-dev}" "[^;]*usr/bin[^;]*" "librlslab-dev: a program")

@@ -52,6 +52,16 @@ public:
     static auto state(auto& r) { return std::tie(r.held_, r.next_, r.numbers_); }
 };
 
+namespace detail {
+/// sqrt(lambda) as the form holds it, or null.
+template <class F>
+typename F::scalar const* root_lambda_of(F& f) {
+    if constexpr (requires { f.form().root_lambda; }) return &f.form().root_lambda;
+    else if constexpr (requires { f.root_lambda(); }) return f.root_lambda();
+    else return nullptr;
+}
+}  // namespace detail
+
 /// F over the last W rows: minimises the J of F's problem as if these were all the rows there are. Each row is taken by
 /// F's own update; then the row W steps back, of weight lambda^W, is taken back (docs/theory.md 59).
 ///
@@ -106,11 +116,9 @@ public:
           options_(checked(options, psi_.size())), ring_(psi_.size(), options.rows), forgetting_(forgetting),
           spoilt_{0, options.rows} {
         expects(all(is_forgetting_factor(forgetting)), "0 < forgetting <= 1");
-        if constexpr (requires { filter_.form().root_lambda; }) {  // which is rounded: W steps wear a row by its square
-            for (Index k = 0; k < 2 * options.rows; ++k) weight_ *= filter_.form().root_lambda;
-        } else {
-            for (Index k = 0; k < options.rows; ++k) weight_ *= forgetting;
-        }
+        T const* const root = detail::root_lambda_of(filter_);  // is rounded: W steps wear a row by its square
+        T const wear = root ? *root : forgetting;
+        for (Index k = 0; k < (root ? 2 : 1) * options.rows; ++k) weight_ *= wear;
     }
 
     Step<T> update(Regressor<T> psi, T y) {
