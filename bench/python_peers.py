@@ -24,7 +24,8 @@ ROWS, VARIANCE = 400, 16384.0    # of the prior, the same for all
 def exact(Psi, y, prior=True):
     """theta of (Psi'Psi + I/c^2) theta = Psi'y, as fractions."""
     d = Psi.shape[1]
-    A = [[Fraction(1 if prior else 0) / int(VARIANCE) if i == j else Fraction(0) for j in range(d + 1)] for i in range(d)]
+    ridge = 1 / Fraction(VARIANCE) if prior else Fraction(0)
+    A = [[ridge if i == j else Fraction(0) for j in range(d + 1)] for i in range(d)]
     for row, output in zip(Psi.tolist(), y.tolist()):
         psi = [Fraction(x) for x in row]
         for i in range(d):

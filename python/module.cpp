@@ -31,7 +31,8 @@ PyObject* use(PyObject*, PyObject* args) {
 
 PyMethodDef functions[] = {
     {"variants", names_of<native::variants>, METH_NOARGS,
-     "variants()\n--\n\nThe names of the dense variants, in the order of the library's list.\n\n>>> len(rlslab.variants())\n15"},
+     "variants()\n--\n\nThe names of the dense variants, in the order of the library's list.\n\n"
+     ">>> len(rlslab.variants())\n15"},
     {"arithmetics", names_of<native::arithmetics>, METH_NOARGS, nullptr},
     {"guards", names_of<native::guards>, METH_NOARGS,
      "guards()\n--\n\nThe policies of guards, for `guard=`.\n\n>>> \"reset\" in rlslab.guards()\nTrue"},

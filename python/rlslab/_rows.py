@@ -14,7 +14,7 @@ def numbers(given: ArrayLike, name: str) -> Numbers:
     """An array of float64 or float32 in this machine's order of bytes; TypeError for what is no real number."""
     in_list = given if isinstance(given, (list, tuple)) else ()
     if any(isinstance(part, np.ma.MaskedArray) for part in (given, *in_list)):
-        raise TypeError(f"{name} is a masked array: leave its masked rows out, or let the filter's pass_time() pass them")
+        raise TypeError(f"{name} is a masked array: leave its masked rows out; pass_time() passes their time")
     try:
         array: NDArray[Any] = np.asarray(given)
     except ValueError:

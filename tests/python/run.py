@@ -12,5 +12,6 @@ for needed, package in (("numpy", "python3-numpy"), ("pytest", "python3-pytest")
 import pytest    # noqa: E402
 
 here = Path(__file__).parent
-code = pytest.main(["-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(here), *(str(here / f) for f in sys.argv[1:])])
+files = [str(here / name) for name in sys.argv[1:]]
+code = pytest.main(["-q", "-rs", "-p", "no:cacheprovider", "--rootdir", str(here), *files])
 sys.exit(77 if code == pytest.ExitCode.NO_TESTS_COLLECTED else int(code))

@@ -59,7 +59,8 @@ def test_a_window_is_the_last_rows():
 
 
 def test_what_does_not_go_together_says_why():
-    for name, options, word in [("ud", {"control": "fortescue"}, "VARIANCE"), ("ud", {"control": ("kulhavy", 2)}, "range"),
+    for name, options, word in [("ud", {"control": "fortescue"}, "VARIANCE"),
+                                ("ud", {"control": ("kulhavy", 2)}, "range"),
                                 ("ud", {"window": 5, "control": "kulhavy"}, "window"), ("ud", {"window": -1}, "window"),
                                 ("qr_block", {"guard": "reset"}, "qr_block")]:
         with pytest.raises(ValueError, match=word):

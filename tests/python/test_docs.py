@@ -53,6 +53,12 @@ def test_the_examples_of_docstrings(examples):
         run(">>> 1 + 1\n3\n", "planted", examples)
 
 
+def test_the_examples_of_results(examples):
+    from rlslab.results import RecursiveLS
+
+    assert run(inspect.getdoc(RecursiveLS), "RecursiveLS", examples) == 5
+
+
 def test_the_examples_of_the_estimator(examples):
     pytest.importorskip("sklearn")
     from rlslab.sklearn import RLSRegressor
@@ -61,7 +67,7 @@ def test_the_examples_of_the_estimator(examples):
 
 
 def test_the_page(examples, tmp_path):
-    """The blocks of python, one after another, as the reader types them; a block of text after one is what it prints."""
+    """The blocks of python, one after another, as the reader types them."""
     (tmp_path / "data").symlink_to(ROOT / "data")
     blocks = re.findall(r"```python\n(.*?)```\n", PAGE, re.S)
     assert len(blocks) > 5

@@ -23,7 +23,8 @@ any_dtype = st.one_of(
     hnp.complex_number_dtypes(), hnp.unicode_string_dtypes(max_len=3), hnp.datetime64_dtypes(), st.just(np.dtype("O")),
 )  # fmt: skip
 anything = st.recursive(
-    st.none() | st.booleans() | floats | st.integers() | st.text(max_size=3) | st.binary(max_size=3) | st.complex_numbers(),
+    st.none() | st.booleans() | floats | st.integers() | st.text(max_size=3) | st.binary(max_size=3)
+    | st.complex_numbers(),
     lambda inner: st.lists(inner, max_size=5) | st.tuples(inner, inner) | st.dictionaries(st.text(max_size=2), inner),
     max_leaves=12,
 )
@@ -103,7 +104,8 @@ def test_rows_of_any_type(variant, size, dtype, data):
 def test_objects_of_any_kind(size, dtype, psi, y):
     f = rlslab.Ud(size, dtype=dtype)
     before = f.state
-    for call in (lambda: f.update(psi, y), lambda: f.update_many(psi, y), lambda: f.update_many([psi], [y], steps=True)):
+    for call in (lambda: f.update(psi, y), lambda: f.update_many(psi, y),
+                 lambda: f.update_many([psi], [y], steps=True)):
         try:
             call()
         except (*ERRORS, OverflowError) as error:
@@ -162,7 +164,10 @@ def test_options_of_any_kind(variant, options):
     assert same_state(f, again)
 
 
-@given(variants, dtypes, st.lists(st.tuples(st.integers(0, 10**6), st.integers(1, 255)), max_size=4), st.integers(-9, 9))
+changes = st.lists(st.tuples(st.integers(0, 10**6), st.integers(1, 255)), max_size=4)
+
+
+@given(variants, dtypes, changes, st.integers(-9, 9))
 def test_damaged_states_and_pickles(variant, dtype, flips, cut):
     f = rlslab.filter(variant, 2, dtype=dtype)
     f.update([1.0, 2.0], 3.0)

@@ -93,9 +93,9 @@ class Odd:
 
 
 BAD_ROWS = [
-    np.zeros(2), np.zeros(4), np.zeros((1, 3)), np.zeros((3, 1)), np.zeros((2, 3)), np.zeros(()), np.zeros(0), [], [1, 2],
-    [1, 2, 3, 4], [[1, 2, 3]], ["a", "b", "c"], ["1", "2", "3"], "abc", b"abc", None, [None, 1, 2], [1, 2, 1j], 3, 3.0,
-    np.zeros(3, complex), np.array(["1", "2", "3"]), np.array([1, None, 3]), np.zeros(3, "M8[s]"), np.zeros(3, "m8[s]"),
+    np.zeros(2), np.zeros(4), np.zeros((1, 3)), np.zeros((3, 1)), np.zeros((2, 3)), np.zeros(()), np.zeros(0), [],
+    [1, 2], [1, 2, 3, 4], [[1, 2, 3]], ["a", "b", "c"], ["1", "2", "3"], "abc", b"abc", None, [None, 1, 2], [1, 2, 1j], 3,
+    3.0, np.zeros(3, complex), np.array(["1", "2", "3"]), np.array([1, None, 3]), np.zeros(3, "M8[s]"), np.zeros(3, "m8[s]"),
     np.zeros(3, "V8"), np.zeros(3, [("a", "f8")]), np.ma.masked_array(np.zeros(3), [0, 1, 0]), {1, 2, 3},
     {"a": 1}, iter([1, 2, 3]), object(), np.array([1, 2, 3], object), Ellipsis, [[1], [2, 3], 4], slice(3), int, math,
 ]  # fmt: skip
@@ -159,8 +159,9 @@ def test_a_row_that_changes_while_it_is_read():
 
 def test_numbers_of_arguments():
     f = rlslab.Ud(3)
-    for call in (lambda: f.update(), lambda: f.update(PSI[0]), lambda: f.update(PSI[0], 1, 2), lambda: f.update_many(PSI),
-                 lambda: f.update(psi=PSI[0], y=1), lambda: f.pass_time(1), lambda: rlslab.Ud(), lambda: rlslab.Ud(2, 3),
+    for call in (lambda: f.update(), lambda: f.update(PSI[0]), lambda: f.update(PSI[0], 1, 2),
+                 lambda: f.update_many(PSI), lambda: f.update(psi=PSI[0], y=1), lambda: f.pass_time(1),
+                 lambda: rlslab.Ud(), lambda: rlslab.Ud(2, 3),
                  lambda: rlslab.Ud(2, colour=3), lambda: f._theta(), lambda: f._update_many(PSI, Y)):
         refuses(call, TypeError)
 
@@ -193,8 +194,9 @@ def test_rows_in_place_and_in_any_order():
 def test_direct_calls_of_the_extension():
     f = rlslab.Ud(3)
     good = np.zeros((2, 3)), np.zeros(2), np.zeros(2, rlslab.STEP)
-    for i, bad in itertools.product(range(3), [1, "a", np.zeros(1), np.zeros((3, 3)), np.zeros((2, 3), int), np.zeros(3),
-                                              np.zeros(2, np.float32), np.zeros(4)[::2]]):
+    unfit = [1, "a", np.zeros(1), np.zeros((3, 3)), np.zeros((2, 3), int), np.zeros(3), np.zeros(2, np.float32),
+             np.zeros(4)[::2]]
+    for i, bad in itertools.product(range(3), unfit):
         given = list(good)
         given[i] = bad
         refuses(lambda: f._update_many(*given), TypeError, ValueError, BufferError)
