@@ -72,11 +72,6 @@ std::unique_ptr<ComposedFilter> composed_in(Composition const& c, std::string_vi
 
 }  // namespace
 
-std::vector<std::string_view> const& composed_arithmetics() {
-    static std::vector<std::string_view> const all{"float", "double"};
-    return all;
-}
-
 std::unique_ptr<ComposedFilter> composed(Composition const& composition, std::string_view variant,
                                          std::string_view arithmetic, Problem<double> const& problem) {
     if (!contradiction(composition).empty() || !obstacle(composition, variant).empty()) return nullptr;

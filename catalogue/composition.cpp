@@ -1,5 +1,6 @@
 // What follows from a record, and what is odd about it, for a composition.
 #include <rlslab/catalogue/composition.hpp>
+#include <rlslab/catalogue/composed.hpp>
 
 #include <rlslab/adapt/forgetting.hpp>
 #include <rlslab/core/input_error.hpp>
@@ -9,6 +10,11 @@
 #include <fmt/format.h>
 
 namespace rlslab {
+
+std::vector<std::string_view> const& composed_arithmetics() {
+    static std::vector<std::string_view> const all{"float", "double"};
+    return all;
+}
 
 bool needs_noise_variance(Composition const& c) {
     for (size_t i = 0; i < c.parameters.size(); ++i)

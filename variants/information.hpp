@@ -77,12 +77,11 @@ public:
     }
     Vector<T, N> theta() const { return solved_ ? theta_.view() : solved().theta_.view(); }
     Vector<T, N> gain() const {
-        if (!solved_) return solved().gain();
-        StateVector<T, N> K = psi_;
-        solve_ldl(L_, D_, positive_, K);
+        StateVector<T, N> K(psi_.size());
+        gain(K);
         return K.view();
     }
-    void theta(StateVector<T, N>& out) const { out = solved_ ? theta_ : solved().theta_; }    // without the heap, solved
+    void theta(StateVector<T, N>& out) const { if (solved_) out = theta_; else solved().theta(out); }
     void gain(StateVector<T, N>& out) const {
         if (!solved_) return solved().gain(out);
         out = psi_;

@@ -72,6 +72,7 @@ public:
     struct Interface {
         virtual ~Interface() = default;
         virtual std::unique_ptr<Interface> clone() const = 0;
+        virtual bool assign(Interface const& other) = 0;
         virtual Abilities abilities() const = 0;
         virtual Step<T> update(Regressor<T> psi, T const& y) = 0;
         virtual Step<T> pass_time(StateVector<T>& scratch) = 0;
@@ -121,8 +122,10 @@ public:
     }
     AnyAdaptive(AnyAdaptive const& other) : filter_(other.filter_->clone()) {}
     AnyAdaptive(AnyAdaptive&&) noexcept = default;
-    AnyAdaptive& operator=(AnyAdaptive other) noexcept {
-        filter_ = std::move(other.filter_);
+    AnyAdaptive& operator=(AnyAdaptive&&) noexcept = default;
+    /// Of the same type in place, without the heap: a window starts anew so.
+    AnyAdaptive& operator=(AnyAdaptive const& other) {
+        if (!filter_ || !filter_->assign(*other.filter_)) filter_ = other.filter_->clone();
         return *this;
     }
 
@@ -190,6 +193,11 @@ struct AnyAdaptive<T>::Around final : Interface {
     }
 
     std::unique_ptr<Interface> clone() const override { return std::make_unique<Around>(f); }
+    bool assign(Interface const& other) override {
+        auto const* const same = dynamic_cast<Around const*>(&other);
+        if (same) f = same->f;
+        return same != nullptr;
+    }
     Abilities abilities() const override { return abilities_by_type<F>; }
     Step<T> update(Regressor<T> psi, T const& y) override { return f.update(psi, y); }
     Step<T> pass_time(StateVector<T>& scratch) override { return detail::pass_time(f, scratch); }
