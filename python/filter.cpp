@@ -44,7 +44,7 @@ PyObject* make(PyTypeObject* type, PyObject* args, PyObject*) {
     if (!given.parse(args, filters)) return nullptr;
     try {
         return Held::make(type, native::make(given.variant, given.arithmetic, given.options));
-    } catch (...) {
+    } catch (std::exception const&) {
         return raise(std::current_exception());
     }
 }
@@ -138,7 +138,7 @@ PyObject* update(PyObject* self, PyObject* const* args, Py_ssize_t n) try {
     }
     Py_DECREF(row);
     return out;
-} catch (...) {
+} catch (std::exception const&) {
     return raise(std::current_exception());
 }
 
@@ -207,7 +207,7 @@ PyObject* state(PyObject* self, PyObject*) {
         if (!out) return nullptr;
         try {
             f.save({reinterpret_cast<std::byte*>(PyBytes_AsString(out)), f.state_size()});
-        } catch (...) {
+        } catch (std::exception const&) {
             Py_DECREF(out);
             throw;
         }

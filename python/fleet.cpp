@@ -13,7 +13,7 @@ PyObject* make(PyTypeObject* type, PyObject* args, PyObject*) {
     if (!given.parse(args, filters)) return nullptr;
     try {
         return Held::make(type, native::make_fleet(given.variant, given.arithmetic, filters, given.options));
-    } catch (...) {
+    } catch (std::exception const&) {
         return raise(std::current_exception());
     }
 }
@@ -81,7 +81,7 @@ PyObject* state(PyObject* self, PyObject*) {
         if (!out) return nullptr;
         try {
             f.save({reinterpret_cast<std::byte*>(PyBytes_AsString(out)), f.state_size()});
-        } catch (...) {
+        } catch (std::exception const&) {
             Py_DECREF(out);
             throw;
         }

@@ -63,7 +63,8 @@ inline bool view_of_output(View& view, PyObject* object, Py_ssize_t n) {
     return false;
 }
 
-/// Sets Python's error for an exception of C++. Returns null.
+/// Sets Python's error for an exception of C++. Returns null. Callers catch std::exception and nothing else: where the
+/// interpreter ends, other threads are unwound by what must not be caught.
 inline PyObject* raise(std::exception_ptr const& thrown) {
     try {
         std::rethrow_exception(thrown);
@@ -116,7 +117,7 @@ PyObject* with(PyObject* self, Call&& call) {
     if (!native) return nullptr;
     try {
         return call(*native);
-    } catch (...) {
+    } catch (std::exception const&) {
         return raise(std::current_exception());
     }
 }

@@ -3,6 +3,7 @@
 import doctest
 import inspect
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,15 @@ def test_the_page(examples, tmp_path):
         if "sklearn" in block:
             pytest.importorskip("sklearn")
         names = {**names, **run_block(block, names)}
+
+
+@pytest.mark.parametrize("script", sorted((ROOT / "python/notebooks").glob("*.py")), ids=lambda path: path.stem)
+def test_the_notebooks(script, capsys):
+    """They hold what they say by assertions."""
+    text = script.read_text()
+    assert text.count("# %%") > 3
+    runpy.run_path(str(script))
+    assert capsys.readouterr().out
 
 
 def run_block(block, names):

@@ -94,10 +94,11 @@ class Odd:
 
 BAD_ROWS = [
     np.zeros(2), np.zeros(4), np.zeros((1, 3)), np.zeros((3, 1)), np.zeros((2, 3)), np.zeros(()), np.zeros(0), [],
-    [1, 2], [1, 2, 3, 4], [[1, 2, 3]], ["a", "b", "c"], ["1", "2", "3"], "abc", b"abc", None, [None, 1, 2], [1, 2, 1j], 3,
-    3.0, np.zeros(3, complex), np.array(["1", "2", "3"]), np.array([1, None, 3]), np.zeros(3, "M8[s]"), np.zeros(3, "m8[s]"),
-    np.zeros(3, "V8"), np.zeros(3, [("a", "f8")]), np.ma.masked_array(np.zeros(3), [0, 1, 0]), {1, 2, 3},
-    {"a": 1}, iter([1, 2, 3]), object(), np.array([1, 2, 3], object), Ellipsis, [[1], [2, 3], 4], slice(3), int, math,
+    [1, 2], [1, 2, 3, 4], [[1, 2, 3]], ["a", "b", "c"], ["1", "2", "3"], "abc", b"abc", None, [None, 1, 2],
+    [1, 2, 1j], 3, 3.0, np.zeros(3, complex), np.array(["1", "2", "3"]), np.array([1, None, 3]),
+    np.zeros(3, "M8[s]"), np.zeros(3, "m8[s]"), np.zeros(3, "V8"), np.zeros(3, [("a", "f8")]),
+    np.ma.masked_array(np.zeros(3), [0, 1, 0]), {1, 2, 3}, {"a": 1}, iter([1, 2, 3]), object(),
+    np.array([1, 2, 3], object), Ellipsis, [[1], [2, 3], 4], slice(3), int, math,
 ]  # fmt: skip
 
 

@@ -110,14 +110,28 @@ def test_the_end_of_the_interpreter(end):
     assert done.returncode == 0 and done.stdout == "sound\n" and not done.stderr, (done.stdout, done.stderr)
 
 
-def test_a_thread_that_still_runs_when_the_interpreter_ends():
+@pytest.mark.parametrize(
+    "call",
+    [
+        "f.update_many(rows, rows[:, 0], steps=True)",
+        "f.update(whole, 1)",
+        "f.update([Slow()] * 8, 1)",
+        "fleet.update(rows, rows[:, 0])",
+        "f.copy().restore(f.state)",
+    ],
+)
+def test_a_thread_that_still_runs_when_the_interpreter_ends(call):
     for _ in range(3):
-        done = run("""if True:
+        done = run(f"""if True:
             import threading, time, numpy as np, rlslab
-            rows = np.ones((2000, 8))
-            def work(f):
-                while True: f.update_many(rows, rows[:, 0], steps=True)
-            for k in range(3): threading.Thread(target=work, args=(rlslab.Ud(8),), daemon=True).start()
+            rows, whole = np.ones((2000, 8)), np.ones(8, int)
+            class Slow:
+                def __float__(self): return float(sum(range(9)))
+            def work(f, fleet):
+                while True: {call}
+            for k in range(3):
+                given = rlslab.Ud(8), rlslab.Fleet("ud", 2000, 8)
+                threading.Thread(target=work, args=given, daemon=True).start()
             time.sleep(0.2)
         """)
         assert done.returncode == 0 and not done.stderr, done.stderr
