@@ -8,6 +8,7 @@
 #   catalogue every variant in every arithmetic by name, compiled
 #   sparse    where the sparse variants are found (SuiteSparse: GPL-2+)
 #   program   rlslab, its manual page and completions
+#   python    the Python package (python/CMakeLists.txt)
 # One export per component, so that a consumer of the headers is never asked for Arb or SuiteSparse.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/rlslab)

@@ -1,5 +1,5 @@
-# Debian packages, by `./lab package` or cpack: rlslab (the program), librlslab1 (for programs that call C) and
-# librlslab-dev (headers, core, what finds them).
+# Debian packages, by `./lab package` or cpack: rlslab (the program), librlslab1 (for programs that call C),
+# librlslab-dev (headers, core, what finds them) and python3-rlslab.
 set(CPACK_PACKAGE_NAME rlslab)
 set(CPACK_PACKAGE_VENDOR "the rlslab authors")
 set(RLSLAB_MAINTAINER "the rlslab authors <rlslab@localhost>" CACHE STRING
@@ -30,6 +30,10 @@ if(TARGET rlslab_c)
   list(APPEND CPACK_COMPONENTS_ALL c library)
   set(CPACK_COMPONENT_C_GROUP dev)
   set(CPACK_COMPONENT_LIBRARY_GROUP shared)
+endif()
+if(TARGET rlslab_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_COMPONENT_PYTHON_GROUP python)
 endif()
 
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -71,6 +75,15 @@ or in any arithmetic, and the certified reference; rlslab.h for C. Found by
 CMake (find_package(rlslab)) and pkg-config (rlslab, rlslab-c, rlslab-native,
 rlslab-core).")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rlslab)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-sklearn)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Recursive least squares in Python: every textbook variant in float32 and
+float64, with guards, windows and rules of forgetting, and an estimator for
+scikit-learn. The bits are those of the C++ library.")
+
 # Debian wants the licence in every package. The program's is not ours alone where it links SuiteSparse.
 file(READ ${PROJECT_SOURCE_DIR}/LICENSE licence)
 set(linked_with "")
@@ -89,7 +102,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/changelog @ONLY CONTENT "rlslab (@PR
 
  -- @RLSLAB_MAINTAINER@  @today@
 ")
-foreach(package "program;rlslab" "headers;librlslab-dev" "library;${librlslab}")
+foreach(package "program;rlslab" "headers;librlslab-dev" "library;${librlslab}" "python;python3-rlslab")
   list(GET package 0 component)
   list(GET package 1 name)
   if(component IN_LIST CPACK_COMPONENTS_ALL)

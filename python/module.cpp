@@ -1,0 +1,70 @@
+// rlslab._core: the module of the extension. What people call is the package around it (python/rlslab).
+#include "python/make.hpp"
+
+namespace rlslab::python {
+namespace {
+
+PyObject* names(std::span<std::string_view const> list) {
+    PyObject* const out = PyTuple_New(Py_ssize_t(list.size()));
+    for (std::size_t i = 0; out && i < list.size(); ++i)
+        PyTuple_SetItem(out, Py_ssize_t(i), PyUnicode_FromStringAndSize(list[i].data(), Py_ssize_t(list[i].size())));
+    return out;
+}
+template <std::span<std::string_view const> (*list)()>
+PyObject* names_of(PyObject*, PyObject*) {
+    return names(list());
+}
+template <std::string_view (*name)(std::int32_t), int n>
+PyObject* words(PyObject*, PyObject*) {
+    std::string_view list[n];
+    for (int i = 0; i < n; ++i) list[i] = name(i);
+    return names(list);
+}
+/// (numpy.ndarray, row_of): what the package brings.
+PyObject* use(PyObject*, PyObject* args) {
+    PyObject *array, *row;
+    if (!PyArg_ParseTuple(args, "OO", &array, &row)) return nullptr;
+    ndarray = Py_NewRef(array);
+    row_of = Py_NewRef(row);
+    Py_RETURN_NONE;
+}
+
+PyMethodDef functions[] = {
+    {"variants", names_of<native::variants>, METH_NOARGS,
+     "variants()\n--\n\nThe names of the dense variants, in the order of the library's list.\n\n"
+     ">>> len(rlslab.variants())\n15"},
+    {"arithmetics", names_of<native::arithmetics>, METH_NOARGS, nullptr},
+    {"guards", names_of<native::guards>, METH_NOARGS,
+     "guards()\n--\n\nThe policies of guards, for `guard=`.\n\n>>> \"reset\" in rlslab.guards()\nTrue"},
+    {"controls", names_of<native::controls>, METH_NOARGS,
+     "controls()\n--\n\nThe rules of forgetting, for `control=`.\n\n>>> \"fortescue\" in rlslab.controls()\nTrue"},
+    {"healths", words<native::name_of_health, 4>, METH_NOARGS, nullptr},
+    {"signals", words<native::name_of_signal, 6>, METH_NOARGS, nullptr},
+    {"use", use, METH_VARARGS, nullptr},
+    {nullptr, nullptr, 0, nullptr}};
+PyModuleDef definition{
+    PyModuleDef_HEAD_INIT, "rlslab._core", nullptr, -1, functions, nullptr, nullptr, nullptr, nullptr};
+
+}  // namespace
+}  // namespace rlslab::python
+
+extern "C" [[gnu::visibility("default")]] PyObject* PyInit__core();
+
+PyObject* PyInit__core() {
+    using namespace rlslab::python;
+    PyObject* const module = PyModule_Create(&definition);
+    if (!module) return nullptr;
+    bool ok = true;
+    struct Type {
+        char const* name;
+        PyObject* (*make)();
+    };
+    for (Type const type :
+         {Type{"Filter", filter_type}, {"Fleet", fleet_type}, {"Step", step_type}, {"Counts", counts_type}}) {
+        PyObject* const made = type.make();  // kept for ever: one reference is the extension's
+        ok = ok && made && PyModule_AddObjectRef(module, type.name, made) == 0;
+    }
+    if (ok) return module;
+    Py_DECREF(module);
+    return nullptr;
+}

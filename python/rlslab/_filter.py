@@ -1,0 +1,302 @@
+"""The filter of any variant: what its fifteen classes share."""
+
+from __future__ import annotations
+
+import os
+import reprlib
+import tempfile
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, TypeVar, Union, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from . import _core, _options, _rows
+from ._core import Counts, Step
+
+Path = Union[str, "os.PathLike[str]"]
+Self = TypeVar("Self", bound="Filter")
+
+#: What the health of a step can be. `steps["health"]` of `Filter.update_many` holds places in this tuple.
+HEALTHS: tuple[str, ...] = _core.healths()
+#: What a guard can see of a row. `steps["signal"]` holds places in this tuple.
+SIGNALS: tuple[str, ...] = _core.signals()
+#: The dtype of the steps of many rows.
+STEP = np.dtype(
+    [("innovation", "=f8"), ("residual", "=f8"), ("gamma", "=f8"), ("health", "=i4"), ("signal", "=i4")]
+)
+#: Counts up when what a pickle holds changes.
+PICKLE = 1
+
+_core.use(np.ndarray, _rows.row)
+
+
+class Filter(_core.Filter):
+    """Recursive least squares of one output: what the classes of all variants share.
+
+    After k rows theta minimises
+
+        J = lambda^k (theta - theta0)' P0^-1 (theta - theta0) + sum_i lambda^(k-i) (y_i - psi_i'theta)^2
+
+    where lambda is ``forgetting``, theta0 ``prior_theta`` and P0 the prior's covariance, in units of the noise's
+    variance. Make one by its class, `rlslab.Ud(4)`, or by its name, `rlslab.filter("ud", 4)`.
+
+    Parameters
+    ----------
+    size : int
+        The number of parameters d >= 1.
+    forgetting : float
+        lambda, 0 < lambda <= 1; 1 keeps all rows for ever. A row's weight halves in log(2) / (1 - lambda) rows.
+    prior_variance : float or None
+        c^2 of P0 = c^2 I. None: no prior, which `qr`, `qr_block`, `gentleman` and `information` allow; their health is
+        then "undetermined" until the rows determine theta.
+    prior_theta : array_like, shape (d,), optional
+        theta0; 0 where it is left out.
+    prior_covariance : array_like, shape (d, d), optional
+        P0 in place of c^2 I, symmetric and positive definite.
+    dtype : "float64" or "float32"
+        The arithmetic. A filter of float32 rounds each number of a row once.
+    window : int
+        Only the last `window` rows count; 0: all.
+    guard : str or None
+        What to do about rows that are not finite, outliers, changes, windup and breakdown: a policy of
+        `rlslab.guards()`. "report" counts, "reset" also skips outliers and starts again where it must.
+    guard_options : dict, optional
+        Numbers of the guard: "largest_variance" of a parameter, in units of the noise's; "innovation", in standard
+        deviations, beyond which a row is an outlier; "least_noise", a standard deviation; "asymmetry" of P;
+        "noise_memory" and "rebuild_rows", in rows.
+    control : str or tuple, optional
+        A rule of `rlslab.controls()` that sets lambda, or changes P, at each row; with numbers of its own as
+        ("fortescue", 0.1, 50), None among them for a default.
+
+    Raises
+    ------
+    ValueError
+        For a number that no filter has, an unknown name, and a window, guard or control that the variant cannot carry.
+    TypeError
+        For text or objects in place of numbers.
+
+    Notes
+    -----
+    A breakdown is a result, never an exception: the step's health says so, and theta may be NaN from then on. Threads
+    take turns at one filter: what is called while `update_many` runs in another thread raises RuntimeError.
+
+    Examples
+    --------
+    >>> f = rlslab.Ud(2, forgetting=0.99)
+    >>> for psi, y in [([1, 0], 3), ([1, 1], 5), ([1, 2], 7)]:
+    ...     step = f.update(psi, y)
+    >>> f.theta.round(3)
+    array([3., 2.])
+    """
+
+    __slots__ = ("_made",)
+    _made: dict[str, Any]
+    _variant: ClassVar[str] = ""
+
+    def __new__(
+        cls: type[Self],
+        size: int,
+        *,
+        forgetting: float = 1.0,
+        prior_variance: float | None = 16384.0,
+        prior_theta: ArrayLike | None = None,
+        prior_covariance: ArrayLike | None = None,
+        dtype: DTypeLike = "float64",
+        window: int = 0,
+        guard: str | None = None,
+        guard_options: Mapping[str, float] | None = None,
+        control: _options.Control = None,
+    ) -> Self:
+        if not cls._variant:
+            raise TypeError("Filter is of no variant: rlslab.Ud(4), or rlslab.filter('ud', 4)")
+        arguments = _options.arguments(
+            cls._variant, size, forgetting, prior_variance, prior_theta, prior_covariance, dtype, window, guard,
+            guard_options, control,
+        )  # fmt: skip
+        self = super().__new__(cls, *arguments)
+        made = {
+            "size": arguments[2],
+            "forgetting": arguments[3],
+            "prior_variance": arguments[4] or None,
+            "prior_theta": arguments[5],
+            "prior_covariance": arguments[6],
+            "dtype": np.dtype(dtype).name,
+            "window": arguments[7],
+            "guard": guard,
+            "guard_options": dict(guard_options) if guard_options else None,
+            "control": control if control is None or isinstance(control, str) else tuple(control),
+        }
+        defaults = Filter.__new__.__kwdefaults__ or {}
+        self._made = {
+            name: value
+            for name, value in made.items()
+            if name not in defaults or isinstance(value, np.ndarray) or value != defaults[name]
+        }
+        return self
+
+    @overload
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[False] = False) -> Step | None: ...
+    @overload
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: Literal[True]) -> NDArray[np.void]: ...
+    def update_many(self, Psi: ArrayLike, y: ArrayLike, *, steps: bool = False) -> Step | NDArray[np.void] | None:
+        """Process many rows, the oldest first, as `update` would one after another.
+
+        Parameters
+        ----------
+        Psi : array_like, shape (n, d)
+            In place where each row is contiguous, as in an array of order C or some of its rows; a copy is made of
+            other layouts.
+        y : array_like, shape (n,)
+        steps : bool
+            Whether to return the step of each row.
+
+        Returns
+        -------
+        Step or None, or numpy.ndarray of dtype `rlslab.STEP`
+            The step of the last row, None for no rows; with `steps` the step of each. Its "health" and "signal" are
+            places in `rlslab.HEALTHS` and `rlslab.SIGNALS`. Without `steps` `qr_block` takes its rows in blocks and
+            reports NaN and its health.
+
+        Raises
+        ------
+        ValueError
+            If the shapes are others, before any row is taken.
+        TypeError
+            If there is something else than real numbers.
+
+        Notes
+        -----
+        The interpreter's lock is released meanwhile.
+
+        Examples
+        --------
+        >>> Psi = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
+        >>> f = rlslab.Ud(2)
+        >>> steps = f.update_many(Psi, Psi @ [3.0, 2.0], steps=True)
+        >>> bool((steps["health"] == rlslab.HEALTHS.index("sound")).all())
+        True
+        """
+        P, v = _rows.block(Psi, y, self.size)
+        if not steps:
+            return self._update_many(P, v, None)
+        out = np.empty(len(v), STEP)
+        self._update_many(P, v, out)
+        return out
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The arithmetic: float64 or float32."""
+        return np.dtype(np.float32 if self._arithmetic == "float" else np.float64)
+
+    @property
+    def theta(self) -> NDArray[np.floating[Any]]:
+        """The estimated parameters, shape (d,), a copy; NaN where the rows do not determine them."""
+        out = np.empty(self.size)
+        self._theta(out)
+        return out.astype(self.dtype, copy=False)
+
+    @property
+    def gain(self) -> NDArray[np.floating[Any]]:
+        """The gain K of the last row, shape (d,), a copy: theta(k) = theta(k-1) + K innovation."""
+        out = np.empty(self.size)
+        self._gain(out)
+        return out.astype(self.dtype, copy=False)
+
+    def _matrix(self, covariance: bool) -> NDArray[np.floating[Any]]:
+        name, other = ("covariance", "information") if covariance else ("information", "covariance")
+        if covariance != self._reports_covariance:
+            raise AttributeError(f"{self.variant} reports {other}, not {name}", name=name, obj=self)
+        by_columns = np.empty((self.size, self.size))
+        (self._covariance if covariance else self._information)(by_columns)
+        return np.ascontiguousarray(by_columns.T, dtype=self.dtype)
+
+    @property
+    def covariance(self) -> NDArray[np.floating[Any]]:
+        """P, shape (d, d), a copy, in units of the noise's variance.
+
+        AttributeError for a variant that holds P^-1: `information` then. P of `conventional`, which stores all of it,
+        may have lost its symmetry.
+        """
+        return self._matrix(True)
+
+    @property
+    def information(self) -> NDArray[np.floating[Any]]:
+        """P^-1, shape (d, d), a copy. AttributeError for a variant that holds P: `covariance` then."""
+        return self._matrix(False)
+
+    @property
+    def state(self) -> bytes:
+        """The state in the library's format: the same bytes in C++, in C and on every machine.
+
+        Examples
+        --------
+        >>> f = rlslab.Ud(2)
+        >>> _ = f.update([1.0, 2.0], 5.0)
+        >>> g = rlslab.Ud(2)
+        >>> g.restore(f.state)
+        >>> bool((g.theta == f.theta).all())
+        True
+        """
+        return self._state()
+
+    def restore(self, state: bytes) -> None:
+        """Go on from a state of the same variant, dtype, size, window, guard and control.
+
+        Raises
+        ------
+        ValueError
+            If the bytes are damaged, or of another filter; this one is then as it was.
+        """
+        self._load(state)
+
+    def save(self, path: Path) -> None:
+        """Write `state` to a file, which holds the old bytes or the new whenever the program ends."""
+        target = os.path.abspath(os.fspath(path))
+        handle, part = tempfile.mkstemp(prefix=os.path.basename(target) + ".", dir=os.path.dirname(target))
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(self.state)
+            os.replace(part, target)
+        except BaseException:
+            os.unlink(part)
+            raise
+
+    def load(self, path: Path) -> None:
+        """Go on from the state in a file: see `restore`. `rlslab.load` makes the filter, too."""
+        with open(path, "rb") as file:
+            self.restore(file.read())
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the filter was made with, but for defaults: `type(f)(**f.options)` makes another."""
+        return dict(self._made)
+
+    def copy(self: Self) -> Self:
+        """A filter that goes on from here on its own, with the same bits."""
+        out = self._clone()
+        out._made = self._made
+        return out
+
+    __copy__ = copy
+
+    def __deepcopy__(self: Self, memo: dict[int, Any]) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _remade, (PICKLE, type(self), self._made, self.state)
+
+    def __repr__(self) -> str:
+        size, *rest = [repr(v) if k == "size" else f"{k}={v!r}" for k, v in self._made.items()]
+        return f"{type(self).__name__}({', '.join([size, *rest])})"
+
+
+def _remade(version: int, made_of: type[Filter], options: dict[str, Any], state: bytes) -> Filter:
+    """A pickled filter. ValueError for a pickle of another version of this module, or a damaged one."""
+    if version != PICKLE:
+        raise ValueError(f"a pickle of version {reprlib.repr(version)}; this rlslab reads version {PICKLE}")
+    if not (isinstance(made_of, type) and issubclass(made_of, Filter) and isinstance(options, dict)):
+        raise ValueError("a damaged pickle of a filter")
+    out = made_of(**options)
+    out.restore(state)
+    return out

@@ -1,0 +1,147 @@
+"""The options of a filter, checked, and in the order in which the extension takes them."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import operator
+import os
+import reprlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from . import _core, _rows
+
+Control = Union[str, Sequence[Any], None]
+#: Numbers of the guard, in the order of the extension; the last two are counts of rows.
+GUARD_NUMBERS = ("largest_variance", "innovation", "least_noise", "asymmetry")
+GUARD_ROWS = ("noise_memory", "rebuild_rows")
+#: numpy's name of each arithmetic.
+ARITHMETICS = {"float32": "float", "float64": "double"}
+
+
+def one_of(name: object, names: Sequence[str], what: str) -> str:
+    """The name, if it is one of them; else ValueError with what there is."""
+    if not isinstance(name, str):
+        raise TypeError(f"{what} is a name, not {type(name).__name__}")
+    if name in names:
+        return name
+    near = difflib.get_close_matches(name, names, 1)
+    hint = f'did you mean "{near[0]}"?' if near else "there are " + ", ".join(names)
+    raise ValueError(f"no {what} {reprlib.repr(name)}; {hint}")
+
+
+def arithmetic(dtype: DTypeLike) -> str:
+    """The library's name of a dtype."""
+    if isinstance(dtype, str) and dtype == "float":
+        raise ValueError('dtype "float": write "float32" or "float64"')
+    try:
+        return ARITHMETICS[np.dtype(dtype).name]
+    except (TypeError, KeyError):
+        raise ValueError(f"dtype {reprlib.repr(dtype)}: a filter computes in float32 or float64") from None
+
+
+def whole(value: Any, name: str) -> int:
+    """An index; TypeError for 4.0."""
+    try:
+        out = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {type(value).__name__}") from None
+    if not -(2**62) < out < 2**62:
+        raise ValueError(f"{name} is beyond all memory")
+    return out
+
+
+def real(value: Any, name: str) -> float:
+    """A number; TypeError for text."""
+    if isinstance(value, (str, bytes)):
+        raise TypeError(f"{name} is a number, not text")
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} is a number, not {type(value).__name__}") from None
+
+
+def control_numbers(control: Control) -> tuple[str, Any]:
+    """Name and numbers of a rule of forgetting; None among them: the default."""
+    if control is None:
+        return "", None
+    if isinstance(control, str):
+        return one_of(control, _core.controls(), "control"), None
+    try:
+        name, *given = tuple(control)
+    except (TypeError, ValueError):
+        raise TypeError('control is a name, or a name and its numbers: ("fortescue", 0.1, 50)') from None
+    values = [math.nan if x is None else real(x, f"a number of control {reprlib.repr(name)}") for x in given]
+    return one_of(name, _core.controls(), "control"), np.array(values, dtype=np.float64) if values else None
+
+
+def guard_numbers(guard: str | None, options: Mapping[str, float] | None) -> tuple[str, Any, int, int]:
+    """Policy, four numbers of the guard, and its two counts of rows."""
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError("guard_options is a dict")
+    given = dict(options or {})
+    if guard is None and given:
+        raise ValueError("guard_options without a guard")
+    for name in given:
+        one_of(name, GUARD_NUMBERS + GUARD_ROWS, "guard option")
+    numbers = np.array([real(given.get(n, math.nan), n) for n in GUARD_NUMBERS], dtype=np.float64)
+    rows = [whole(given.get(n, 0), n) for n in GUARD_ROWS]
+    return "" if guard is None else one_of(guard, _core.guards(), "guard"), numbers, rows[0], rows[1]
+
+
+def expect_memory(numbers: int) -> None:
+    """MemoryError where so many numbers are more than the machine has: not after its memory was asked for."""
+    try:
+        bytes_there = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        bytes_there = 2**62
+    if 4 * numbers > bytes_there:
+        raise MemoryError(f"this takes {4e-9 * numbers:.3g} GB or more; the machine has {1e-9 * bytes_there:.3g} GB")
+
+
+def arguments(
+    variant: str,
+    size: int,
+    forgetting: float,
+    prior_variance: float | None,
+    prior_theta: ArrayLike | None,
+    prior_covariance: ArrayLike | None,
+    dtype: DTypeLike,
+    window: int = 0,
+    guard: str | None = None,
+    guard_options: Mapping[str, float] | None = None,
+    control: Control = None,
+    filters: int = 1,
+) -> tuple[Any, ...]:
+    """What `_core.Filter` and `_core.Fleet` are made with."""
+    d = whole(size, "size")
+    if d < 1:
+        raise ValueError("expected size >= 1")
+    rows, M = whole(window, "window"), whole(filters, "filters")
+    expect_memory(max(M, 1) * d * (d + max(rows, 0)))
+    variance = 0.0 if prior_variance is None else real(prior_variance, "prior_variance")
+    if prior_variance is not None and not variance > 0:
+        raise ValueError("expected prior_variance > 0, or None: no prior")
+    name, numbers = control_numbers(control)
+    policy, of_guard, memory, rebuild = guard_numbers(guard, guard_options)
+    return (
+        one_of(variant, _core.variants(), "variant"),
+        arithmetic(dtype),
+        d,
+        real(forgetting, "forgetting"),
+        variance,
+        _rows.prior(prior_theta, (d,), "prior_theta"),
+        _rows.prior(prior_covariance, (d, d), "prior_covariance"),
+        rows,
+        policy,
+        name,
+        numbers,
+        of_guard,
+        memory,
+        rebuild,
+        M,
+    )

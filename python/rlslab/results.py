@@ -1,0 +1,122 @@
+"""Recursive least squares of a record with the words of statsmodels: params, bse, cusum and the others.
+
+The sums are the filter's own: theta, the inverse of P and the steps of each row.
+"""
+
+from __future__ import annotations
+
+import statistics
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _rows, filter
+
+Floats = NDArray[np.float64]
+_NORMAL = statistics.NormalDist()
+
+
+class RecursiveLS:
+    """Least squares of y on X by `rlslab.Qr` without prior, row by row, without forgetting.
+
+    Parameters
+    ----------
+    endog : array_like, shape (n,)
+        y.
+    exog : array_like, shape (n, d)
+        The regressors, with a column of ones for a constant. n > d.
+
+    Attributes
+    ----------
+    params : ndarray, shape (d,)
+        theta after the last row.
+    scale : float
+        The noise's variance: the sum of squared recursive residuals over n - d.
+    bse : ndarray, shape (d,)
+        Standard errors: the roots of scale diag(P).
+    tvalues, pvalues : ndarray, shape (d,)
+        params / bse; two-sided probabilities by the normal distribution.
+    resid_recursive : ndarray, shape (n,)
+        w = innovation sqrt(gamma), which are independent with the noise's variance; NaN before theta is determined.
+    recursive_coefficients : ndarray, shape (n, d)
+        theta after each row; NaN before it is determined.
+    cusum, cusum_squares : ndarray, shape (n - d,)
+        Sums of w over their standard deviation; sums of their squares over the last of these sums.
+    nobs, df_model, df_resid : int
+
+    Raises
+    ------
+    ValueError
+        For shapes that do not fit, n <= d, and rows that do not determine theta.
+
+    Examples
+    --------
+    >>> from rlslab.results import RecursiveLS
+    >>> x = np.arange(6.0)
+    >>> fit = RecursiveLS([1.1, 2.9, 5.1, 6.9, 9.1, 10.9], np.column_stack([np.ones(6), x]))
+    >>> fit.params.round(3), fit.nobs
+    (array([1.057, 1.977]), 6)
+    >>> fit.conf_int().shape
+    (2, 2)
+    """
+
+    def __init__(self, endog: ArrayLike, exog: ArrayLike) -> None:
+        given = _rows.numbers(exog, "exog")
+        if given.ndim != 2:
+            raise ValueError(f"exog has shape {given.shape}, expected (n, d)")
+        d = given.shape[1]
+        X, y = _rows.block(given.astype(np.float64), _rows.numbers(endog, "endog").astype(np.float64), d)
+        n = len(y)
+        if not n > d > 0:
+            raise ValueError(f"{n} rows do not determine {d} parameters and a variance")
+        f = filter("qr", d, prior_variance=None)
+        self.resid_recursive: Floats = np.full(n, np.nan)
+        self.recursive_coefficients: Floats = np.full((n, d), np.nan)
+        step = None
+        for k in range(n):
+            step = f.update(X[k], float(y[k]))
+            self.resid_recursive[k] = step.innovation * np.sqrt(step.gamma) if step.health == "sound" else np.nan
+            self.recursive_coefficients[k] = f.theta
+        if step is None or step.health != "sound":
+            raise ValueError(f"the rows do not determine theta: health {f.health}")
+        self.nobs, self.df_model, self.df_resid = n, d, n - d
+        self.params: Floats = np.asarray(f.theta, dtype=np.float64)
+        w = self._seen()
+        self.scale = float(np.sum(w**2)) / (n - d)
+        try:
+            P = np.linalg.inv(f.information)
+        except np.linalg.LinAlgError:
+            raise ValueError("the rows do not determine theta: columns of exog are dependent") from None
+        self.normalized_cov_params: Floats = (P + P.T) / 2
+        self.bse: Floats = np.sqrt(self.scale * np.diag(P))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.tvalues: Floats = self.params / self.bse
+            self.cusum: Floats = np.cumsum(w) / np.std(w, ddof=1)
+            self.cusum_squares: Floats = np.cumsum(w**2) / np.sum(w**2)
+        self.pvalues: Floats = np.array([2 * _NORMAL.cdf(-abs(t)) if t == t else np.nan for t in self.tvalues])
+
+    def _seen(self) -> Floats:
+        """The recursive residuals of the rows that theta could predict."""
+        seen: Floats = self.resid_recursive[np.isfinite(self.resid_recursive)]
+        return seen
+
+    def conf_int(self, alpha: float = 0.05) -> Floats:
+        """Intervals that cover theta with probability 1 - alpha, by the normal distribution; shape (d, 2)."""
+        if not 0 < alpha < 1:
+            raise ValueError("expected 0 < alpha < 1")
+        half = _NORMAL.inv_cdf(1 - alpha / 2) * self.bse
+        return np.column_stack([self.params - half, self.params + half])
+
+    def summary(self) -> str:
+        """A table: coefficients, standard errors, t, p and intervals of 95 %."""
+        lines = [
+            f"Recursive least squares: {self.nobs} rows, {self.df_model} parameters, noise variance {self.scale:.4g}",
+            f"{'':>6}{'coef':>12}{'std err':>12}{'t':>10}{'P>|t|':>8}{'[0.025':>12}{'0.975]':>12}",
+        ]
+        for i, (low, high) in enumerate(self.conf_int()):
+            lines.append(
+                f"{'x' + str(i + 1):>6}{self.params[i]:12.4g}{self.bse[i]:12.4g}{self.tvalues[i]:10.3f}"
+                f"{self.pvalues[i]:8.3f}{low:12.4g}{high:12.4g}"
+            )
+        return "\n".join(lines)

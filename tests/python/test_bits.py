@@ -1,0 +1,49 @@
+"""The bits of C++: theta, K and P after 1000 rows, by every variant in both arithmetics."""
+
+import os
+import struct
+import subprocess
+
+import pytest
+
+import rlslab
+
+
+def numbers():
+    """x = 1664525 x + 1013904223 mod 2^32; the number is (x >> 8) / 2^23 - 1."""
+    x = 1
+    while True:
+        x = (1664525 * x + 1013904223) % 2**32
+        yield (x >> 8) / 2**23 - 1
+
+
+def hash_of(values):
+    out = 0xCBF29CE484222325
+    for value in values:
+        bits = struct.pack("<d", value) if value == value else bytes.fromhex("000000000000f87f")
+        for byte in bits:
+            out = (out ^ byte) * 0x100000001B3 % 2**64
+    return out
+
+
+def left_by(variant, dtype):
+    f = rlslab.filter(variant, 5, forgetting=0.99, dtype=dtype)
+    number = numbers()
+    for _ in range(1000):
+        psi = [next(number) for _ in range(5)]
+        f.update(psi, psi[0] - psi[1] / 2 + next(number) / 1024)
+    matrix = f.covariance if hasattr(f, "covariance") else f.information
+    return hash_of([*f.theta.tolist(), *f.gain.tolist(), *matrix.T.ravel().tolist()])
+
+
+def test_the_bits_are_those_of_cpp():
+    if "RLSLAB_BITS" not in os.environ:
+        pytest.skip("RLSLAB_BITS names no program of tests/python/bits.cpp: ctest does")
+    printed = subprocess.run([os.environ["RLSLAB_BITS"]], check=True, capture_output=True, text=True).stdout
+    ours = "".join(
+        f"{variant} {name} {left_by(variant, dtype):016x}\n"
+        for dtype, name in (("float32", "float"), ("float64", "double"))
+        for variant in rlslab.variants()
+    )
+    assert ours == printed
+    assert len(set(printed.split()[2::3])) >= 28    # kalman's and conventional's may agree

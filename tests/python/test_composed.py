@@ -1,0 +1,107 @@
+"""Guards, windows, rules of forgetting and fleets."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from data import rows, same
+
+import rlslab
+
+MADE = [
+    {"guard": "reset"}, {"guard": "report", "forgetting": 0.99}, {"guard": "hand_over", "dtype": "float32"},
+    {"guard": "rebuild", "guard_options": {"rebuild_rows": 20, "innovation": 4.0}}, {"window": 50},
+    {"window": 50, "guard": "reset"}, {"control": ("fortescue", 0.01, 50)}, {"control": "kulhavy"},
+    {"control": ("kulhavy", 0.9, None), "guard": "reset"}, {"control": ("random_walk", 0.001)},
+    {"control": "ridge", "forgetting": 0.99}, {"control": ("reset", 100), "dtype": "float32"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("options", MADE, ids=repr)
+def test_compositions_run_and_are_copied_and_saved(options):
+    Psi, y = rows()
+    f = rlslab.Ud(4, **options)
+    f.update_many(Psi[:100], y[:100])
+    others = [f.copy(), pickle.loads(pickle.dumps(f)), type(f)(**f.options)]
+    others[2].restore(f.state)
+    f.update_many(Psi[100:], y[100:])
+    assert np.allclose(f.theta, [1, 2, 3, 4], atol=0.3)
+    for other in others:
+        assert repr(other) == repr(f)
+        other.update_many(Psi[100:], y[100:])
+        assert other.state == f.state
+    if options.get("guard") != "hand_over":    # of another layout
+        with pytest.raises(ValueError):
+            rlslab.Ud(4, dtype=f.dtype).restore(f.state)
+
+
+def test_a_guard_skips_what_is_no_number_and_counts():
+    f = rlslab.Ud(2, guard="reset")
+    f.update([1, 0], 3)
+    before = f.theta
+    step = f.update([1, np.nan], 3)
+    assert (step.signal, f.signal, f.counts.unusable, f.counts.rows) == ("unusable", "unusable", 1, 2)
+    assert same(f.theta, before)
+    Psi, y = rows(100, 2)
+    y[50] += 100
+    steps = f.update_many(Psi, y, steps=True)
+    assert [rlslab.SIGNALS[s] for s in steps["signal"][[49, 50, 51]]] == ["none", "outlier", "none"]
+    assert f.counts.outliers == 1
+
+
+def test_a_window_is_the_last_rows():
+    Psi, y = rows()
+    f = rlslab.Ud(4, window=50, prior_variance=1e4)
+    f.update_many(Psi, y)
+    P = Psi[-50:].T @ Psi[-50:] + np.eye(4) / 1e4
+    assert np.allclose(f.theta, np.linalg.solve(P, Psi[-50:].T @ y[-50:]), rtol=1e-6)
+
+
+def test_what_does_not_go_together_says_why():
+    for name, options, word in [("ud", {"control": "fortescue"}, "VARIANCE"),
+                                ("ud", {"control": ("kulhavy", 2)}, "range"),
+                                ("ud", {"window": 5, "control": "kulhavy"}, "window"), ("ud", {"window": -1}, "window"),
+                                ("qr_block", {"guard": "reset"}, "qr_block")]:
+        with pytest.raises(ValueError, match=word):
+            rlslab.filter(name, 2, **options)
+
+
+@pytest.mark.parametrize("variant", [v for v in rlslab.variants() if v != "qr_block"])
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_a_fleet_is_its_filters(variant, dtype):
+    fleet = rlslab.Fleet(variant, 5, 3, forgetting=0.99, dtype=dtype)
+    alone = [rlslab.filter(variant, 3, forgetting=0.99, dtype=dtype) for _ in range(5)]
+    Psi, y = rows(5 * 30, 3)
+    for k in range(30):
+        psi, outputs = Psi[k * 5 : k * 5 + 5], y[k * 5 : k * 5 + 5]
+        assert fleet.update(psi if k % 2 else np.asfortranarray(psi), outputs.tolist()) == 0
+        for f, row, output in zip(alone, psi, outputs):
+            f.update(row, output)
+    assert same(fleet.theta, [f.theta for f in alone]) and fleet.theta.dtype == dtype
+    assert (fleet.health == 0).all()
+    for other in (copy.copy(fleet), copy.deepcopy(fleet), pickle.loads(pickle.dumps(fleet))):
+        assert other.state == fleet.state and same(other.theta, fleet.theta)
+    assert fleet.update(np.full((5, 3), np.nan), np.zeros(5)) == 5
+    fleet.reset(2)
+    assert (fleet.theta[2] == 0).all() and same(fleet.theta[1], alone[1].theta)
+
+
+def test_fleets_that_are_refused():
+    fleet = rlslab.Fleet("ud", 4, 3)
+    before = fleet.state
+    for Psi, y in [(np.zeros((3, 3)), np.zeros(3)), (np.zeros((4, 2)), np.zeros(4)), (np.zeros(3), 0.0), ("a", "b"),
+                   (np.zeros((4, 3)), np.zeros(3)), (None, None), (np.zeros((4, 3), object), np.zeros(4))]:
+        with pytest.raises((ValueError, TypeError)):
+            fleet.update(Psi, y)
+    for m in (4, -1, 10**9):
+        with pytest.raises(IndexError):
+            fleet.reset(m)
+    for state in (b"", before[:-1], bytes(len(before)), rlslab.Fleet("ud", 5, 3).state):
+        with pytest.raises(ValueError):
+            fleet.restore(state)
+    for bad in [("ud", 0, 3), ("ud", -1, 3), ("qr_block", 2, 2), ("udd", 2, 2), ("ud", "2", 2), ("ud", 2, 0),
+                ("ud", 10**12, 1000)]:
+        with pytest.raises((ValueError, TypeError, MemoryError)):
+            rlslab.Fleet(*bad)
+    assert fleet.state == before

@@ -1,0 +1,56 @@
+"""Type hints: mypy --strict on the package and on a program that uses it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rlslab
+
+pytest.importorskip("mypy")
+FOLDER = Path(rlslab.__file__).parent
+
+PROGRAM = """
+import numpy as np
+import rlslab
+
+f = rlslab.Ud(4, forgetting=0.99, guard="reset", control=("fortescue", 0.1, 50))
+step = f.update([1.0, 2.0, 0.5, 3.0], 0.7)
+innovation: float = step.innovation
+health: str = step.health
+table = f.update_many(np.zeros((3, 4)), np.zeros(3), steps=True)
+gamma = table["gamma"]
+last = f.update_many(np.zeros((3, 4)), np.zeros(3))
+norm = float(np.linalg.norm(f.theta)) + f.counts.rows
+g: rlslab.Ud = f.copy()
+h: rlslab.Filter = rlslab.filter("qr", 3, dtype="float32")
+fleet = rlslab.Fleet("ud", filters=3, size=2)
+missing: int = fleet.update(np.zeros((3, 2)), np.zeros(3))
+"""
+WRONG = """
+import rlslab
+
+f = rlslab.Ud(4, colour="red")
+f.theta = 3
+n: int = f.update([1.0], 2.0).health
+rlslab.Udd(3)
+"""
+
+
+def mypy(*arguments, cwd):
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(cwd / "cache"), *arguments]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
+
+
+def test_the_package_and_a_program(tmp_path):
+    (tmp_path / "program.py").write_text(PROGRAM)
+    done = mypy(str(FOLDER), "program.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+
+
+def test_wrong_programs_are_found(tmp_path):
+    (tmp_path / "wrong.py").write_text(WRONG)
+    done = mypy("wrong.py", cwd=tmp_path)
+    lines = {int(line.split(":")[1]) for line in done.stdout.splitlines() if ": error: " in line}
+    assert lines == {4, 5, 6, 7}
