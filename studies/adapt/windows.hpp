@@ -3,6 +3,7 @@
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/core/problem.hpp>
+#include <rlslab/core/stored.hpp>
 
 #include <memory>
 #include <string>

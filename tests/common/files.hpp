@@ -1,6 +1,8 @@
 // Helpers for tests of files: a folder that is removed with its test, and the message with which an action is refused.
 #pragma once
 
+#include "tests/common/message.hpp"
+
 #include <rlslab/core/input_error.hpp>
 
 #include <filesystem>

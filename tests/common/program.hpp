@@ -56,13 +56,13 @@ protected:
         for (char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
         return out;
     }
-    /// One line on stderr that holds `expected`, nothing on stdout, exit code 2.
-    void refused(std::string const& command, std::string const& expected) const {
+    /// One line on stderr that names the `things`, nothing on stdout, exit code 2.
+    void refused(std::string const& command, std::string const& things) const {
         Outcome const run = shell("rlslab " + command);
         EXPECT_EQ(run.code, 2) << command;
         EXPECT_EQ(run.out, "") << command;
         EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-        EXPECT_THAT(run.err, testing::HasSubstr(expected)) << command;
+        EXPECT_THAT(run.err, rlslab::Names(things)) << command;
         EXPECT_TRUE(run.err.starts_with("rlslab: ")) << run.err;
     }
 };

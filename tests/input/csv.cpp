@@ -23,18 +23,18 @@ namespace {
 
 namespace fs = std::filesystem;
 using files::Folder, files::message_of;
-using Names = std::vector<std::string>;
+using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 std::string const bom = "\xef\xbb\xbf";
 
-Columns read(std::string const& text, Names const& asked) {
+Columns read(std::string const& text, Words const& asked) {
     Folder const folder;
     return read_columns(folder.file(text), asked);
 }
 
-std::string refusal(std::string const& text, Names const& asked) {
+std::string refusal(std::string const& text, Words const& asked) {
     Folder const folder;
     return folder.without(message_of([&] { read_columns(folder.file(text), asked); }));
 }
@@ -49,7 +49,7 @@ bool same_bits(Numbers const& a, Numbers const& b) {
 TEST(Csv, ReadsColumnsByNameInTheOrderAsked) {
     auto const data = read("u,y,z\n1,2,3\n4,5,6\n", {"z", "u"});
     EXPECT_TRUE(data.header);
-    EXPECT_EQ(data.names, (Names{"z", "u"}));
+    EXPECT_EQ(data.names, (Words{"z", "u"}));
     EXPECT_EQ(data["z"], (Numbers{3, 6}));
     EXPECT_EQ(data["u"], (Numbers{1, 4}));
     EXPECT_EQ(data.rows(), 2);
@@ -107,81 +107,67 @@ TEST(Csv, KnowsItsNamesBeforeReadingAndReadsOnce) {
     Folder const folder;
     CsvFile file(folder.file(" u , \"y\"\n1,2\n"));
     EXPECT_TRUE(file.has_header());
-    EXPECT_EQ(file.names(), (Names{"u", "y"}));
+    EXPECT_EQ(file.names(), (Words{"u", "y"}));
     EXPECT_EQ(file.read({"y"})["y"], (Numbers{2}));
     EXPECT_THROW(file.read({"y"}), std::invalid_argument);
     EXPECT_THROW(read("u,y\n1,2\n", {}), std::invalid_argument);
 }
 
 TEST(CsvRefuses, CellsThatAreNoNumbers) {
-    EXPECT_EQ(refusal("t,u\n1,2\n\n2,abc\n", {"t", "u"}), "data.csv:4: column 2 (u): expected a number, found \"abc\"");
-    EXPECT_EQ(refusal("1,2\n2,abc\n", {"2"}), "data.csv:2: column 2: expected a number, found \"abc\"");
+    EXPECT_THAT(refusal("t,u\n1,2\n\n2,abc\n", {"t", "u"}), Names("data.csv:4 2 u abc"));
+    EXPECT_THAT(refusal("1,2\n2,abc\n", {"2"}), Names("data.csv:2 2 abc"));
     for (std::string const text : {"0x10", "1e", "1 2", "--1", "+-1", "1d5", "nan(1)", "-", "1.2.3", "1_000", "e5"})
-        EXPECT_EQ(refusal("u\n" + text, {"u"}), "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
+        EXPECT_THAT(refusal("u\n" + text, {"u"}), Names("data.csv:2 1 u " + text));
     for (std::string const text : {"inf", "-Infinity", "+INF"})
-        EXPECT_EQ(refusal(text + "\n1", {"1"}),
-                  "data.csv:1: column 1: expected a finite number, found \"" + text + "\"");
+        EXPECT_THAT(refusal(text + "\n1", {"1"}), Names("data.csv:1 1 " + text));
     for (std::string const text : {"3.3e150", "-1e200", "1e999", "1e-999"})
-        EXPECT_EQ(refusal("u\n" + text, {"u"}),
-                  "data.csv:2: column 1 (u): expected 0 or a size from 2^-1074 to 2^500 "
-                  "(squares must stay finite), found \"" +
-                      text + "\"");
+        EXPECT_THAT(refusal("u\n" + text, {"u"}), Names("data.csv:2 1 u 0 2^-1074 2^500 " + text));
 }
 
 TEST(CsvRefuses, GarbageShortenedAndPrintable) {
-    EXPECT_EQ(refusal("u\n\x01\x1b[2J\xff"
-                      "5\rh\xc3\xa9!",
-                      {"u"}),
-              "data.csv:2: column 1 (u): expected a number, found \"\\x01\\x1b[2J\\xff5\\x0dh\xc3\xa9!\"");
-    EXPECT_EQ(refusal("u\n" + std::string(1000000, 'a'), {"u"}),
-              "data.csv:2: column 1 (u): expected a number, found \"" + std::string(40, 'a') + "...\"");
-    EXPECT_EQ(refusal("u\n\"a\nb\"", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"a\\x0ab\"");
-    EXPECT_EQ(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}),
-              "data.csv:3: expected text, found a zero byte (a binary file?)");
-    EXPECT_EQ(refusal("\xff\xfeu\n", {"u"}), "data.csv: expected rows of numbers as UTF-8 text, found UTF-16");
+    EXPECT_THAT(refusal("u\n\x01\x1b[2J\xff"
+                        "5\rh\xc3\xa9!",
+                        {"u"}),
+                Names("data.csv:2 1 u \\x01\\x1b[2J\\xff5\\x0dh\xc3\xa9!"));
+    EXPECT_THAT(refusal("u\n" + std::string(1000000, 'a'), {"u"}), Names("data.csv:2 1 u " + std::string(40, 'a')));
+    EXPECT_THAT(refusal("u\n\"a\nb\"", {"u"}), Names("data.csv:2 1 u a\\x0ab"));
+    EXPECT_THAT(refusal("u\n1\n" + std::string("\0\0", 2), {"u"}), Names("data.csv:3 zero"));
+    EXPECT_THAT(refusal("\xff\xfeu\n", {"u"}), Names("data.csv UTF-8 UTF-16"));
 }
 
 TEST(CsvRefuses, RaggedRows) {
-    EXPECT_EQ(refusal("# c\nu,y,z\n1,2,3\n4,5\n", {"u"}), "data.csv:4: expected 3 columns as in line 2, found 2");
-    EXPECT_EQ(refusal("1,2\n1,2,\n", {"1"}), "data.csv:2: expected 2 columns as in line 1, found 3");
-    EXPECT_EQ(refusal("u,y\n1,2\n3", {"u"}), "data.csv:3: expected 2 columns as in line 1, found 1");
-    EXPECT_EQ(refusal("u,y\n1,2\n#3\n", {"u"}), "data.csv:3: expected 2 columns as in line 1, found 1");
+    EXPECT_THAT(refusal("# c\nu,y,z\n1,2,3\n4,5\n", {"u"}), Names("data.csv:4 3 2"));
+    EXPECT_THAT(refusal("1,2\n1,2,\n", {"1"}), Names("data.csv:2 2 1 3"));
+    EXPECT_THAT(refusal("u,y\n1,2\n3", {"u"}), Names("data.csv:3 2 1"));
+    EXPECT_THAT(refusal("u,y\n1,2\n#3\n", {"u"}), Names("data.csv:3 2 1"));
 }
 
 TEST(CsvRefuses, BrokenQuotes) {
-    EXPECT_EQ(refusal("u,y\n1,2\n3,\"4\n5,6\n", {"u"}), "data.csv:3: column 2: expected a closing quote");
-    EXPECT_EQ(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}),
-              "data.csv:2: column 2: expected a closing quote");
-    EXPECT_EQ(refusal("u,\"y\n1,2\n", {"u"}), "data.csv:1: column 2: expected a closing quote");
-    EXPECT_EQ(refusal("u,y\n\"1\"2,3\n", {"u"}), "data.csv:2: column 1: expected a separator behind the closing quote");
+    EXPECT_THAT(refusal("u,y\n1,2\n3,\"4\n5,6\n", {"u"}), Names("data.csv:3 2 quote"));
+    EXPECT_THAT(refusal("u,y\n1,\"" + std::string(1 << 21, '\n'), {"u"}), Names("data.csv:2 2 quote"));
+    EXPECT_THAT(refusal("u,\"y\n1,2\n", {"u"}), Names("data.csv:1 2 quote"));
+    EXPECT_THAT(refusal("u,y\n\"1\"2,3\n", {"u"}), Names("data.csv:2 1 quote"));
 }
 
 TEST(CsvRefuses, FilesWithoutRows) {
-    EXPECT_EQ(refusal("", {"u"}), "data.csv: expected rows of numbers, found an empty file");
-    EXPECT_EQ(refusal("# x\n\n  \n", {"u"}), "data.csv: expected rows of numbers, found only comments and blank lines");
-    EXPECT_EQ(refusal("u,y\n\n", {"u"}),
-              "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+    EXPECT_THAT(refusal("", {"u"}), Names("data.csv empty"));
+    EXPECT_THAT(refusal("# x\n\n  \n", {"u"}), Names("data.csv"));
+    EXPECT_THAT(refusal("u,y\n\n", {"u"}), Names("data.csv u y"));
 }
 
 TEST(CsvRefuses, ColumnsThatAreNotThere) {
-    EXPECT_EQ(refusal("time,flow,temperature\n1,2,3\n", {"temprature"}),
-              "data.csv: no column \"temprature\" (did you mean \"temperature\"?); the columns are \"time\", \"flow\", "
-              "\"temperature\"");
-    EXPECT_EQ(refusal("u,y\n1,2\n", {"U"}),
-              "data.csv: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\"");
-    EXPECT_EQ(refusal("u,y\n1,2\n", {"2"}), "data.csv: no column \"2\"; the columns are \"u\", \"y\"");
-    EXPECT_EQ(refusal("1,2\n", {"u"}), "data.csv: no column \"u\"; without a header they are \"1\", \"2\"");
-    EXPECT_EQ(refusal("1,2,3,4,5,6,7,8,9\n", {"10"}),
-              "data.csv: no column \"10\"; without a header they are \"1\", \"2\", \"3\", \"4\", \"5\", \"6\", \"7\", "
-              "\"8\", ... (9 in all)");
-    EXPECT_EQ(refusal(",y\n1,2\n", {""}), "data.csv: expected the name of a column, found \"\"");
-    EXPECT_EQ(refusal(std::string(100, 'a') + "\n1\n", {"\x1b"}),
-              "data.csv: no column \"\\x1b\"; the columns are \"" + std::string(24, 'a') + "...\"");
+    EXPECT_THAT(refusal("time,flow,temperature\n1,2,3\n", {"temprature"}),
+                Names("data.csv temprature temperature time flow"));
+    EXPECT_THAT(refusal("u,y\n1,2\n", {"U"}), Names("data.csv U u y"));
+    EXPECT_THAT(refusal("u,y\n1,2\n", {"2"}), Names("data.csv 2 u y"));
+    EXPECT_THAT(refusal("1,2\n", {"u"}), Names("data.csv u 1 2"));
+    EXPECT_THAT(refusal("1,2,3,4,5,6,7,8,9\n", {"10"}), Names("data.csv 10 1 2 3 4 5 6 7 8 9"));
+    EXPECT_THAT(refusal(",y\n1,2\n", {""}), Names("data.csv"));
+    EXPECT_THAT(refusal(std::string(100, 'a') + "\n1\n", {"\x1b"}), Names("data.csv \\x1b " + std::string(24, 'a')));
 }
 
 TEST(CsvRefuses, AnAmbiguousNameOnlyWhenAskedFor) {
-    EXPECT_EQ(refusal("# c\nu,y,u\n1,2,3\n", {"u"}),
-              "data.csv:2: expected different names, found \"u\" over columns 1 and 3");
+    EXPECT_THAT(refusal("# c\nu,y,u\n1,2,3\n", {"u"}), Names("data.csv:2 u 1 3"));
     EXPECT_EQ(refusal("u,y,u\n1,2,3\n", {"y"}), "no error");
 }
 
@@ -236,7 +222,7 @@ TEST(CsvStream, ALineOf2GiBIsRefusedAfterItsFirst) {
     auto const fed = piped(std::string(1 << 16, '1'), 1 << 15, "u");
     EXPECT_EQ(fed.message, "fifo:1: expected a line of at most 1 MiB");
     EXPECT_LE(fed.pieces, 2 * 16);  // 1 MiB, a chunk, and what the pipe holds
-    EXPECT_EQ(message_of([] { read_columns("/dev/zero", {"u"}); }), "/dev/zero:1: expected a line of at most 1 MiB");
+    EXPECT_THAT(message_of([] { read_columns("/dev/zero", {"u"}); }), Names("/dev/zero:1 1"));
 }
 
 TEST(CsvStream, RowsCrossChunks) {
@@ -257,8 +243,7 @@ TEST(CsvStream, ADashIsStandardInput) {
     Folder const folder;
     int const saved = dup(0);
     ASSERT_NE(std::freopen(folder.file("u\n1\nx\n").c_str(), "rb", stdin), nullptr);
-    EXPECT_EQ(message_of([] { read_columns("-", {"u"}); }),
-              "standard input:3: column 1 (u): expected a number, found \"x\"");
+    EXPECT_THAT(message_of([] { read_columns("-", {"u"}); }), Names("input:3 1 u x"));
     std::clearerr(stdin);
     dup2(saved, 0);
     close(saved);
@@ -275,7 +260,7 @@ RC_GTEST_PROP(Csv, WhatIsWrittenIsReadBitForBit, ()) {
         return '"' + text + '"';
     };
     std::vector<Numbers> table(columns);
-    Names names;
+    Words names;
     std::string text = flag() ? bom + "# about; this,\tfile" + end : "";
     for (std::size_t j = 0; j < columns; ++j) {
         auto const middle = *rc::gen::container<std::string>(rc::gen::elementOf(std::string("a \",;\t\n#'\xc3")));

@@ -16,14 +16,14 @@ namespace rlslab {
 namespace {
 
 using files::Folder, files::message_of;
-using Names = std::vector<std::string>;
+using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
-Columns read(std::string const& text, Names const& asked, CsvFormat format = {}) {
+Columns read(std::string const& text, Words const& asked, CsvFormat format = {}) {
     Folder const folder;
     return read_columns(folder.file(text), asked, format);
 }
-std::string refusal(std::string const& text, Names const& asked, CsvFormat format = {}) {
+std::string refusal(std::string const& text, Words const& asked, CsvFormat format = {}) {
     Folder const folder;
     return folder.without(message_of([&] { read_columns(folder.file(text), asked, format); }));
 }
@@ -40,36 +40,25 @@ TEST(DecimalComma, IsReadWhereItIsNoSeparator) {
     EXPECT_FALSE(read("1,5;2,5\n", {"1"}).header);
 }
 TEST(DecimalComma, OneMarkAFile) {
-    EXPECT_EQ(refusal("u;y\n1;2\n1,5;2.5\n", {"u", "y"}),
-              "data.csv:3: column 2 (y): expected a decimal comma as in line 3, found \"2.5\"");
-    EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}),
-              "data.csv:3: column 2 (y): expected a decimal point as in line 2, found \"2,5\"");
+    EXPECT_THAT(refusal("u;y\n1;2\n1,5;2.5\n", {"u", "y"}), Names("data.csv:3 2 y 3 2.5"));
+    EXPECT_THAT(refusal("u;y\n1.5;2\n1;2,5\n", {"u", "y"}), Names("data.csv:3 2 y 2,5"));
     EXPECT_EQ(refusal("u;y\n1.5;2\n1;2,5\n", {"y"}), "no error");  // of the requested columns
-    EXPECT_EQ(refusal("u;y\n1,x;2\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"1,x\"");
-    EXPECT_EQ(refusal("1,5;-\n", {"2"}), "data.csv: no column \"2\"; the columns are \"1,5\", \"-\"");
+    EXPECT_THAT(refusal("u;y\n1,x;2\n", {"u"}), Names("data.csv:2 1 u 1,x"));
+    EXPECT_THAT(refusal("1,5;-\n", {"2"}), Names("data.csv 2 1,5 -"));
 }
 TEST(DecimalComma, IsNotTakenForAMarkBetweenThousands) {
-    std::string const why =
-        "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number says "
-        "which (--decimal , if it is the former)";
-    EXPECT_EQ(refusal("u;y\n1,234;1\n2;2\n", {"u"}), why);
+    EXPECT_THAT(refusal("u;y\n1,234;1\n2;2\n", {"u"}), Names("data.csv:2 1 u 1,234 --decimal"));
     EXPECT_EQ(read("u;y\n1,234;1\n2,5;2\n", {"u"})["u"], (Numbers{1.234, 2.5}));          // the next one tells
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u", "y"})["u"], (Numbers{1.234}));               // or another column
     EXPECT_EQ(read("u;y\n0,123;1\n12,3456;1\n", {"u"})["u"], (Numbers{0.123, 12.3456}));  // no thousands there
     EXPECT_EQ(read("u;y\n-1,234;1\n", {"u"}, {.decimal = ','})["u"], (Numbers{-1.234}));
-    EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u", "y"}),
-              "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
-    EXPECT_EQ(refusal("u;y\n2.5;1\n1,234;2\n", {"u"}),
-              "data.csv:3: column 1 (u): expected a decimal point as in line 2, found \"1,234\"");
-    EXPECT_EQ(refusal("u;y\n1,234;1\n", {"u"}, {.decimal = '.'}),
-              "data.csv:2: column 1 (u): expected a decimal point, found \"1,234\"");
+    EXPECT_THAT(refusal("u;y\n1,234;0.5\n", {"u", "y"}), Names("data.csv:2 1 u 1,234"));
+    EXPECT_THAT(refusal("u;y\n2.5;1\n1,234;2\n", {"u"}), Names("data.csv:3 1 u 2 1,234"));
+    EXPECT_THAT(refusal("u;y\n1,234;1\n", {"u"}, {.decimal = '.'}), Names("data.csv:2 1 u 1,234"));
     for (std::string const text : {"1,234,567", "1,234.5", "1.234,5", "1.234.567", "-12,345,678.25"})
-        EXPECT_EQ(
-            refusal("u;y\n" + text + ";1", {"u"}),
-            "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"" + text + "\"");
+        EXPECT_THAT(refusal("u;y\n" + text + ";1", {"u"}), Names("data.csv:2 1 u " + text));
     for (std::string const text : {"1,2,3", "1,23,456", "1.2,3", "1,234.5.6", ",", "1,,5", "1,-5"})
-        EXPECT_EQ(refusal("u;y\n" + text + ";1", {"u"}),
-                  "data.csv:2: column 1 (u): expected a number, found \"" + text + "\"");
+        EXPECT_THAT(refusal("u;y\n" + text + ";1", {"u"}), Names("data.csv:2 1 u " + text));
 }
 
 // --- separators ------------------------------------------------------------------------------------------------------
@@ -80,28 +69,24 @@ TEST(Separator, BlanksAnyNumberOfThem) {
     EXPECT_EQ(read("# by hand\n1 2\n3 4\n", {"2"})["2"], (Numbers{2, 4}));
     EXPECT_EQ(read("\"flow rate\" \"y\"\n1 2\n", {"flow rate"})["flow rate"], (Numbers{1}));
     EXPECT_EQ(read("u y\n1 NA\n", {"u"})["u"], (Numbers{1}));
-    EXPECT_EQ(refusal("u y\n1 2\n3\n", {"u"}), "data.csv:3: expected 2 columns as in line 1, found 1");
-    EXPECT_EQ(refusal("u y\n1 x\n", {"y"}), "data.csv:2: column 2 (y): expected a number, found \"x\"");
+    EXPECT_THAT(refusal("u y\n1 2\n3\n", {"u"}), Names("data.csv:3 2 1"));
+    EXPECT_THAT(refusal("u y\n1 x\n", {"y"}), Names("data.csv:2 2 y x"));
 }
 TEST(Separator, ANameMayHoldBlanks) {
     EXPECT_EQ(read("flow rate\n1\n2\n", {"flow rate"})["flow rate"], (Numbers{1, 2}));
     EXPECT_EQ(read("flow rate, y\n1, 2\n", {"flow rate"})["flow rate"], (Numbers{1}));
-    EXPECT_EQ(refusal("flow rate y\n1 2\n", {"y"}),
-              "data.csv:1: expected as many names as cells below, found 3 words over 2 in line 2 (quote a name "
-              "that holds blanks, or give the separator: --separator)");
-    EXPECT_EQ(refusal("flow rate\n", {"flow rate"}),
-              "data.csv: expected rows below the header, found none (the columns are \"flow rate\")");
-    EXPECT_EQ(refusal("u y\n#\n", {"u"}), "data.csv: no column \"u\"; the columns are \"u y\"");
+    EXPECT_THAT(refusal("flow rate y\n1 2\n", {"y"}), Names("data.csv:1 3 2 --separator"));
+    EXPECT_THAT(refusal("flow rate\n", {"flow rate"}), Names("data.csv flow rate"));
+    EXPECT_THAT(refusal("u y\n#\n", {"u"}), Names("data.csv u y"));
 }
 TEST(Separator, ASpreadsheetsFirstLineNamesIt) {
     EXPECT_EQ(read("sep=;\r\nu,1;y\r\n1;2\r\n", {"u,1"})["u,1"], (Numbers{1}));
     EXPECT_EQ(read("\xef\xbb\xbf\"sep=\t\"\nu\ty\n1\t2\n", {"y"})["y"], (Numbers{2}));
     EXPECT_EQ(read("SEP=|\nu|y\n1,5|2\n", {"u"})["u"], (Numbers{1.5}));
     EXPECT_EQ(read("sep=,\nu,y\n1,2\n", {"y"}).lines, (std::vector<long>{3}));
-    EXPECT_EQ(refusal("sep=x\nu,y\n1,2\n", {"y"}),
-              "data.csv:1: expected sep= with a comma, semicolon, tab, bar or blank, found \"sep=x\"");
-    EXPECT_EQ(refusal("sep=;\n", {"y"}), "data.csv: expected rows of numbers, found only comments and blank lines");
-    EXPECT_EQ(refusal("u;y\nsep=;1\n", {"u"}), "data.csv:2: column 1 (u): expected a number, found \"sep=\"");
+    EXPECT_THAT(refusal("sep=x\nu,y\n1,2\n", {"y"}), Names("data.csv:1 sep=x"));
+    EXPECT_THAT(refusal("sep=;\n", {"y"}), Names("data.csv"));
+    EXPECT_THAT(refusal("u;y\nsep=;1\n", {"u"}), Names("data.csv:2 1 u sep="));
 }
 TEST(Separator, GivenItIsObeyed) {
     EXPECT_EQ(read("sep=,\nu;y\n1,5;2\n", {"u"}, {.separator = ';'})["u"], (Numbers{1.5}));
@@ -110,26 +95,20 @@ TEST(Separator, GivenItIsObeyed) {
     EXPECT_EQ(read("1,5\n2,5\n", {"1"}, {.decimal = ','})["1"], (Numbers{1.5, 2.5}));
     EXPECT_EQ(read("u\n1,5\n", {"u"}, {.decimal = ','})["u"], (Numbers{1.5}));
     EXPECT_EQ(read("u,y\n\"1,5\",\"2,5\"\n", {"y"}, {.decimal = ','})["y"], (Numbers{2.5}));
-    EXPECT_EQ(refusal("u;y\n1;2\n", {"u"}, {.separator = ','}), "data.csv: no column \"u\"; the columns are \"u;y\"");
+    EXPECT_THAT(refusal("u;y\n1;2\n", {"u"}, {.separator = ','}), Names("data.csv u u;y"));
     EXPECT_THROW(read("u\n1\n", {"u"}, {.separator = 'x'}), std::invalid_argument);
     EXPECT_THROW(read("u\n1\n", {"u"}, {.decimal = ';'}), std::invalid_argument);
 }
 TEST(Separator, RowsTwiceAsLongAsTheHeaderSayWhy) {
-    EXPECT_EQ(refusal("u,y\n1,5,2,5\n", {"u"}),
-              "data.csv:2: expected 2 columns as in line 1, found 4 (decimal commas? they need another separator, or "
-              "quotes)");
+    EXPECT_THAT(refusal("u,y\n1,5,2,5\n", {"u"}), Names("data.csv:2 2 1 4"));
 }
 
 // --- what is no text -------------------------------------------------------------------------------------------------
 
 TEST(CsvRefuses, WhatOtherProgramsWrite) {
-    EXPECT_EQ(refusal("\x1f\x8b\x08", {"u"}),
-              "data.csv: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
-    EXPECT_EQ(
-        refusal("PK\x03\x04", {"u"}),
-        "data.csv: expected rows of numbers as UTF-8 text, found a zip archive or a workbook: save the sheet as CSV");
-    EXPECT_EQ(refusal("\xd0\xcf\x11\xe0", {"u"}),
-              "data.csv: expected rows of numbers as UTF-8 text, found a workbook: save the sheet as CSV");
+    EXPECT_THAT(refusal("\x1f\x8b\x08", {"u"}), Names("data.csv UTF-8 gzip"));
+    EXPECT_THAT(refusal("PK\x03\x04", {"u"}), Names("data.csv UTF-8 CSV"));
+    EXPECT_THAT(refusal("\xd0\xcf\x11\xe0", {"u"}), Names("data.csv UTF-8 CSV"));
 }
 
 RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
@@ -143,7 +122,7 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
                : separator == ' ' ? std::string(*rc::gen::inRange<std::size_t>(1, 4), ' ')
                                   : std::string(1, separator);
     };
-    Names names;
+    Words names;
     for (std::size_t j = 0; j < columns; ++j) names.push_back(header ? fmt::format("n{}", j) : std::to_string(j + 1));
     for (std::size_t j = 0; header && j < columns; ++j) text += between(j) + names[j];
     if (header) text += '\n';
@@ -169,47 +148,33 @@ RC_GTEST_PROP(Formats, WhatIsWrittenInAnyIsReadBitForBit, ()) {
 
 // --- a point that may stand between thousands ------------------------------------------------------------------------
 
-std::string const or_point = " may be a decimal point or a mark between thousands, and ",
-                  way_out = " (--decimal . if it is the former)";
-
 TEST(PointOrThousands, IsRefusedWhereAnyColumnHasADecimalComma) {
     std::string const german = "druck;y;temp\n967;2908;20,69\n1.047;3148;15,63\n";
-    EXPECT_EQ(refusal(german, {"druck", "y"}), "data.csv:3: column 1 (druck): \"1.047\"" + or_point +
-                                                   "\"20,69\" in line 2 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal(german, {"druck", "temp"}),
-              "data.csv:3: column 1 (druck): expected a decimal comma as in line 2, found \"1.047\"");
+    EXPECT_THAT(refusal(german, {"druck", "y"}), Names("data.csv:3 1 druck 1.047 20,69 2 --decimal"));
+    EXPECT_THAT(refusal(german, {"druck", "temp"}), Names("data.csv:3 1 druck 2 1.047"));
     EXPECT_EQ(read(german, {"druck"}, {.decimal = '.'})["druck"], (Numbers{967, 1.047}));
     EXPECT_EQ(read(german, {"y"})["y"], (Numbers{2908, 3148})) << "no number in doubt";
     // The comma comes after the number in doubt, in quotes, in a column of text, beside a number with a point.
-    EXPECT_EQ(refusal("a,b\n1.047,x\n2,\"1,5\"\n", {"a"}),
-              "data.csv:2: column 1 (a): \"1.047\"" + or_point + "\"1,5\" in line 3 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal("a b\n1.047 x\n2.5 1,5\n", {"a"}),
-              "data.csv:2: column 1 (a): \"1.047\"" + or_point + "\"1,5\" in line 3 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal("a;b\n-1.047;1\n2;2,5\n", {"a", "b"}),
-              "data.csv:2: column 1 (a): expected a number without marks between thousands, found \"-1.047\"");
+    EXPECT_THAT(refusal("a,b\n1.047,x\n2,\"1,5\"\n", {"a"}), Names("data.csv:2 1 a 1.047 1,5 3 --decimal"));
+    EXPECT_THAT(refusal("a b\n1.047 x\n2.5 1,5\n", {"a"}), Names("data.csv:2 1 a 1.047 1,5 3 --decimal"));
+    EXPECT_THAT(refusal("a;b\n-1.047;1\n2;2,5\n", {"a", "b"}), Names("data.csv:2 1 a -1.047"));
 }
 TEST(PointOrThousands, IsRefusedWhereASemicolonSeparatesAndNothingSaysWhich) {
-    std::string const why = "data.csv:3: column 1 (u): \"1.000\"" + or_point + "no number says which" + way_out;
-    EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n1.001;3\n", {"u"}), why);
-    EXPECT_EQ(refusal("u;y\n999;1.234\n1.000;2\n", {"u"}), why) << "of a number that is not asked for";
+    auto const why = Names("data.csv:3 1 u 1.000 --decimal");
+    EXPECT_THAT(refusal("u;y\n999;1\n1.000;2\n1.001;3\n", {"u"}), why);
+    EXPECT_THAT(refusal("u;y\n999;1.234\n1.000;2\n", {"u"}), why) << "of a number that is not asked for";
     EXPECT_EQ(read("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = '.'})["u"], (Numbers{999, 1}));
-    EXPECT_EQ(refusal("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = ','}),
-              "data.csv:3: column 1 (u): expected a decimal comma, found \"1.000\"");
-    EXPECT_EQ(refusal("u;y\n1,234;1\n1.234;2\n", {"u"}),
-              "data.csv:2: column 1 (u): expected a number without marks between thousands, found \"1,234\"");
+    EXPECT_THAT(refusal("u;y\n999;1\n1.000;2\n", {"u"}, {.decimal = ','}), Names("data.csv:3 1 u 1.000"));
+    EXPECT_THAT(refusal("u;y\n1,234;1\n1.234;2\n", {"u"}), Names("data.csv:2 1 u 1,234"));
 }
 /// Of cells that are no numbers to be read, in columns that are not asked for.
 TEST(PointOrThousands, IsRefusedWhereANumberWithThousandsOrAUnitShowsTheComma) {
     for (std::string const separator : {"\t", ";"})
         for (std::string const shown : {"1.353,27", "-1.353,27", "1.234.567,5", "15,7 %", "3,25°C"})
-            EXPECT_EQ(refusal("u" + separator + "t\n1.047" + separator + shown + "\n", {"u"}),
-                      "data.csv:2: column 1 (u): \"1.047\"" + or_point + "\"" + shown +
-                          "\" in line 2 has a decimal comma" + way_out);
-    EXPECT_EQ(refusal("u\tt\n1.047\t1.234.567\n", {"u"}), "data.csv:2: column 1 (u): \"1.047\"" + or_point +
-                                                              "\"1.234.567\" in line 2 has points between thousands" +
-                                                              way_out);
-    EXPECT_EQ(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}), "data.csv:2: column 1 (u): \"1.047\"" + or_point +
-                                                               "\"1.353,27\" in line 2 has a decimal comma" + way_out);
+            EXPECT_THAT(refusal("u" + separator + "t\n1.047" + separator + shown + "\n", {"u"}),
+                        Names("data.csv:2 1 u 1.047 " + shown + " 2 --decimal"));
+    EXPECT_THAT(refusal("u\tt\n1.047\t1.234.567\n", {"u"}), Names("data.csv:2 1 u 1.047 1.234.567 2 --decimal"));
+    EXPECT_THAT(refusal("u,t\n1.047,\"1.353,27\"\n", {"u"}), Names("data.csv:2 1 u 1.047 1.353,27 2 --decimal"));
     for (std::string const shows_nothing :
          {"1.2.3", "12.03.2024", "192.168.0.1", "a,b", "1,2,3", "12:30", "1.234 kg", "3.5 %"})
         EXPECT_EQ(read("u\tt\n1.047\t" + shows_nothing + "\n", {"u"})["u"], (Numbers{1.047})) << shows_nothing;
@@ -226,9 +191,7 @@ TEST(PointOrThousands, IsAPointWhereAnotherNumberShowsIt) {
 }
 TEST(CommaOrThousands, AnyColumnShowsWhich) {
     EXPECT_EQ(read("u;y\n1,234;0,5\n", {"u"})["u"], (Numbers{1.234}));
-    EXPECT_EQ(refusal("u;y\n1,234;0.5\n", {"u"}),
-              "data.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and \"0.5\" in "
-              "line 2 has a decimal point (--decimal , if it is the former)");
+    EXPECT_THAT(refusal("u;y\n1,234;0.5\n", {"u"}), Names("data.csv:2 1 u 1,234 0.5 2 --decimal"));
 }
 
 // --- blank lines in a file of one column -----------------------------------------------------------------------------
@@ -250,14 +213,10 @@ TEST(FirstRow, LikeTheNextHasNoNamesWhereColumnsAreAskedForByNumber) {
     EXPECT_FALSE(data.header);
     EXPECT_EQ(data.values, (std::vector<Numbers>{{8, 9}, {5, 6}}));
     EXPECT_EQ(data.lines, (std::vector<long>{1, 2}));
-    EXPECT_EQ(refusal("2024-01-01,3,2\n2024-01-02,6,9\n", {"3", "2"}),
-              "data.csv:1: expected a row of names: \"3\" may be column \"3\", or column 2 with \"3\" in this row, "
-              "which is like the row below");
-    EXPECT_EQ(refusal("2024-01-01,2,8\n2024-01-02,6,9\n", {"2"}),
-              "data.csv:1: expected a row of names: \"2\" may be column \"2\", or column 2 with \"2\" in this row, "
-              "which is like the row below");
-    EXPECT_EQ(refusal(dates, {"1"}), "data.csv:1: column 1: expected a number, found \"2024-01-01\"");
-    EXPECT_EQ(refusal(dates, {"4"}), "data.csv: no column \"4\"; the columns are \"2024-01-01\", \"5\", \"8\"");
+    EXPECT_THAT(refusal("2024-01-01,3,2\n2024-01-02,6,9\n", {"3", "2"}), Names("data.csv:1 3 2"));
+    EXPECT_THAT(refusal("2024-01-01,2,8\n2024-01-02,6,9\n", {"2"}), Names("data.csv:1 2"));
+    EXPECT_THAT(refusal(dates, {"1"}), Names("data.csv:1 1 2024-01-01"));
+    EXPECT_THAT(refusal(dates, {"4"}), Names("data.csv 4 2024-01-01 5 8"));
     EXPECT_EQ(read("a 1\nb 2\n", {"2"})["2"], (Numbers{1, 2})) << "blanks separate: the row below was looked at before";
     EXPECT_EQ(read("\"x\ny\",1\n\"z\n\",2\n", {"2"})["2"], (Numbers{1, 2})) << "rows of several lines";
 }
@@ -265,9 +224,8 @@ TEST(FirstRow, OfNamesStaysOne) {
     EXPECT_EQ(read("country,1990,1991\nFrance,1,2\n", {"1991"})["1991"], (Numbers{2})) << "years";
     EXPECT_EQ(read("k,2,1\n5,6,7\n", {"2"})["2"], (Numbers{6})) << "a name over a number";
     EXPECT_EQ(read("k,2,1\nNA,6,7\n", {"1"})["1"], (Numbers{7}));
-    EXPECT_EQ(refusal("k,2,1\n", {"2"}),
-              "data.csv: expected rows below the header, found none (the columns are \"k\", \"2\", \"1\")");
-    EXPECT_EQ(refusal("k,u\nx,5\n", {"2"}), "data.csv: no column \"2\"; the columns are \"k\", \"u\"");
+    EXPECT_THAT(refusal("k,2,1\n", {"2"}), Names("data.csv k 2 1"));
+    EXPECT_THAT(refusal("k,u\nx,5\n", {"2"}), Names("data.csv 2 k u"));
 }
 
 // --- ends of lines ---------------------------------------------------------------------------------------------------
@@ -275,12 +233,11 @@ TEST(FirstRow, OfNamesStaysOne) {
 TEST(LineEnds, ACarriageReturnAloneIsOne) {
     EXPECT_EQ(read("u,y\r1,2\r3,4\r", {"y"})["y"], (Numbers{2, 4}));
     EXPECT_EQ(read("# by hand\r\ru;y\r1,5;2\r3;4", {"u"}).lines, (std::vector<long>{4, 5}));
-    EXPECT_EQ(refusal("u,y\r", {"u"}),
-              "data.csv: expected rows below the header, found none (the columns are \"u\", \"y\")");
+    EXPECT_THAT(refusal("u,y\r", {"u"}), Names("data.csv u y"));
 }
 TEST(LineEnds, TheFirstOneOutsideQuotesDecides) {
     EXPECT_EQ(read("\"a\rb\",y\n1,2\n", {"a\rb"})["a\rb"], (Numbers{1}));
-    EXPECT_EQ(refusal("u,y\n1,2\r3,4\n", {"y"}), "data.csv:2: expected 2 columns as in line 1, found 3");
+    EXPECT_THAT(refusal("u,y\n1,2\r3,4\n", {"y"}), Names("data.csv:2 2 1 3"));
     EXPECT_EQ(read("u,y\r\r\n1,2\r\n", {"u"})["u"], (Numbers{1})) << "a carriage return too many";
     std::string const piece(1 << 16, '#');  // the end crosses chunks
     for (std::string const end : {"\r", "\r\n", "\n"})

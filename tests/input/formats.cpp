@@ -14,7 +14,7 @@ namespace rlslab {
 namespace {
 
 using files::Folder, files::message_of;
-using Names = std::vector<std::string>;
+using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
 std::string packed(std::string const& text) {
@@ -31,11 +31,11 @@ std::string packed(std::string const& text) {
     return out;
 }
 
-Columns read(std::string const& bytes, Names const& asked, CsvFormat format = {}) {
+Columns read(std::string const& bytes, Words const& asked, CsvFormat format = {}) {
     Folder const folder;
     return read_data({folder.file(bytes, "data"), format}, asked);
 }
-std::string refusal(std::string const& bytes, Names const& asked, CsvFormat format = {}) {
+std::string refusal(std::string const& bytes, Words const& asked, CsvFormat format = {}) {
     Folder const folder;
     return folder.without(message_of([&] { read_data({folder.file(bytes, "data"), format}, asked); }));
 }
@@ -46,22 +46,19 @@ TEST(Gzip, IsReadByItsContent) {
     EXPECT_EQ(read(packed("u;y\n1,5;2\n3;4\n"), {"u"})["u"], (Numbers{1.5, 3}));
     EXPECT_EQ(read("u,y\n1,2\n", {"y"})["y"], (Numbers{2}));
     EXPECT_EQ(read(packed("u|y\n1|2\n"), {"y"}, {.separator = '|'})["y"], (Numbers{2}));
-    EXPECT_EQ(refusal(packed("u,y\n1,2\n3,x\n"), {"y"}), "data:3: column 2 (y): expected a number, found \"x\"");
+    EXPECT_THAT(refusal(packed("u,y\n1,2\n3,x\n"), {"y"}), Names("data:3 2 y x"));
 }
 TEST(Gzip, PartsThatWereJoinedAreOneFile) {
     EXPECT_EQ(read(packed("u,y\n1,2\n3,") + packed("") + packed("4\n"), {"y"})["y"], (Numbers{2, 4}));
     EXPECT_EQ(read(packed("u\n1\n") + std::string(513, '\0'), {"u"})["u"], (Numbers{1}));  // as a tape pads it
-    EXPECT_EQ(refusal(packed("u\n1\n") + "more", {"u"}),
-              "data: expected the compressed data to end the file, found something behind them");
+    EXPECT_THAT(refusal(packed("u\n1\n") + "more", {"u"}), Names("data"));
 }
 TEST(Gzip, DamageIsSeenWhereverItIs) {
     std::string text = "u\n";
     for (int i = 0; i < 300; ++i) text += std::to_string(i * i % 97) + '\n';
     std::string const whole = packed(text);
     for (std::size_t length = 2; length < whole.size(); ++length)
-        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}),
-                  "data: the compressed data end too early (was the file cut short?)")
-            << length;
+        EXPECT_THAT(refusal(whole.substr(0, length), {"u"}), Names("data")) << length;
     for (std::size_t at = 10; at < whole.size(); ++at) {  // behind the header
         std::string damaged = whole;
         damaged[at] = char(damaged[at] ^ 0x10);
@@ -73,16 +70,15 @@ TEST(Gzip, DamageIsSeenWhereverItIs) {
     }
     std::string checksum = whole;
     checksum[whole.size() - 6] ^= 1;
-    EXPECT_EQ(refusal(checksum, {"u"}), "data: the compressed data are damaged (incorrect data check)");
-    EXPECT_EQ(refusal(packed(whole), {"u"}),
-              "data: expected rows of numbers as UTF-8 text, found gzip's compressed data: unpack them first");
-    EXPECT_EQ(refusal(packed(""), {"u"}), "data: expected rows of numbers, found an empty file");
+    EXPECT_THAT(refusal(checksum, {"u"}), Names("data"));
+    EXPECT_THAT(refusal(packed(whole), {"u"}), Names("data UTF-8 gzip"));
+    EXPECT_THAT(refusal(packed(""), {"u"}), Names("data empty"));
 }
 TEST(Gzip, ABombIsNotHeld) {
     std::string bomb;  // a line of 256 MiB in 256 kB
     for (int i = 0; i < 4; ++i) bomb += packed(std::string(1 << 26, '1'));
     EXPECT_LT(bomb.size(), 300000u);
-    EXPECT_EQ(refusal(bomb, {"1"}), "data:1: expected a line of at most 1 MiB");
+    EXPECT_THAT(refusal(bomb, {"1"}), Names("data:1 1"));
 }
 TEST(Gzip, RowsWithoutEndAreRefused) {
     std::string rows;
@@ -96,7 +92,7 @@ TEST(Gzip, RowsWithoutEndAreRefused) {
             return now;
         },
         "endless", {}, 1 << 20);
-    EXPECT_EQ(message_of([&] { endless.read({"1"}); }), "endless:524289: expected at most 524288 rows");
+    EXPECT_THAT(message_of([&] { endless.read({"1"}); }), Names("endless:524289 524288"));
     EXPECT_LT(given, 2 << 20);
 }
 
@@ -145,14 +141,12 @@ TEST(Matlab, VectorsAreColumnsAndMatricesHaveSome) {
     EXPECT_EQ(read(file, {"X(:,1)", "X(:, 2)", "u(:,1)"}).values,
               (std::vector<Numbers>{{1, 2, 3}, {7, 8, 9}, {1, 2.5, -3}}));
     EXPECT_EQ(read(file, {"X(:,2)"})["X(:,2)"], (Numbers{7, 8, 9}));
-    EXPECT_EQ(refusal(file, {"y(:,2)"}),
-              "data: no column \"y(:,2)\"; the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
+    EXPECT_THAT(refusal(file, {"y(:,2)"}), Names("data y(:,2) u y X_1 X_2 Ts"));
     EXPECT_EQ(data.lines, (std::vector<long>{1, 2, 3}));
-    EXPECT_EQ(refusal(file, {"u", "Ts"}), "data: expected columns of equal length, found 3 numbers in u and 1 in Ts");
-    EXPECT_EQ(refusal(file, {"X"}), "data: X is a matrix: its columns are called X_1 ... X_2");
-    EXPECT_EQ(refusal(file, {"U"}),
-              "data: no column \"U\" (did you mean \"u\"?); the columns are \"u\", \"y\", \"X_1\", \"X_2\", \"Ts\"");
-    EXPECT_EQ(refusal(file, {"u"}, {.decimal = ','}), "data: a MATLAB file has no separators and decimal marks");
+    EXPECT_THAT(refusal(file, {"u", "Ts"}), Names("data 3 u 1 Ts"));
+    EXPECT_THAT(refusal(file, {"X"}), Names("data X X_1 X_2"));
+    EXPECT_THAT(refusal(file, {"U"}), Names("data U u y X_1 X_2 Ts"));
+    EXPECT_THAT(refusal(file, {"u"}, {.decimal = ','}), Names("data MATLAB"));
 }
 TEST(Matlab, WhatIsNoRealVectorIsNamed) {
     double const inf = std::numeric_limits<double>::infinity();
@@ -164,26 +158,21 @@ TEST(Matlab, WhatIsNoRealVectorIsNamed) {
                                  .add("c", 2, 1, {1, 2}, 1)
                                  .add("X", 1 << 30, 3, {1})
                                  .bytes;
-    EXPECT_EQ(refusal(file, {"u"}),
-              "data: u, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found inf");
-    EXPECT_EQ(refusal(file, {"v"}),
-              "data: v, row 2: expected 0 or a size up to 2^500 (squares must stay finite), found -1e+200");
-    std::string const expected = ": expected a real numeric vector or matrix, found ";
-    EXPECT_EQ(refusal(file, {"w"}), "data: w" + expected + "nothing");
-    EXPECT_EQ(refusal(file, {"z"}), "data: z" + expected + "complex numbers");
-    EXPECT_EQ(refusal(file, {"c"}), "data: c" + expected + "a cell array");
-    EXPECT_EQ(refusal(file, {"X"}), "data: X" + expected + "1073741824 x 3 numbers");
+    EXPECT_THAT(refusal(file, {"u"}), Names("data u 2 0 2^500 inf"));
+    EXPECT_THAT(refusal(file, {"v"}), Names("data v 2 0 2^500 -1e+200"));
+    EXPECT_THAT(refusal(file, {"w"}), Names("data w"));
+    EXPECT_THAT(refusal(file, {"z"}), Names("data z complex"));
+    EXPECT_THAT(refusal(file, {"c"}), Names("data c cell"));
+    EXPECT_THAT(refusal(file, {"X"}), Names("data X 1073741824 3"));
     EXPECT_TRUE(std::isnan(read(Mat5().add("u", 2, 1, {1, std::nan("")}).bytes, {"u"})["u"][1]));  // a missing value
-    EXPECT_EQ(refusal(Mat5().bytes, {"u"}), "data: expected variables, found none");
+    EXPECT_THAT(refusal(Mat5().bytes, {"u"}), Names("data"));
 }
 TEST(Matlab, CutShortItIsRefused) {
     std::string const whole = Mat5().add("u", 3, 1, {1, 2, 3}).bytes;
-    EXPECT_EQ(refusal(whole.substr(0, 128), {"u"}), "data: expected variables, found none");
+    EXPECT_THAT(refusal(whole.substr(0, 128), {"u"}), Names("data"));
     for (std::size_t length = 129; length < whole.size(); ++length)
-        EXPECT_EQ(refusal(whole.substr(0, length), {"u"}), "data: it ends within a variable: the file is damaged")
-            << length;
-    EXPECT_EQ(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}),
-              "data: u: 8 bytes of numbers for 1048576 x 1: the file is damaged");
+        EXPECT_THAT(refusal(whole.substr(0, length), {"u"}), Names("data")) << length;
+    EXPECT_THAT(refusal(Mat5().add("u", 1 << 20, 1, {1}).bytes, {"u"}), Names("data u 8 1048576 1"));
 }
 TEST(Matlab, InCompressedVariablesEveryBitIsChecked) {
     std::ifstream stream(std::string(RLSLAB_SOURCE_DIR) + "/tests/fuzz/corpus/formats/mat5_packed", std::ios::binary);

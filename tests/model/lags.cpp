@@ -42,20 +42,18 @@ TEST(Lags, AreRefusedInOneLineThatSaysWhatWasExpected) {
             said.starts_with("--regressors: expected columns with lags, as in y[k-1],y[k-2],u[k-3..k-5], found \""))
             << word << ": " << said;
     }
-    EXPECT_EQ(refusal({"y"}), "--regressors: y: the output needs a lag: y[k-1] or further back");
-    EXPECT_EQ(refusal({"y[k]"}), "--regressors: y[k]: is what the model is to give: expected y[k-1] or further back");
-    EXPECT_EQ(refusal({"y[k..k-2]"}),
-              "--regressors: y[k..k-2]: is what the model is to give: expected y[k-1] or further back");
-    EXPECT_EQ(refusal({"u[k+1]"}), "--regressors: u[k+1]: lies in the future: expected k, or k-1 and further back");
-    EXPECT_EQ(refusal({"u[k-4..k-2]"}), "--regressors: u[k-4..k-2]: expected the nearer lag first, as in u[k-2..k-4]");
-    EXPECT_EQ(refusal({"u[k-1000001]"}), "--regressors: u[k-1000001]: expected a lag of at most 1000000");
-    EXPECT_EQ(refusal({"u[k-99999999999999999999]"}),
-              "--regressors: u[k-99999999999999999999]: expected a lag of at most 1000000");
-    EXPECT_EQ(refusal({"u[k..k-2000]"}), "--regressors: u[k..k-2000]: expected at most 2000 regressors");
-    EXPECT_EQ(refusal({"u[k..k-1998]", "v", "w"}), "--regressors: w: expected at most 2000 regressors");
-    EXPECT_EQ(refusal({"u", "y[k-1]", "u[k]"}), "--regressors: u[k] is named twice");
-    EXPECT_EQ(refusal({"u[k-1..k-4]", "u[k-2]"}), "--regressors: u[k-2] is named twice");
-    EXPECT_EQ(refusal({}), "--regressors: expected one regressor at least");
+    EXPECT_THAT(refusal({"y"}), Names("--regressors y y[k-1]"));
+    EXPECT_THAT(refusal({"y[k]"}), Names("--regressors y[k] y[k-1]"));
+    EXPECT_THAT(refusal({"y[k..k-2]"}), Names("--regressors y[k..k-2] y[k-1]"));
+    EXPECT_THAT(refusal({"u[k+1]"}), Names("--regressors u[k+1] k-1"));
+    EXPECT_THAT(refusal({"u[k-4..k-2]"}), Names("--regressors u[k-4..k-2] u[k-2..k-4]"));
+    EXPECT_THAT(refusal({"u[k-1000001]"}), Names("--regressors u[k-1000001] 1000000"));
+    EXPECT_THAT(refusal({"u[k-99999999999999999999]"}), Names("--regressors u[k-99999999999999999999] 1000000"));
+    EXPECT_THAT(refusal({"u[k..k-2000]"}), Names("--regressors u[k..k-2000] 2000"));
+    EXPECT_THAT(refusal({"u[k..k-1998]", "v", "w"}), Names("--regressors w 2000"));
+    EXPECT_THAT(refusal({"u", "y[k-1]", "u[k]"}), Names("--regressors u[k]"));
+    EXPECT_THAT(refusal({"u[k-1..k-4]", "u[k-2]"}), Names("--regressors u[k-2]"));
+    EXPECT_THAT(refusal({}), Names("--regressors"));
 }
 
 Columns columns(Words names, std::vector<std::vector<double>> values) {
@@ -77,9 +75,7 @@ TEST(LaggedRecords, AreTheRowsOfTheEquation) {
     data.header = false;
     EXPECT_EQ(lagged_records(data, list({"u[k-2]", "y[k-1]", "v"}), "y").names,
               (Words{"column u[k-2]", "column y[k-1]", "column v"}));
-    EXPECT_EQ(message_of([&] { lagged_records(data, list({"u[k-1..k-4]"}), "y"); }),
-              "data.csv: 4 parameters need at least 4 rows, found 2 after a presample of 4 and skipping 0 with missing "
-              "values");
+    EXPECT_THAT(message_of([&] { lagged_records(data, list({"u[k-1..k-4]"}), "y"); }), Names("data.csv 4 2 0"));
     EXPECT_THROW(lagged_records(data, {}, "y"), std::invalid_argument);
     EXPECT_THROW(lagged_records(data, {{"y", 0}}, "y"), std::invalid_argument);
     EXPECT_THROW(lagged_records(data, {{"u", -1}}, "y"), std::invalid_argument);

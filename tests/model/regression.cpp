@@ -17,12 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using files::message_of;
-using Names = std::vector<std::string>;
+using Words = std::vector<std::string>;
 using Numbers = std::vector<double>;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-Columns columns(Names names, std::vector<Numbers> values) {
+Columns columns(Words names, std::vector<Numbers> values) {
     std::vector<long> lines(values[0].size());
     return {.file = "data.csv", .names = std::move(names), .values = std::move(values), .lines = std::move(lines)};
 }
@@ -39,20 +39,20 @@ Numbers numbers(Vector<double> const& y) { return {y.begin(), y.end()}; }
 TEST(LinearRecords, AreTheColumnsWithTheInterceptFirst) {
     auto const data = columns({"y", "a", "b"}, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}});
     auto const plain = linear_records(data, {"b", "a"}, "y");
-    EXPECT_EQ(plain.names, (Names{"b", "a"}));
+    EXPECT_EQ(plain.names, (Words{"b", "a"}));
     EXPECT_EQ(plain.psi, rows({{7, 4}, {8, 5}, {9, 6}}));
     EXPECT_EQ(numbers(plain.y), (Numbers{1, 2, 3}));
     EXPECT_EQ(plain.skipped, 0);
 
     auto const with = linear_records(data, {"b", "a"}, "y", true);
-    EXPECT_EQ(with.names, (Names{"1", "b", "a"}));
+    EXPECT_EQ(with.names, (Words{"1", "b", "a"}));
     EXPECT_EQ(with.psi, rows({{1, 7, 4}, {1, 8, 5}, {1, 9, 6}}));
 }
 
 TEST(LinearRecords, NumberedColumnsAreNotTakenForTheIntercept) {
     auto data = columns({"1", "2"}, {{4, 5, 6}, {7, 8, 9}});
     data.header = false;
-    EXPECT_EQ(linear_records(data, {"1"}, "2", true).names, (Names{"1", "column 1"}));
+    EXPECT_EQ(linear_records(data, {"1"}, "2", true).names, (Words{"1", "column 1"}));
 }
 
 TEST(LinearRecords, SkipRowsThatMissAValueOfTheirOwn) {
@@ -67,7 +67,7 @@ TEST(LinearRecords, SkipRowsThatMissAValueOfTheirOwn) {
 TEST(ArxRecords, AreTheEquation) {
     Numbers const u{1, 2, 3, 4, 5, 6}, y{10, 20, 30, 40, 50, 60};
     auto const records = arx_records(u, y, {.na = 2, .nb = 1});
-    EXPECT_EQ(records.names, (Names{"a1", "a2", "b0", "b1"}));
+    EXPECT_EQ(records.names, (Words{"a1", "a2", "b0", "b1"}));
     EXPECT_EQ(arx_records(u, y, {.na = 1, .nb = 0}).psi, rows({{-10, 2}, {-20, 3}, {-30, 4}, {-40, 5}, {-50, 6}}));
     EXPECT_EQ(records.presample, 2);
     EXPECT_EQ(records.skipped, 0);
@@ -78,13 +78,13 @@ TEST(ArxRecords, AreTheEquation) {
 TEST(ArxRecords, TakeADelayAndAnInterceptLast) {
     Numbers const u{1, 2, 3, 4, 5, 6, 7}, y{10, 20, 30, 40, 50, 60, 70};
     auto const records = arx_records(u, y, {.na = 1, .nb = 1, .delay = 2, .intercept = true});
-    EXPECT_EQ(records.names, (Names{"a1", "b0", "b1", "c"}));
+    EXPECT_EQ(records.names, (Words{"a1", "b0", "b1", "c"}));
     EXPECT_EQ(records.psi, rows({{-30, 2, 1, 1}, {-40, 3, 2, 1}, {-50, 4, 3, 1}, {-60, 5, 4, 1}}));
     EXPECT_EQ(numbers(records.y), (Numbers{40, 50, 60, 70}));
     EXPECT_EQ(records.presample, 3);
     auto const impulse_response = arx_records(u, y, {.na = 0, .nb = 0});
     EXPECT_EQ(impulse_response.rows(), 7);
-    EXPECT_EQ(impulse_response.names, (Names{"b0"}));
+    EXPECT_EQ(impulse_response.names, (Words{"b0"}));
 }
 
 TEST(ArxRecords, SkipEveryRowThatNeedsAMissingValue) {
@@ -134,11 +134,11 @@ RC_GTEST_PROP(ArxRecords, EveryRowIsKeptSkippedOrLeadIn, ()) {
 TEST(RecordsRefuse, ModelsThatAreNone) {
     Numbers const u(9), y(9);
     auto const arx = [&](Arx const& model) { return message_of([&] { arx_records(u, y, model); }); };
-    EXPECT_EQ(message_of([] { arx_of_order(0); }), "order: expected at least 1, found 0");
-    EXPECT_EQ(message_of([] { arx_of_order(-3); }), "order: expected at least 1, found -3");
-    EXPECT_EQ(arx({.na = -1, .nb = 2}), "na: expected at least 0, found -1");
-    EXPECT_EQ(arx({.na = 1, .nb = -2}), "nb: expected at least 0, found -2");
-    EXPECT_EQ(arx({.na = 1, .nb = 1, .delay = -1}), "delay: expected at least 0, found -1");
+    EXPECT_THAT(message_of([] { arx_of_order(0); }), Names("order 1 0"));
+    EXPECT_THAT(message_of([] { arx_of_order(-3); }), Names("order 1 -3"));
+    EXPECT_THAT(arx({.na = -1, .nb = 2}), Names("na 0 -1"));
+    EXPECT_THAT(arx({.na = 1, .nb = -2}), Names("nb 0 -2"));
+    EXPECT_THAT(arx({.na = 1, .nb = 1, .delay = -1}), Names("delay 0 -1"));
     EXPECT_EQ(arx_of_order(3).size(), 7);
     EXPECT_THROW(arx_records(u, Numbers(8), {.na = 1, .nb = 1}), std::invalid_argument);
 }
@@ -146,40 +146,22 @@ TEST(RecordsRefuse, ModelsThatAreNone) {
 TEST(RecordsRefuse, TooFewRows) {
     auto const data = columns({"u", "y"}, {{1, 2, missing, 4, 5}, {1, 2, 3, 4, missing}});
     auto const arx = [&](Arx const& model) { return message_of([&] { arx_records(data, "u", "y", model); }); };
-    EXPECT_EQ(arx(arx_of_order(3)), "data.csv: 7 parameters need at least 7 rows, found 5");
-    EXPECT_EQ(arx({.na = 2'000'000'000, .nb = 2'000'000'000, .delay = 2'000'000'000}),
-              "data.csv: 4000000001 parameters need at least 4000000001 rows, found 5");
-    EXPECT_EQ(arx({.na = 1, .nb = 1}),
-              "data.csv: 3 parameters need at least 3 rows, found 1 after a presample of 1 and skipping 3 with "
-              "missing values");
-    EXPECT_EQ(arx({.na = 0, .nb = 0, .delay = 2'000'000'000}),
-              "data.csv: 1 parameter needs at least 1 row, found 0 after a presample of 5 and skipping 0 with "
-              "missing values");
+    EXPECT_THAT(arx(arx_of_order(3)), Names("data.csv 7 5"));
+    EXPECT_THAT(arx({.na = 2'000'000'000, .nb = 2'000'000'000, .delay = 2'000'000'000}),
+                Names("data.csv 4000000001 5"));
+    EXPECT_THAT(arx({.na = 1, .nb = 1}), Names("data.csv 3 1"));
+    EXPECT_THAT(arx({.na = 0, .nb = 0, .delay = 2'000'000'000}), Names("data.csv 1 0 5"));
     auto const other = columns({"a", "b", "c", "y"}, {{1, missing, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
-    EXPECT_EQ(message_of([&] {
-                  linear_records(other, {"a", "b", "c"}, "y");
-              }),
-              "data.csv: 3 parameters need at least 3 rows, found 2 after skipping 1 with missing values");
-    EXPECT_EQ(message_of([&] {
-                  linear_records(other, {"a", "b", "c"}, "y", true);
-              }),
-              "data.csv: 4 parameters need at least 4 rows, found 3");
+    EXPECT_THAT(message_of([&] { linear_records(other, {"a", "b", "c"}, "y"); }), Names("data.csv 3 2 1"));
+    EXPECT_THAT(message_of([&] { linear_records(other, {"a", "b", "c"}, "y", true); }), Names("data.csv 4 3"));
 }
 
 TEST(RecordsRefuse, ColumnsInTwoRoles) {
     auto const data = columns({"u", "y"}, {{1, 2, 3}, {1, 2, 3}});
-    EXPECT_EQ(message_of([&] { linear_records(data, {}, "y"); }),
-              "data.csv: expected the name of a regressor at least");
-    EXPECT_EQ(message_of([&] {
-                  linear_records(data, {"u", "y"}, "y");
-              }),
-              "data.csv: column \"y\" is both regressor and output");
-    EXPECT_EQ(message_of([&] {
-                  linear_records(data, {"u", "u"}, "y");
-              }),
-              "data.csv: column \"u\" is twice among the regressors");
-    EXPECT_EQ(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }),
-              "data.csv: column \"u\" is both input and output");
+    EXPECT_THAT(message_of([&] { linear_records(data, {}, "y"); }), Names("data.csv"));
+    EXPECT_THAT(message_of([&] { linear_records(data, {"u", "y"}, "y"); }), Names("data.csv y"));
+    EXPECT_THAT(message_of([&] { linear_records(data, {"u", "u"}, "y"); }), Names("data.csv u"));
+    EXPECT_THAT(message_of([&] { arx_records(data, "u", "u", {.na = 1, .nb = 1}); }), Names("data.csv u"));
     EXPECT_THROW(linear_records(data, {"z"}, "y"), std::invalid_argument);
     EXPECT_THROW(arx_records(data, "u", "z", {.na = 1, .nb = 1}), std::invalid_argument);
 }
@@ -203,7 +185,7 @@ struct Nist {
         return linear_records(data, regressors, "y");
     }
     Vector<double> theta(std::string const& name, std::string const& which = "theta") const {
-        auto const text = solutions.at(name).at(which).get<Names>();
+        auto const text = solutions.at(name).at(which).get<Words>();
         Vector<double> theta(text.size());
         for (std::size_t i = 0; i < text.size(); ++i) theta[Index(i)] = std::stod(text[i]);
         return theta;
