@@ -24,7 +24,7 @@ class Carlson {
     StateVector<T, N> theta_, f_, m_, K_;
     StateVector<RealOf<T>, N> before_, s_, r_;
     StateMatrix<T, N> S_;
-    [[no_unique_address]] NextRow<T, N> next_;
+    [[no_unique_address]] NextRow<kernels::SweepCarlson<T>, N> next_;
 
 public:
     using scalar = T;

@@ -22,7 +22,7 @@ class Conventional {
     DivisorNearOne<RealOf<T>> by_lambda_;
     StateVector<T, N> theta_, f_, K_;
     StateMatrix<T, N> P_;
-    [[no_unique_address]] NextRow<T, N> next_;
+    [[no_unique_address]] NextRow<kernels::SubtractRankOne<T>, N> next_;
 
 public:
     using scalar = T;

@@ -24,7 +24,7 @@ class InverseQr {
     StateVector<T, N> theta_, a_, s_, g_, K_;
     StateVector<RealOf<T>, N> before_, b_, c_;
     StateMatrix<T, N> S_;
-    [[no_unique_address]] NextRow<T, N> next_;
+    [[no_unique_address]] NextRow<kernels::SweepRotations<T>, N> next_;
 
 public:
     using scalar = T;

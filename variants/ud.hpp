@@ -25,7 +25,7 @@ class Ud {
     StateVector<T, N> theta_, f_, g_, mu_, K_;
     StateVector<RealOf<T>, N> D_, before_, s_;
     StateMatrix<T, N> U_;
-    [[no_unique_address]] NextRow<T, N> next_;
+    [[no_unique_address]] NextRow<kernels::SweepUd<T>, N> next_;
 
 public:
     using scalar = T;

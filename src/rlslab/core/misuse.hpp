@@ -2,8 +2,8 @@
 #pragma once
 
 #ifdef __cpp_exceptions
+#include <cstdio>
 #include <stdexcept>
-#include <string>
 #endif
 
 namespace rlslab {
@@ -14,15 +14,24 @@ namespace rlslab {
 [[gnu::weak]] void on_misuse(char const* expected);
 #endif
 
-/// Throws std::invalid_argument("expected " + what) unless `holds`; without exceptions calls on_misuse(what).
-inline void expects(bool holds, char const* what) {
-    if (holds) return;
+namespace detail {
+/// Not inlined and not std::string: both would be compiled in every file for a message that is almost never needed.
+[[noreturn, gnu::noinline, gnu::cold]] inline void misused(char const* what) {
 #ifdef __cpp_exceptions
-    throw std::invalid_argument(std::string("expected ") + what);
+    char message[256];
+    std::snprintf(message, sizeof message, "expected %s", what);
+    throw std::invalid_argument(message);
 #else
     if (on_misuse) on_misuse(what);
     __builtin_trap();
 #endif
+}
+}  // namespace detail
+
+/// Throws std::invalid_argument("expected " + what), of at most 255 characters, unless `holds`; without exceptions
+/// calls on_misuse(what).
+inline void expects(bool holds, char const* what) {
+    if (!holds) detail::misused(what);
 }
 
 }  // namespace rlslab

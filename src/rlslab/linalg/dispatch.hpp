@@ -186,16 +186,18 @@ template <class T, class Kernel>
 void dispatch(Kernel const& kernel);
 #else
 [[gnu::always_inline]] inline void dispatch(Kernel const& kernel) {
-    if constexpr (!OnColumns<Kernel> && !Together<Kernel>)
+    if constexpr (!OnColumns<Kernel> && !Together<Kernel> && !Elementwise<Kernel>)
         if (kernel.d <= 4)
             return portable::evaluate<portable::SimdBlock<T, std::min(register_bytes, 4 * int(sizeof(T))), 4>>(kernel);
 #ifdef __x86_64__
     if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
         if (uses_wide_registers<Kernel>(isa, kernel.d))
             return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
-    if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
+    if (Elementwise<Kernel> || register_bytes >= 32 || isa >= Isa::avx2)
+        return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
-    portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
+    if constexpr (!Elementwise<Kernel>)
+        portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
 }
 #endif
 }  // namespace kernels
@@ -213,7 +215,7 @@ template <class T, int N, class Kernel>
         portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
         if constexpr (Elementwise<Kernel>)
-            if (kernel.d <= inlined_bytes / Index(sizeof(T)))
+            if (kernel.d <= inlined_bytes / Index(sizeof(T)) || isa == Isa::baseline)
                 return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
         dispatch<T>(kernel);
     }

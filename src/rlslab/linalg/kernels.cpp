@@ -1,7 +1,8 @@
-// The library rlslab::kernels: every kernel of one scalar, RLSLAB_KERNELS_OF, for the files that are compiled with
-// RLSLAB_COMPILED_KERNELS. Whoever adds a kernel adds a line here: the linker names what is missing.
+// The library rlslab::kernels: every kernel of one scalar, RLSLAB_KERNELS_OF, and what a filter of it starts from, for
+// the files that are compiled with RLSLAB_COMPILED_KERNELS. Whoever adds a kernel adds a line here: the linker names
+// what is missing.
 #undef RLSLAB_COMPILED_KERNELS
-#include <rlslab/linalg/dispatch.hpp>
+#include <rlslab/linalg/start.hpp>
 
 #define RLSLAB_COMPILE(...) template void dispatch<T>(__VA_ARGS__ const&);
 
@@ -47,3 +48,16 @@ RLSLAB_COMPILE(ThenMultiply<SweepCarlson<T>>)
 RLSLAB_COMPILE(ThenMultiply<SweepRotations<T>>)
 
 }  // namespace rlslab::kernels
+
+namespace rlslab {
+
+using kernels::T;
+template Problem<T> const& checked(Problem<T> const&, int);
+template StateVector<T> start_theta(Problem<T> const&);
+template StateMatrix<T> start_covariance(Problem<T> const&);
+template StateMatrix<T> start_root(Problem<T> const&);
+template void start_ud(Problem<T> const&, StateMatrix<T>&, StateVector<T>&);
+template void start_information(Problem<T> const&, StateMatrix<T>&, StateVector<T>&);
+template void start_information_root(Problem<T> const&, StateMatrix<T>&, StateVector<T>&);
+
+}  // namespace rlslab

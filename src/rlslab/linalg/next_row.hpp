@@ -10,32 +10,35 @@
 
 namespace rlslab {
 
-/// The next row's regressor and its product with P or S'. It knows them only while `update_rows` runs; otherwise
-/// `multiply` and the functions below do what those without a NextRow do. The product has the bits that `multiply`
-/// gives it.
-template <Scalar T, int N>
+/// The next row's regressor and its product with the P or S' that Pass leaves. It knows them only while `update_rows`
+/// runs; otherwise `multiply` and the functions below do what those without a NextRow do. The product has the bits that
+/// `multiply` gives it.
+template <class Pass, int N>
 class NextRow {
+    using T = std::remove_pointer_t<decltype(Pass::A)>;
     T const* psi_ = nullptr;
+    bool (*run_and_multiply_)(NextRow&, Pass const&) = nullptr;
     bool multiplied_ = false;
     StateVector<T, N> product_;
 
     /// Runs the pass with the product and returns true; or does nothing and returns false, where two passes are faster.
-    /// Not inlined: an update of few parameters, row by row, takes a tenth longer with all of that in it.
-    template <class Pass>
-    [[gnu::noinline]] bool run_and_multiply(Pass const& pass) {
-        multiplied_ = kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
-        if (multiplied_) run_kernel<T, N>(kernels::ThenMultiply<Pass>{pass, psi_, product_.data()});
-        return multiplied_;
+    static bool run_and_multiply(NextRow& next, Pass const& pass) {
+        next.multiplied_ = kernels::one_pass_is_faster<Pass>(kernels::isa, pass.d);
+        if (next.multiplied_) run_kernel<T, N>(kernels::ThenMultiply<Pass>{pass, next.psi_, next.product_.data()});
+        return next.multiplied_;
     }
 
 public:
     explicit NextRow(Index size) : product_(size) {}
-    /// psi: d numbers that stay as they are until the next call, or nullptr.
-    void announce(T const* psi) { psi_ = psi; }
+    /// psi: d numbers that stay as they are until the next call, or nullptr. Only who calls this compiles the pass with
+    /// the product: row by row it is not needed.
+    void announce(T const* psi) {
+        psi_ = psi;
+        run_and_multiply_ = psi == nullptr ? nullptr : &run_and_multiply;
+    }
 
-    template <class Pass>
     [[gnu::always_inline]] void run(Pass const& pass) {
-        if (psi_ == nullptr || !run_and_multiply(pass)) run_kernel<T, N>(pass);
+        if (run_and_multiply_ == nullptr || !run_and_multiply_(*this, pass)) run_kernel<T, N>(pass);
     }
     /// Moves the product to f, if it has been computed.
     bool move_product(StateVector<T, N>& f) {
@@ -47,48 +50,47 @@ public:
 };
 /// Without registers, at the smallest fixed sizes and where every operation draws a random number, one row is computed
 /// after another.
-template <Scalar T, int N>
-    requires(!Hardware<T> || (N != Dynamic && N < 16))
-class NextRow<T, N> {
+template <class Pass, int N>
+    requires(!Hardware<std::remove_pointer_t<decltype(Pass::A)>> || (N != Dynamic && N < 16))
+class NextRow<Pass, N> {
+    using T = std::remove_pointer_t<decltype(Pass::A)>;
+
 public:
     explicit NextRow(Index) {}
     void announce(T const*) {}
-    template <class Pass>
-    void run(Pass const& pass) {
-        run_kernel<T, N>(pass);
-    }
+    void run(Pass const& pass) { run_kernel<T, N>(pass); }
     bool move_product(StateVector<T, N>&) { return false; }
 };
 
 /// f = A x, or the product that `next` has computed already. x is the row that was announced before the last change of
 /// A.
-template <Scalar T, int N>
-void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<T, N>& next) {
+template <Scalar T, int N, class Pass>
+void multiply(StateMatrix<T, N> const& A, T const* x, StateVector<T, N>& f, NextRow<Pass, N>& next) {
     if (!next.move_product(f)) multiply(A, x, f);
 }
 /// A = (A - x f') / r, and next's product with it. x and f may be the same.
 template <Scalar T, int N>
 void subtract_rank_one(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                       DivisorNearOne<RealOf<T>> const& by_r, NextRow<T, N>& next) {
+                       DivisorNearOne<RealOf<T>> const& by_r, NextRow<kernels::SubtractRankOne<T>, N>& next) {
     next.run(kernels::SubtractRankOne<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 /// A_ij = A_ji = (A_ij - x_i f_j) / r for i <= j, A symmetric, and next's product with it.
 template <Scalar T, int N>
 void subtract_rank_one_mirrored(StateMatrix<T, N>& A, StateVector<T, N> const& x, StateVector<T, N> const& f,
-                                DivisorNearOne<RealOf<T>> const& by_r, NextRow<T, N>& next) {
+                                DivisorNearOne<RealOf<T>> const& by_r, NextRow<kernels::SubtractMirrored<T>, N>& next) {
     next.run(kernels::SubtractMirrored<T>{A.size(), A.stride(), A.column(0), x.data(), f.data(), by_r.correction()});
 }
 
 /// out = S'x, S upper triangular, or the product that `next` has computed already, of x and S as for `multiply`.
-template <Scalar T, int N>
-void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<T, N>& next) {
+template <Scalar T, int N, class Pass>
+void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVector<T, N>& out, NextRow<Pass, N>& next) {
     if (!next.move_product(out)) multiply_upper_transposed(S, x, out);
 }
 /// f.update for each column of psi (d x B) with its number of y (B), the oldest first; B >= 1. Returns the last step.
 /// Throws std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or
 /// gain, which each row changes, no product is computed ahead.
-template <Scalar T, int N, class F>
-Step<T> update_rows(F& f, NextRow<T, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi,
+template <Scalar T, int N, class Pass, class F>
+Step<T> update_rows(F& f, NextRow<Pass, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi,
                     Eigen::Ref<Vector<T> const> const& y) {
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1,
             "a block of d x B regressors and B outputs");

@@ -123,4 +123,20 @@ void start_information_root(Problem<T> const& problem, StateMatrix<T, N>& L, Sta
     multiply_lower_transposed(L, start_theta<T, N>(problem), z);
 }
 
+// In rlslab::kernels for float and double, so that a file that is compiled with it compiles none of these. That library
+// throws: a program without exceptions has texts of its own.
+#if defined(RLSLAB_COMPILED_KERNELS) && defined(__cpp_exceptions)
+#define RLSLAB_COMPILED_START(T)                                                                 \
+    extern template Problem<T> const& checked(Problem<T> const&, int);                           \
+    extern template StateVector<T> start_theta(Problem<T> const&);                               \
+    extern template StateMatrix<T> start_covariance(Problem<T> const&);                          \
+    extern template StateMatrix<T> start_root(Problem<T> const&);                                \
+    extern template void start_ud(Problem<T> const&, StateMatrix<T>&, StateVector<T>&);          \
+    extern template void start_information(Problem<T> const&, StateMatrix<T>&, StateVector<T>&); \
+    extern template void start_information_root(Problem<T> const&, StateMatrix<T>&, StateVector<T>&);
+RLSLAB_COMPILED_START(float)
+RLSLAB_COMPILED_START(double)
+#undef RLSLAB_COMPILED_START
+#endif
+
 }  // namespace rlslab

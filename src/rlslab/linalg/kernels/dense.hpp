@@ -141,13 +141,13 @@ template <class B, class T, Shape shape>
                 }
             }
         }
+        if (last == 0)
+#pragma GCC unroll 16
+            for (int c = 0; c < 4; ++c) sum[c].empty_sum();
         x = x_tail;
         if (last < tail) x.load(k.x + last);
         if (upper && B::rows == 8 &&
             count == 4) {  // the rows that count are known when this is compiled: no masks from memory
-            if (last == 0)
-#pragma GCC unroll 16
-                for (int c = 0; c < 4; ++c) sum[c].empty_sum();
             if (j0 == last) to_diagonal<0>(sum, column, last, x, std::make_integer_sequence<int, 4>());
             else to_diagonal<B::rows - 4>(sum, column, last, x, std::make_integer_sequence<int, 4>());
         } else {
@@ -155,8 +155,8 @@ template <class B, class T, Shape shape>
             for (int c = 0; c < 4; ++c) {
                 RowRange const present{0, (upper ? j0 + c + 1 : k.d) - last};
                 a.load(column[c] + last);
-                if (last > 0) sum[c].sum(a, x, present);
-                else sum[c].start_sum(a, x, present);
+                if constexpr (B::rows == 8) sum[c].sum(a, x, present);
+                else sum[c].start_sum(a, x, present);  // of at most four rows there is one block
             }
         }
         B::sums(sum, k.out + j0);
