@@ -46,6 +46,10 @@ public:
 
     Step<T> update(Regressor<T> psi, T y) {
         keep_regressor(psi, psi_, x_, rest_);
+        T eta = y;
+        bool const in_range = lengths_.begin_row(lambda_, psi_, y, D_);
+        if constexpr (Hardware<T>)
+            if (in_range) return step_of(eta, fold_gentleman(L_, x_, z_, eta, D_, c_, s_, lambda_));    // the same bits
         eliminate(L_, x_);                                                                               // (1)
         scale(D_, lambda_, before_);
         Truth<T> determined = true;
@@ -62,14 +66,13 @@ public:
                 s_[i] = select(nothing, T(0), s_[i]);
             }
         sweep_gentleman(L_, c_, s_, x_, rest_);                                                          // (4)
-        T eta = y;
         for (Index i = 0; i < d; ++i) {
             T const t = z_[i], turned = s_[i] * eta;
             z_[i] = c_[i] * t + turned;
             eta -= conjugate(x_[i]) * t;
         }
         Step<T> const step = select(determined, step_of(eta, w), report_undetermined(eta));               // (5)
-        return if_finite(lengths_.add_row(lambda_, psi_, y, L_, D_, z_, x_) || !determined, step);
+        return if_finite(lengths_.end_row(psi_, L_, D_, z_, x_) || !determined, step);
     }
 
     Vector<T, N> theta() const {

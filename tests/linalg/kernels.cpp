@@ -21,9 +21,9 @@ T value(Counted<T> const& x) {
 }
 
 /// Every number that a filter reports on its way and at its end, over rows of noise with zeros of both signs among
-/// them.
+/// them; from `exponents` > 0 on with an eighth of the numbers scaled by up to 2^exponents either way.
 template <class F, class T>
-std::vector<T> trace(Index d, Index steps) {
+std::vector<T> trace(Index d, Index steps, int exponents = 0) {
     using S = typename F::scalar;
     F filter(Problem<S>{.size = d, .forgetting = S(0.984375)});
     std::vector<T> out;
@@ -37,9 +37,12 @@ std::vector<T> trace(Index d, Index steps) {
         for (S& x : psi) {
             double const number = seed.bell();
             x = S(number > 1 ? 0.0 : number < -1 ? -0.0 : number);
+            if (exponents > 0 && seed.next() % 8 == 0)
+                x = S(std::ldexp(number, int(seed.next() % std::uint64_t(2 * exponents)) - exponents));
         }
         Step<S> const step = filter.update(psi, S(seed.bell()));
-        out.insert(out.end(), {value(step.innovation), value(step.residual), value(step.gamma)});
+        out.insert(out.end(),
+                   {value(step.innovation), value(step.residual), value(step.gamma), T(double(int(step.health)))});
     }
     note(Vector<S>(filter.theta()));
     note(Vector<S>(filter.gain()));
@@ -117,6 +120,18 @@ TYPED_TEST(Kernels, GiveInformationOneResult) { check_all<TypeParam, Information
 TYPED_TEST(Kernels, GiveQrOneResult) { check_all<TypeParam, Qr>(); }
 TYPED_TEST(Kernels, GiveGentlemanOneResult) { check_all<TypeParam, Gentleman>(); }
 TYPED_TEST(Kernels, GiveExtendedQrOneResult) { check_all<TypeParam, ExtendedQr>(); }
+
+/// The one pass and the formulas of the page, where 1/w and squares come near an overflow and pass it.
+TYPED_TEST(Kernels, GiveGentlemanOneResultNearOverflow) {
+    using T = TypeParam;
+    for (int exponents : {sizeof(T) == 8 ? 300 : 20, sizeof(T) == 8 ? 500 : 60})
+        for (Index d = 1; d <= 33; ++d)
+            for (Index steps : {2, 5, 40})
+                EXPECT_EQ(difference(trace<Gentleman<T>, T>(d, steps, exponents),
+                                     trace<Gentleman<Counted<T>>, T>(d, steps, exponents)),
+                          -1)
+                    << d << ' ' << steps << ' ' << exponents;
+}
 
 TEST(KernelsComparison, SeesOneBit) {
     auto const a = trace<Ud<double>, double>(5, 10);

@@ -38,6 +38,11 @@ template <Field T>
 inline constexpr bool fits_double<T> = true;
 typedef double Pair __attribute__((vector_size(16)));
 typedef double PairAnywhere __attribute__((vector_size(16), aligned(8), may_alias));
+template <class Numbers>
+[[gnu::always_inline]] inline Pair two_of(Numbers const& numbers, Index j) {
+    if constexpr (requires { numbers.two(j); }) return numbers.two(j);
+    else return Pair{numbers(j), numbers(j + 1)};
+}
 }  // namespace detail
 
 /// The scalar in which bounds are computed: double if it holds every number of T, otherwise T; the real one where T is
@@ -58,7 +63,9 @@ using BoundOf = std::conditional_t<detail::fits_double<RealOf<T>>, double, RealO
 /// If the bound is computed in T, the squares n_j^2 and r_j^2 are numbers of T, so 1 / min r_j and max n_j need at most
 /// half of T's exponents. A factor of 2^10 covers e, sums of d terms, and rounding, which changes q by less than e^2
 /// while 2 d^2 u <= 1.
-template <Scalar T, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
+///
+/// bounds_lengths: true proves that 1/q and max n_j^2 / q do not overflow T, either.
+template <Scalar T, bool bounds_lengths = false, class LengthSquared, class PivotSquared, class Bound = BoundOf<T>>
 [[gnu::always_inline]] inline Truth<T> solved_in_range(Index d, LengthSquared n2, PivotSquared r2, Bound const& right) {
     if constexpr (!RootedScalar<T>) {  // the rationals are finite
         return true;
@@ -70,26 +77,35 @@ template <Scalar T, class LengthSquared, class PivotSquared, class Bound = Bound
         Bound q(1), least(1), most = right;
         Index j = 0;
         if constexpr (requires { n2.two(j); }) {  // two quotients at a time, in two products: any order gives a bound
-            detail::Pair a{1, 1}, b{1, 1};
+            detail::Pair a{1, 1}, b{1, 1}, longest{0, 0};
             for (; j + 4 <= d; j += 4) {
-                a *= detail::Pair{r2(j), r2(j + 1)} / n2.two(j);
-                b *= detail::Pair{r2(j + 2), r2(j + 3)} / n2.two(j + 2);
+                detail::Pair const n = n2.two(j), m = n2.two(j + 2);
+                a *= detail::two_of(r2, j) / n;
+                b *= detail::two_of(r2, j + 2) / m;
+                if constexpr (bounds_lengths) {
+                    detail::Pair const longer = n > m ? n : m;
+                    longest = longest > longer ? longest : longer;
+                }
             }
             a *= b;
             q = a[0] * a[1];
+            if constexpr (bounds_lengths)
+                for (int i : {0, 1}) most = most < longest[i] ? longest[i] : most;
         }
         for (; j < d; ++j) {
             Bound const length = n2(j), pivot = r2(j);
             q *= pivot / length;
-            if constexpr (!std::same_as<Bound, RealOf<T>>) {
-                least = select(pivot < least, pivot, least);
-                most = select(most < length, length, most);
-            }
+            if constexpr (!std::same_as<Bound, RealOf<T>>) least = select(pivot < least, pivot, least);
+            if constexpr (bounds_lengths || !std::same_as<Bound, RealOf<T>>) most = select(most < length, length, most);
         }
         constexpr int exponent =
             std::same_as<Bound, RealOf<T>> ? Traits::max_exp - Traits::digits - 20 : 2 * Traits::max_exp - 20;
         Bound const limit(std::ldexp(1.0, std::min(exponent, 1000)));
-        Truth<T> const in_range = (Bound(1) + most) / least < q * limit;
+        Truth<T> in_range = (Bound(1) + most) / least < q * limit;
+        if constexpr (bounds_lengths) {
+            Bound const largest(std::ldexp(1.0, std::min(Traits::max_exp - 20, 1000)));
+            in_range = in_range && Bound(1) + most < q * largest;
+        }
         return in_range && q <= Bound(2) &&
                d <= Index(1) << std::min((significand_bits<T>() - 1) / 2, 30);  // q: a pivot may be infinite
     }
@@ -174,6 +190,17 @@ class ColumnLengths {
             return both = weight * both + x * x;
         }
     };
+    /// lambda D_j.
+    struct Pivots {
+        RealOf<T> const* D;
+        Bound weight;
+        [[gnu::always_inline]] Bound operator()(Index j) const { return weight * Bound(D[j]); }
+        [[gnu::always_inline]] detail::Pair two(Index j) const
+            requires std::same_as<T, double>
+        {
+            return weight * *reinterpret_cast<detail::PairAnywhere const*>(D + j);
+        }
+    };
     /// Updates right_ at once.
     Updated update(RealOf<T> const& lambda, T const* psi, T const& y) {
         Bound const weight(lambda);
@@ -228,10 +255,25 @@ public:
         if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
         return determined_ = proven;
     }
-    Truth<T> add_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y, StateMatrix<T, N> const& L,
-                     StateVector<RealOf<T>, N> const& D, StateVector<T, N> const& z, StateVector<T, N>& x) {
+    /// add_row in two halves for R = diag(sqrt(D)) L', the first before the row is folded in. There true proves what the
+    /// second would return, and that folding the row in does not overflow; false proves nothing.
+    ///
+    ///   (1) 1/w = 1 + psi'P psi/lambda = det(R'R after) / det(lambda R'R) <= prod n_j^2 / (lambda D_j) = 1/q, by
+    ///       Hadamard's inequality, n_j^2 with the row and D_j without
+    ///   (2) with the D_j after the row the product of the quotients is q/w >= q: solved_in_range holds for them, too
+    ///   (3) x_i^2 <= lambda D_i/w <= n_i^2/q
+    bool begin_row(RealOf<T> const& lambda, StateVector<T, N> const& psi, T const& y,
+                   StateVector<RealOf<T>, N> const& D) {
+        auto const lengths = update(lambda, psi.data(), y);
+        if constexpr (Hardware<T>)
+            return solved_in_range<T, true>(psi.size(), lengths, Pivots{D.data(), Bound(lambda)}, right_);
+        for (Index j = 0; j < psi.size(); ++j) lengths(j);
+        return false;
+    }
+    Truth<T> end_row(StateVector<T, N> const& psi, StateMatrix<T, N> const& L, StateVector<RealOf<T>, N> const& D,
+                     StateVector<T, N> const& z, StateVector<T, N>& x) const {
         Truth<T> const proven = solved_in_range<T>(
-            x.size(), update(lambda, psi.data(), y), [&](Index j) { return Bound(D[j]); }, right_);
+            x.size(), [&](Index j) { return squares_[j]; }, [&](Index j) { return Bound(D[j]); }, right_);
         return all(proven) ? proven : detail::finite_solutions<T, N>(L, D, z, psi, x);
     }
     /// The same without an answer, for the row [psi' y] of several that were folded into R = L' together; psi has d

@@ -260,6 +260,19 @@ struct SweepGentleman {
     RealOf<T> const* c;
     T const *s, *e;
 };
+/// Eliminate, the weights and SweepGentleman in one pass over L, for real numbers and D_i > 0: with b_i = lambda D_i and
+/// v = *inverse = 1/w
+///   x_j -= x_i L_ji                                          for i = 0, 1, ... and j > i
+///   s_i = x_i / v_i,  v_{i+1} = v_i + x_i^2 / b_i            summed as PrefixSums does
+///   D_i = b_i + s_i x_i,  c_i = b_i / D_i,  s_i = s_i / D_i
+///   L_ji = c_i t + s_i x_j,  x_j -= x_i t                    for j > i, t the old L_ji; (z_i, *eta) alike
+template <class T>
+struct FoldGentleman {
+    static constexpr bool writes = true;
+    Index d, ld;
+    T *L, *x, *z, *eta, *D, *c, *s, *inverse;
+    T lambda;
+};
 /// For i = 0, 1, ...: the rotation (c_i, s_i) that makes x_i zero against root_lambda L_ii, applied to the pairs
 /// (root_lambda L_ji, x_j) for j > i and, s_i conjugated, to (root_lambda z_i, *eta). Writes L, z, *eta, c and s; x is
 /// overwritten. L's diagonal is real.

@@ -176,6 +176,16 @@ struct SimdBlock {
         }
         s += here[Rows];
     }
+    /// The rows from numbers that are in registers.
+    [[gnu::always_inline]] void put_together(T const* x) {
+#pragma GCC unroll 16
+        for (int m = 0; m < registers; ++m) {
+            T const* const a = x + m * W;
+            if constexpr (W == 2) v[m] = V{a[0], a[1]};
+            else if constexpr (W == 4) v[m] = V{a[0], a[1], a[2], a[3]};
+            else v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
+        }
+    }
     [[gnu::always_inline]] void square_root_each() {
 #pragma GCC unroll 16
         for (V& r : v) r = root_of_each(r);
@@ -278,15 +288,6 @@ struct SimdBlock {
     }
 
 private:
-    [[gnu::always_inline]] void put_together(T const* x) {
-#pragma GCC unroll 16
-        for (int m = 0; m < registers; ++m) {
-            T const* const a = x + m * W;
-            if constexpr (W == 2) v[m] = V{a[0], a[1]};
-            else if constexpr (W == 4) v[m] = V{a[0], a[1], a[2], a[3]};
-            else v[m] = V{a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7]};
-        }
-    }
     // Functions, not lambdas, which GCC does not inline in large files.
     template <int first, int... m>
     [[gnu::always_inline]] void subtract_either_in_each(SimdBlock const& a, T b, SimdBlock const& c, T d,

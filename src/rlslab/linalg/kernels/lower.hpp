@@ -180,6 +180,66 @@ template <class B, class T>
     }
 }
 
+template <class B, class T>
+[[gnu::always_inline]] inline void step(FoldGentleman<T> const& s, Index i, B& t, B& x) {
+    B const old = t;
+    t.scale(s.c[i]);
+    t.add_product(x, s.s[i]);
+    x.subtract_product(old, s.x[i]);
+}
+/// Finishes x in the m rows of the corner at i0: the first m of `x` hold it.
+template <int i, class B, class T>
+[[gnu::always_inline]] inline void eliminate_in_corner(FoldGentleman<T> const& s, Index i0, Index m, T (&x)[B::rows]) {
+    T const* const row = s.L + (i0 + i) * s.ld + i0;
+#pragma GCC unroll 8
+    for (Index j = i + 1; j < B::rows; ++j) x[j] -= x[i] * row[j];
+    if constexpr (i + 2 < B::rows)
+        if (i + 2 < m) eliminate_in_corner<i + 1, B>(s, i0, m, x);
+}
+/// The next corner needs only x of this one: its elimination runs while this one's quotients and its panels' L are
+/// computed.
+template <class B, class T>
+    requires(B::rows > 1)
+[[gnu::always_inline]] inline void evaluate(FoldGentleman<T> const& s) {
+    T inverse = *s.inverse, eta = *s.eta;
+    for (Index i0 = 0; i0 < s.d; i0 += B::rows) {
+        RowRange const present = rows_of<B>(i0, s.d);
+        B row = block_of<B>(s.x, i0), x, before, after;
+        T corner[B::rows];
+        row.store(corner);
+        if (present.last > 1) eliminate_in_corner<0, B>(s, i0, present.last, corner);
+        x.put_together(corner);
+        x.store(s.x + i0);
+        B b = block_of<B>(s.D, i0), share = x;
+        b.scale(s.lambda);
+        share.scale(x);
+        share.divide(b);
+        share.accumulate(inverse, before, after, present);
+        B turn = x, D = x, c = b;
+        turn.divide(before);
+        D.scale(turn);
+        D.add(b);
+        c.divide(D);
+        turn.divide(D);
+        D.store(s.D + i0), c.store(s.c + i0), turn.store(s.s + i0);
+#pragma GCC unroll 8
+        for (Index i = 0; i < present.last; ++i) {
+            T* const column = s.L + (i0 + i) * s.ld + i0;
+            B t;
+            t.load(column);
+            step(s, i0 + i, t, row);
+            t.store_present(column, {i + 1, present.last});
+        }
+        for (Index j0 = i0 + B::rows; j0 < s.d; j0 += B::rows) panel<B>(s, i0, j0);
+        for (Index i = i0; i < i0 + present.last; ++i) {
+            T const t = s.z[i], turned = s.s[i] * eta;
+            s.z[i] = s.c[i] * t + turned;
+            eta -= s.x[i] * t;
+        }
+    }
+    *s.inverse = inverse, *s.eta = eta;
+}
+
 /// Rows that go out: the columns from the last to the first, a block of x in registers. Above the diagonal zeros are
 /// turned into zeros.
 template <class B, class T>
