@@ -2,7 +2,6 @@
 // coloured.
 #pragma once
 
-#include <rlslab/core/matrices.hpp>
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/arithmetic/pack.hpp>
 #include <rlslab/core/matrices.hpp>
