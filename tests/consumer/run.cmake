@@ -54,15 +54,15 @@ foreach(set baseline native avx avx2 avx512f)
   endif()
 endforeach()
 
-# Of a function that the core and the app both compile, the linker keeps one: in the core, none may be Eigen's over
-# types that Eigen aligns (options 0) as the instruction set would have it.
+# Of a function that the core (or the native layer) and the app both compile, the linker keeps one: there, none may be
+# Eigen's over types that Eigen aligns (options 0) as the instruction set would have it.
 file(STRINGS ${BUILD_DIR}/CMakeCache.txt nm REGEX "^CMAKE_NM:")
 string(REGEX REPLACE "^[^=]*=" "" nm "${nm}")
-file(GLOB_RECURSE core ${prefix}/librlslab_core.a)
+file(GLOB_RECURSE core ${prefix}/librlslab_core.a ${prefix}/librlslab_native.a)
 execute_process(COMMAND ${nm} -C --defined-only ${core} OUTPUT_VARIABLE symbols ERROR_QUIET COMMAND_ERROR_IS_FATAL ANY)
 set(aligned "Eigen::(Matrix<[^\n]*, [-0-9]+, [-0-9]+, 0, |internal::(conditional_|handmade_)?aligned_)")
 string(REGEX MATCHALL "[^\n]* [WVu] [^\n]*${aligned}[^\n]*" shared "${symbols}")
 if(shared)
   list(JOIN shared "\n" shared)
-  message(FATAL_ERROR "the core shares with apps:\n${shared}")
+  message(FATAL_ERROR "the compiled libraries share with apps:\n${shared}")
 endif()
