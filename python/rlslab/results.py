@@ -56,7 +56,7 @@ class RecursiveLS:
     >>> x = np.arange(6.0)
     >>> fit = RecursiveLS([1.1, 2.9, 5.1, 6.9, 9.1, 10.9], np.column_stack([np.ones(6), x]))
     >>> fit.params.round(3), fit.nobs
-    (array([1.057, 1.977]), 6)
+    (array([1.043, 1.983]), 6)
     >>> fit.conf_int().shape
     (2, 2)
     """

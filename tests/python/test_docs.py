@@ -101,6 +101,6 @@ def run_block(block, names):
 
 
 def test_the_page_names_what_there_is():
-    for word in [*rlslab.variants(), *rlslab.guards()]:
+    for word in [*rlslab.variants(), *rlslab.guards(), *rlslab.controls()]:
         assert f"`{word}`" in PAGE, word
     assert np.dtype(rlslab.STEP).itemsize == 32
