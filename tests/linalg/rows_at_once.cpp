@@ -63,7 +63,7 @@ bool equal(Index size, Index block, Index blocks = 2) {
     Step<T> step{}, last{};
     for (Index k = 0; k < blocks * block; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
     for (Index k = 0; k < blocks; ++k)
-        last = at_once.update_block(psi.middleCols(k * block, block), y.segment(k * block, block));
+        last = rows_at_once(at_once, psi.middleCols(k * block, block), y.segment(k * block, block));
     if (!same_bits(reported(single, step), reported(at_once, last))) return false;
     Regressor<T> const next(psi.col(blocks * block).data(), size);
     step = single.update(next, y[blocks * block]), last = at_once.update(next, y[blocks * block]);
@@ -106,7 +106,7 @@ TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
             F single = started<F>(size), at_once = single;
             Step<T> step{};
             for (Index k = 0; k < 3; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
-            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y))))
+            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, rows_at_once(at_once, psi, y))))
                 << F::name << ", " << size;
         }
     };
@@ -129,7 +129,7 @@ TEST(RowsAtOnce, ReadNothingBehindTheLastRegressor) {
     Eigen::Map<Matrix<double>> psi(reinterpret_cast<double*>(memory + pages - bytes), size, rows);
     psi = noise<double>(size, rows, Seed{3});
     Vector<double> const y = Vector<double>::Ones(rows);
-    auto const check_end = [&](auto filter) { EXPECT_EQ(filter.update_block(psi, y).health, Health::sound); };
+    auto const check_end = [&](auto filter) { EXPECT_EQ(rows_at_once(filter, psi, y).health, Health::sound); };
     check_end(started<Conventional<double>>(size)), check_end(started<Symmetric<double>>(size));
     check_end(started<Ud<double>>(size)), check_end(started<Carlson<double>>(size)),
         check_end(started<InverseQr<double>>(size));
@@ -155,7 +155,7 @@ void check_view(Shown shown, char const* what) {
     };
     Step<double> step{};
     for (Index k = 0; k < 3; ++k) step = single[1].update({regressors(single).col(k).data(), size}, y[k]);
-    Step<double> const last = at_once[1].update_block(regressors(at_once), y);
+    Step<double> const last = rows_at_once(at_once[1], regressors(at_once), y);
     EXPECT_TRUE(same_bits(reported(single[1], step), reported(at_once[1], last))) << F::name << ", " << what;
 }
 TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
@@ -173,7 +173,7 @@ TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
 TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
     auto const check_moved = []<class F>(F filter) {
         F const taken = std::move(filter);
-        EXPECT_THROW(filter.update_block(Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument)
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument)
             << F::name;
         EXPECT_THROW(filter.update(Vector<double>(0), 1), std::invalid_argument) << F::name;
         F itself = taken;
@@ -197,7 +197,8 @@ TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
         Matrix<T> const psi = Matrix<T>::NullaryExpr(5, 12, [&] { return T(seed.bell()); });
         Vector<T> const y = Vector<T>::NullaryExpr(12, [&] { return T(seed.bell()); });
         Step<T> step{};
-        for (Index k = 0; k < 12; k += block) step = filter.update_block(psi.middleCols(k, block), y.segment(k, block));
+        for (Index k = 0; k < 12; k += block)
+            step = rows_at_once(filter, psi.middleCols(k, block), y.segment(k, block));
         return reported(filter, step);
     };
     EXPECT_EQ(run(1), run(12));
@@ -217,9 +218,9 @@ TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
 TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
     auto filter = started<Conventional<double>>(20);
     std::vector<double> const before = reported(filter, {});
-    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(19, 3), Vector<double>::Ones(3)), std::invalid_argument);
-    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(20, 3), Vector<double>::Ones(2)), std::invalid_argument);
-    EXPECT_THROW(filter.update_block(Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
+    EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(19, 3), Vector<double>::Ones(3)), std::invalid_argument);
+    EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(20, 3), Vector<double>::Ones(2)), std::invalid_argument);
+    EXPECT_THROW(rows_at_once(filter, Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
     EXPECT_TRUE(same_bits(before, reported(filter, {})));
 }
 
@@ -228,8 +229,8 @@ TEST(RowsAtOnce, ANanOfTheNextRowComesWithThatRow) {
     Matrix<double> psi = noise<double>(100, 3, Seed{1});
     psi(50, 2) = std::numeric_limits<double>::quiet_NaN();
     auto filter = started<Conventional<double>>(100), two = filter;
-    EXPECT_EQ(two.update_block(psi.leftCols(2), Vector<double>::Ones(2)).health, Health::sound);
-    EXPECT_EQ(filter.update_block(psi, Vector<double>::Ones(3)).health, Health::nonfinite);
+    EXPECT_EQ(rows_at_once(two, psi.leftCols(2), Vector<double>::Ones(2)).health, Health::sound);
+    EXPECT_EQ(rows_at_once(filter, psi, Vector<double>::Ones(3)).health, Health::nonfinite);
 }
 
 /// The saboteur multiplies by the matrix as it was before the change. Of a size for which the pass also multiplies on

@@ -1,5 +1,5 @@
 // Rows that are rotated in at the same time leave the bits of one row after another: the kernel against the text for
-// single rows, and update_block of qr and extended_qr against update, with whatever rows.
+// single rows, and rows_at_once of qr and extended_qr against update, with whatever rows.
 #include "tests/common/each_isa.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
@@ -189,7 +189,7 @@ bool equal(Problem<typename F::scalar> const& problem, Rows<typename F::scalar> 
     for (; k + block < rows.y.size(); k += block) {
         Step<T> step{};
         for (Index n = k; n < k + block; ++n) step = single.update({rows.psi.col(n).data(), d}, rows.y[n]);
-        Step<T> const last = at_once.update_block(rows.psi.middleCols(k, block), rows.y.segment(k, block));
+        Step<T> const last = rows_at_once(at_once, rows.psi.middleCols(k, block), rows.y.segment(k, block));
         if (!same(reported(single, step), reported(at_once, last))) return false;
     }
     Step<T> const step = single.update({rows.psi.col(k).data(), d}, rows.y[k]);
@@ -227,7 +227,7 @@ TEST(RowsInFlight, LeaveTheBitsAtFixedSizesAndInOtherArithmetics) {
         Vector<T> const y = rows.y.unaryExpr([](double x) { return T(x); });
         Step<T> step{};
         for (Index k = 0; k < 27; ++k) step = single.update({psi.col(k).data(), d}, y[k]);
-        EXPECT_TRUE(same(reported(single, step), reported(at_once, at_once.update_block(psi, y))))
+        EXPECT_TRUE(same(reported(single, step), reported(at_once, rows_at_once(at_once, psi, y))))
             << d << " parameters";
     };
     check(std::type_identity<Qr<double, 4>>{}, 4);
@@ -251,7 +251,8 @@ TEST(RowsInFlight, LeaveTheOrderOfRandomRoundings) {
         Matrix<T> const psi = Matrix<T>::NullaryExpr(9, 12, [&] { return T(seed.bell()); });
         Vector<T> const y = Vector<T>::NullaryExpr(12, [&] { return T(seed.bell()); });
         Step<T> step{};
-        for (Index k = 0; k < 12; k += block) step = filter.update_block(psi.middleCols(k, block), y.segment(k, block));
+        for (Index k = 0; k < 12; k += block)
+            step = rows_at_once(filter, psi.middleCols(k, block), y.segment(k, block));
         return reported(filter, step);
     };
     EXPECT_EQ(run(std::type_identity<Qr<T>>{}, 1), run(std::type_identity<Qr<T>>{}, 12));
@@ -269,7 +270,7 @@ TEST(RowsInFlight, ReportABreakdownInTheMiddleOfABlock) {
             Qr<double> single(Problem<double>{.size = d}), at_once = single;
             Step<double> step{};
             for (Index k = 0; k < count; ++k) step = single.update({rows.psi.col(k).data(), d}, rows.y[k]);
-            Step<double> const last = at_once.update_block(rows.psi, rows.y);
+            Step<double> const last = rows_at_once(at_once, rows.psi, rows.y);
             EXPECT_TRUE(same(reported(single, step), reported(at_once, last))) << bad << " in row " << at;
             if (!std::isfinite(bad)) {
                 EXPECT_EQ(last.health, Health::nonfinite) << bad << " in row " << at;
@@ -288,7 +289,7 @@ TEST(RowsInFlight, TakeOutputsThatAreViewsOfTheFilterAsSingleRowsDo) {
         auto const y = view_of(single);
         Step<double> step{};
         for (Index k = 0; k < d; ++k) step = single.update({rows.psi.col(k).data(), d}, y[k]);
-        Step<double> const last = at_once.update_block(rows.psi.leftCols(d), view_of(at_once));
+        Step<double> const last = rows_at_once(at_once, rows.psi.leftCols(d), view_of(at_once));
         EXPECT_TRUE(same(reported(single, step), reported(at_once, last)));
     };
     check([](auto const& f) { return f.theta(); });
@@ -307,9 +308,9 @@ TEST(RowsInFlight, AreWhatProcessGivesTheFilter) {
 TEST(RowsInFlight, RefuseOtherShapesBeforeAnyRow) {
     auto const check = []<class F>(F filter) {
         std::vector<double> const before = reported(filter, {});
-        EXPECT_THROW(filter.update_block(Matrix<double>::Ones(19, 9), Vector<double>::Ones(9)), std::invalid_argument);
-        EXPECT_THROW(filter.update_block(Matrix<double>::Ones(20, 9), Vector<double>::Ones(8)), std::invalid_argument);
-        EXPECT_THROW(filter.update_block(Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(19, 9), Vector<double>::Ones(9)), std::invalid_argument);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(20, 9), Vector<double>::Ones(8)), std::invalid_argument);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
         EXPECT_TRUE(same(before, reported(filter, {})));
     };
     check(Qr<double>(Problem<double>{.size = 20}));
