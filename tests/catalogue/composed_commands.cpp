@@ -26,37 +26,30 @@ protected:
 };
 
 TEST_F(ComposedCommand, RefusesWhatMakesNoSense) {
-    refused(sales + "--control fortescu", "--control: no control \"fortescu\" (did you mean \"fortescue\"?)");
-    refused(sales + "--control \"\"", "--control: expected the name of a control");
-    refused(sales + "--guard rest", "--guard: no policy \"rest\" (did you mean \"reset\"?)");
+    refused(sales + "--control fortescu", "--control fortescu fortescue");
+    refused(sales + "--control \"\"", "--control");
+    refused(sales + "--guard rest", "--guard rest reset");
     refused(sales + "--window 0", "--window");
     refused(sales + "--window 1.5", "--window");
-    refused(sales + "--window 60 --control kulhavy",
-            "do not go together: a window takes rows back, whose weight a rule has changed");
-    refused(sales + "--window 60 --guard hand_over", "do not go together");
-    refused(sales + "--control random_walk", "--control: expected random_walk:VARIANCE");
-    refused(sales + "--control random_walk:nan",
-            "--control random_walk: VARIANCE: expected a number from 0, found \"nan\"");
-    refused(sales + "--control random_walk:1e999", "VARIANCE: expected a number");
-    refused(sales + "--control kulhavy:1.5",
-            "--control kulhavy: LAMBDA: expected a number above 0 to 1, found \"1.5\"");
-    refused(sales + "--control kulhavy:0.9:0:1", "--control: expected kulhavy[:LAMBDA[:EXCITATION]], found");
-    refused(sales + "--control reset:2.5",
-            "--control reset: PERIOD: expected a whole number from 1 to 10000000, found \"2.5\"");
-    refused(sales + "--control reset:", "PERIOD");
-    refused(sales + "--control ridge", "--control ridge: expected --forgetting below 1");
-    refused(sales + "--window 60 --arithmetic bfloat16",
-            "--control, --window and --guard exist in float and double, not in bfloat16");
-    refused(sales + "--window 60 --all", "--all: does not go with --control, --window or --guard");
-    refused(sales + "--guard reset --variants kalman", "kalman shows no state that could be discounted");
+    refused(sales + "--window 60 --control kulhavy", "--control --window");
+    refused(sales + "--window 60 --guard hand_over", "--window --guard");
+    refused(sales + "--control random_walk", "--control random_walk:VARIANCE");
+    refused(sales + "--control random_walk:nan", "--control random_walk VARIANCE 0 nan");
+    refused(sales + "--control random_walk:1e999", "random_walk VARIANCE 1e999");
+    refused(sales + "--control kulhavy:1.5", "--control kulhavy LAMBDA 0 1 1.5");
+    refused(sales + "--control kulhavy:0.9:0:1", "--control kulhavy[:LAMBDA[:EXCITATION]]");
+    refused(sales + "--control reset:2.5", "--control reset PERIOD 1 10000000 2.5");
+    refused(sales + "--control reset:", "reset PERIOD");
+    refused(sales + "--control ridge", "--control ridge --forgetting 1");
+    refused(sales + "--window 60 --arithmetic bfloat16", "--control --window --guard bfloat16");
+    refused(sales + "--window 60 --all", "--all --control --window --guard");
+    refused(sales + "--guard reset --variants kalman", "kalman");
 }
 TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     json const window = compared("--window 60 --guard reset");
     EXPECT_EQ(window["composition"]["text"], "window of 60 rows; guard reset");
-    EXPECT_THAT(std::string(window["composition"]["digits"]),
-                testing::StartsWith("against the certified least-squares solution of the rows in the window"));
-    EXPECT_THAT(std::string(compared("--control random_walk:1e-4")["composition"]["digits"]),
-                testing::StartsWith("against the same recursion in 257 bits"));
+    EXPECT_THAT(std::string(window["composition"]["digits"]), Names("certified window"));
+    EXPECT_THAT(std::string(compared("--control random_walk:1e-4")["composition"]["digits"]), Names("257 bits"));
     json const plain = compared("");
     EXPECT_FALSE(plain.contains("composition"));
     EXPECT_FALSE(plain["results"][0].contains("happened"));
@@ -69,9 +62,8 @@ TEST_F(ComposedCommand, SaysWhatItsDigitsAreComparedWith) {
     }
     EXPECT_GT(cannot, 0);
     Outcome const text = shell("rlslab " + sales + "--window 500 --variants ud,potter,kalman");
-    EXPECT_THAT(text.out,
-                testing::HasSubstr("the window of 500 rows is as long as the record, or longer: no row leaves it"));
-    EXPECT_THAT(text.out, testing::HasSubstr("shows no state"));
+    EXPECT_THAT(text.out, Names("window 500"));
+    EXPECT_THAT(text.out, Names("kalman state"));
 }
 TEST_F(ComposedCommand, AnswersTheSameWithAnyNumberOfThreads) {
     for (std::string options : {"--window 60 --guard rebuild --json", "--control fortescue --csv", "--guard hand_over"})
@@ -91,11 +83,9 @@ TEST_F(ComposedCommand, SkipsMissingValuesAndNamesAnExactFit) {
                 text += std::to_string(k * 5 % 13) + "," + std::to_string(2 * (k * 5 % 13)) + "\n";
             return text;
         }());
-    refused("compare exact.csv --regressors u --output y --control fortescue",
-            "none follows from a record that the model fits exactly");
+    refused("compare exact.csv --regressors u --output y --control fortescue", "--control fortescue");
     EXPECT_LE(shell("rlslab compare exact.csv --regressors u --output y --control fortescue:0.01").code, 1);
-    refused("compare exact.csv --regressors u --output y --control cao_schwartz:1e-400",
-            "LAMBDA: expected a number above 0 to 1 that double can hold");
+    refused("compare exact.csv --regressors u --output y --control cao_schwartz:1e-400", "LAMBDA 0 1");
 }
 
 // --- identify --------------------------------------------------------------------------------------------------------
@@ -149,14 +139,14 @@ TEST_F(ComposedIdentify, SaysThatItBrokeDownAndWhatIsOdd) {
     record(4, false);
     Outcome const broken = shell("rlslab identify data.csv --input u --output y --order 1 --control random_walk:1e308");
     EXPECT_EQ(broken.code, 1);
-    EXPECT_THAT(broken.out, testing::HasSubstr("broke down: nonfinite at row "));
+    EXPECT_THAT(broken.out, Names("nonfinite row"));
     Outcome const short_window = shell("rlslab identify data.csv --input u --output y --order 1 --window 2");
-    EXPECT_THAT(short_window.out, testing::HasSubstr("does not determine"));
+    EXPECT_THAT(short_window.out, Names("window 2 rows"));
     EXPECT_THAT(shell("rlslab identify data.csv --input u --output y --order 1 --window 100000").out,
-                testing::HasSubstr("no row leaves it"));
+                Names("window 100000"));
     EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --control cao_schwartz:1e-320").code, 2);
     EXPECT_THAT(shell("rlslab compare data.csv --input u --output y --order 1 --window 50").out,
-                testing::HasSubstr("with the prior, of all rows"));
+                Names("prior window 50"));
 }
 TEST_F(ComposedIdentify, FollowsADrift) {
     record(5, true);
@@ -176,9 +166,8 @@ TEST_F(ComposedIdentify, WritesARowForEachRow) {
     EXPECT_TRUE(csv.find("\n1200,") != std::string::npos);
     EXPECT_EQ(shell("rlslab identify data.csv --input u --output y --order 1 --variant kalman --control constant").code,
               0);
-    refused("identify data.csv --input u --output y --order 1 --variant kalman --window 9",
-            "--variant kalman: shows no state");
-    refused("identify data.csv --input u --output y --order 1 --control nothing", "--control: no control \"nothing\"");
+    refused("identify data.csv --input u --output y --order 1 --variant kalman --window 9", "--variant kalman");
+    refused("identify data.csv --input u --output y --order 1 --control nothing", "--control nothing");
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST_F(CompareCommand, AnswersFirstInFloatAndDouble) {
     for (rlslab::CatalogueEntry const& entry : rlslab::catalogue()) every.emplace(entry.arithmetic->name);
     EXPECT_EQ(arithmetics(compared(sales + " --all")), every);
     EXPECT_EQ(arithmetics(compared(sales + " --arithmetic quad")), std::set<std::string>{"quad"});
-    refused("compare " + sales + " --all --arithmetic float", "--all: does not go with --arithmetic");
+    refused("compare " + sales + " --all --arithmetic float", "--all --arithmetic");
     std::string const out = text(sales);
     std::string const in_float = recommended(compared(sales), 0);
     size_t const verdict = out.find("\nin float   use " + in_float + "  keeps "),
@@ -86,7 +86,7 @@ TEST_F(CompareCommand, ExitsWithOneWhereNoVariantIsRecommended) {
     EXPECT_EQ(shell("rlslab compare " + record + " --variants joseph,ud --arithmetic float").code, 0);
     Outcome const none = shell("rlslab compare " + record + " --arithmetic bfloat16,binary16");
     EXPECT_EQ(none.code, 1) << "each has an answer, none of use";
-    EXPECT_THAT(none.out, HasSubstr("in bfloat16  too short for this record: it has 2.4 digits, 3 are wanted\n"));
+    EXPECT_THAT(none.out, rlslab::Names("bfloat16 2.4 3"));
     EXPECT_THAT(none.out, Not(HasSubstr("filter(")));
 }
 TEST_F(CompareCommand, ArithmeticsWithoutARecommendationShareALine) {
@@ -202,7 +202,7 @@ TEST_F(CompareCommand, ASmallComponentBesideALargeOneIsTheDatas) {
     EXPECT_LE(out["reference"]["component_bias"].get<double>(), 0.01);
     EXPECT_GE(out["reference"]["agreement"][1].get<double>(), 2);
     EXPECT_THAT(text("tiny.csv --regressors u --output y --intercept --arithmetic float"),
-                HasSubstr("too short for this record: rounding the data to it leaves no digit of the exact theta"));
+                rlslab::Names("float rounding data theta"));
 }
 /// NIST's certified coefficients are plain least squares; with any prior there is another minimiser.
 TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
@@ -222,12 +222,9 @@ TEST_F(CompareCommand, PrintsPlainLeastSquaresBesideTheProblemWithThePrior) {
     }
     EXPECT_LE(out["reference"]["prior_bias"].get<double>(), 1e-3);
     std::string const said = text(longley);
-    EXPECT_THAT(said, HasSubstr("least squares, without prior"));
-    EXPECT_THAT(said, HasSubstr("with the prior: what filters are after"));
+    EXPECT_THAT(said, rlslab::Names("prior P0 s_i"));
     EXPECT_THAT(said, HasSubstr("-3.482258634595"));
-    EXPECT_THAT(said, HasSubstr("P0 = diag((c / s_i)^2)"));
-    EXPECT_THAT(text(longley + " --p0 16384"), HasSubstr("P0 = 16384 I: moves theta by 9.8e-01 of itself"));
-    EXPECT_THAT(text(longley + " --p0 16384"), HasSubstr("leave out --p0"));
+    EXPECT_THAT(text(longley + " --p0 16384"), rlslab::Names("P0 16384 theta 9.8e-01 --p0"));
 }
 
 TEST_F(CompareCommand, TakesSeveralInputs) {
@@ -243,12 +240,12 @@ TEST_F(CompareCommand, TakesSeveralInputs) {
     }
     EXPECT_THAT(listed["code"].get<std::string>(), HasSubstr("psi = (1, y[k-1], u[k-1], u[k-2], v[k-1], v[k-2])"));
     EXPECT_EQ(arx["data"]["rows"], listed["data"]["rows"]);
-    refused("compare two.csv --input u,u --output y --order 1", "--input: column \"u\" is named twice");
-    refused("compare two.csv --input u,y --output y --order 1", "--input: column \"y\" is both input and output");
-    refused("compare two.csv --regressors 'y' --output y", "the output needs a lag");
-    refused("compare two.csv --output y --na 3", "several (or --regressors 'y[k-1..k-3]')");
-    refused("compare two.csv --output y --order 1", "several (or --regressors 'y[k-1]')");
-    refused("compare two.csv --output y --nb 2", "several (or --regressors a,b,c)");
+    refused("compare two.csv --input u,u --output y --order 1", "--input u");
+    refused("compare two.csv --input u,y --output y --order 1", "--input y");
+    refused("compare two.csv --regressors 'y' --output y", "--regressors y y[k-1]");
+    refused("compare two.csv --output y --na 3", "--regressors y[k-1..k-3]");
+    refused("compare two.csv --output y --order 1", "--regressors y[k-1]");
+    refused("compare two.csv --output y --nb 2", "--regressors");
 }
 
 TEST_F(CompareCommand, TakesMeansOff) {
@@ -305,8 +302,8 @@ TEST_F(CompareCommand, WritesAPageOfFormsThatBrokeDown) {
                               " --variants conventional,joseph,ud --arithmetic bfloat16,float --no-timings --out out");
     ASSERT_EQ(run.code, 0) << run.err;
     std::string const page = read(folder / "out/compare.html");
-    EXPECT_THAT(page, HasSubstr("conventional: indefinite at row "));
-    refused("compare " + sales + " --out /dev/null/x", "/dev/null/x: cannot create");
+    EXPECT_THAT(page, rlslab::Names("conventional indefinite"));
+    refused("compare " + sales + " --out /dev/null/x", "/dev/null/x");
     refused("compare " + sales + " --out ok.csv", "ok.csv");
 }
 

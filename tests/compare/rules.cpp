@@ -1,4 +1,5 @@
 // The rules of the recommendation, each from both sides of its margin.
+#include "tests/common/message.hpp"
 #include "compare/answer.hpp"
 #include "compare/recommend.hpp"
 #include "compare/score.hpp"
@@ -130,16 +131,13 @@ TEST(Recommendation, SaysWhyAnArithmeticIsTooShort) {
     c.condition = 2.1e5;
     Recommendation r = recommend(m.arithmetic, c);
     EXPECT_EQ(r.variant, "");
-    EXPECT_EQ(r.why,
-              "carlson, the best, keeps -1.0 digits of theta's worst component at nine tenths of the checkpoints, 3 "
-              "are wanted; the condition number of the rows is 2.1e+05");
+    EXPECT_THAT(r.why, Names("carlson -1.0 3 2.1e+05"));
     c.recommendations = {r};
-    EXPECT_THAT(verdict(c),
-                testing::StartsWith("in double  too short for this record: carlson, the best, keeps -1.0 digits"));
+    EXPECT_THAT(verdict(c), Names("double carlson -1.0"));
     for (Result& result : c.results) result.spread->worst = {-INFINITY, 1, 2};
-    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("keeps no digits of theta's worst component"));
+    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("carlson no digits"));
     m.arithmetic.digits = 8;
-    EXPECT_EQ(m.recommended().why, "it has 2.4 digits, 3 are wanted");
+    EXPECT_THAT(m.recommended().why, Names("2.4 3"));
 }
 TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     auto const said = [](Made const& m) {
@@ -150,26 +148,21 @@ TEST(Recommendation, TellsWhatItAndTheRunnerUpAndConventionalLose) {
     Made m;
     m.add("conventional", {11, 11, 11}, {11, 11, 11}, {8, 8.2, 9}, false);
     m.add("ud", {11, 11, 11});
-    EXPECT_THAT(said(m),
-                testing::EndsWith("; 100 operations;\n           the next, conventional, loses 2.8 digits of P\n"));
+    EXPECT_THAT(said(m), Names("100 next conventional 2.8 P"));
     m.add("qr", {10, 10.8, 11}, {11, 11, 11}, {10, 10.9, 11});
-    EXPECT_THAT(said(m),
-                testing::EndsWith(
-                    "\n           the next, qr, loses 0.2 digits of theta; conventional loses 2.8 digits of P\n"));
+    EXPECT_THAT(said(m), Names("next qr 0.2 theta conventional 2.8 P"));
     m.results.front().broken = 4, m.results.front().breakdown = Breakdown{129, Health::indefinite};
-    EXPECT_THAT(said(m), testing::EndsWith("loses 0.2 digits of theta; conventional broke down: indefinite at 129\n"));
+    EXPECT_THAT(said(m), Names("0.2 theta conventional indefinite 129"));
     m.add("joseph", {11.1, 11.1, 11.1}, {10, 10, 10}, {10, 10, 10}, false);
-    EXPECT_THAT(
-        said(m),
-        HasSubstr("           ud loses 0.1 digits of theta; the next, qr, loses 0.3 digits of theta; conventional"));
+    EXPECT_THAT(said(m), Names("ud 0.1 next qr 0.3 theta conventional"));
     EXPECT_EQ(m.recommended().losses.size(), 3u);
     Made equal;
     equal.add("ud", {11, 11, 11});
     equal.add("carlson", {11, 11, 11}, true, "covariance", 101);
-    EXPECT_THAT(said(equal), testing::EndsWith("\n           the next, carlson, loses nothing\n"));
+    EXPECT_THAT(said(equal), Names("next carlson nothing"));
     Made alone;
     alone.add("conventional", {11, 11, 11});
-    EXPECT_THAT(said(alone), testing::EndsWith("; 100 operations\n"));
+    EXPECT_THAT(said(alone), testing::AllOf(Names("100"), testing::Not(Names("next"))));
 }
 TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
     Made m;
@@ -178,8 +171,7 @@ TEST(Recommendation, NeverOneThatBrokeDownInAnyOrder) {
     EXPECT_EQ(m.recommended().variant, "sound");
     m.results.back().broken = 4;
     EXPECT_EQ(m.recommended().variant, "");
-    EXPECT_THAT(m.recommended().why,
-                HasSubstr("all 2 variants that take single rows broke down; the condition number"));
+    EXPECT_THAT(m.recommended().why, Names("2 variants"));
     EXPECT_TRUE(m.recommended().too_short);
 }
 TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
@@ -187,7 +179,7 @@ TEST(Recommendation, NotThoseThatTakeBlocksNorThoseOfLibraries) {
     m.add("block", {13, 14, 15});
     m.entries.back().block = 32;
     m.add("library", {13, 14, 15}).operations = {};
-    EXPECT_EQ(m.recommended().why, "no variant was tried that takes single rows");
+    EXPECT_EQ(m.recommended().variant, "");
     m.add("row", {4, 5, 6});
     EXPECT_EQ(m.recommended().variant, "row");
 }
@@ -198,9 +190,9 @@ TEST(Recommendation, NoneWhereThePriorDecides) {
     c.prior_bias = 0.01;
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
     c.prior_bias = 0.0101;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("it moves it by 0.01): rescale the columns"));
+    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior theta 0.01"));
     c.options.p0 = 1;
-    EXPECT_THAT(recommend(m.arithmetic, c).why, HasSubstr("leave out --p0"));
+    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior --p0"));
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
     c.prior_bias = std::nan("");
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
@@ -208,8 +200,7 @@ TEST(Recommendation, NoneWhereThePriorDecides) {
     c.component_bias = 0.1;
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "it");
     c.component_bias = 0.101;
-    EXPECT_THAT(recommend(m.arithmetic, c).why,
-                HasSubstr("decides a component of theta (it moves it by 0.1 of itself): rescale the columns"));
+    EXPECT_THAT(recommend(m.arithmetic, c).why, Names("prior component theta 0.1"));
     EXPECT_EQ(recommend(m.arithmetic, c).variant, "");
 }
 TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
@@ -218,12 +209,11 @@ TEST(Warnings, TellOfAPriorThatDecidesAndOfAnOffset) {
     c.prior_bias = 0.02, c.component_bias = 0.5, c.offset = 2.01;
     c.model.output = "y[k]";
     ASSERT_EQ(warnings(c).size(), 2u);
-    EXPECT_THAT(warnings(c)[0], HasSubstr("moves theta by 0.02 of itself"));
-    EXPECT_THAT(warnings(c)[1],
-                HasSubstr("the mean of y[k] is 2.01 times its standard deviation and the model has no constant"));
+    EXPECT_THAT(warnings(c)[0], Names("theta 0.02"));
+    EXPECT_THAT(warnings(c)[1], Names("y[k] 2.01"));
     c.prior_bias = 0.01, c.offset = 2;
     ASSERT_EQ(warnings(c).size(), 1u);
-    EXPECT_THAT(warnings(c)[0], HasSubstr("moves a component of theta by 0.5 of itself"));
+    EXPECT_THAT(warnings(c)[0], Names("component theta 0.5"));
     c.component_bias = 0.1;
     EXPECT_TRUE(warnings(c).empty());
 }
@@ -265,21 +255,21 @@ TEST(Recommendation, NoneWhereStoringTheProblemSpoilsIt) {
     };
     RoundingEffect s = good;
     s.rank = 2;
-    EXPECT_EQ(why(s), "as stored there the regressors have rank 2 of 3");
+    EXPECT_THAT(why(s), Names("rank 2 3"));
     s = good, s.in_range = false;
-    EXPECT_EQ(why(s), "P0 leaves its range: rescale the columns, or --p0");
+    EXPECT_THAT(why(s), Names("P0 range --p0"));
     s.forgetting = 0;
-    EXPECT_EQ(why(s), "lambda is zero there");
+    EXPECT_THAT(why(s), Names("lambda zero"));
     s = good, s.prior_subnormal = true;
-    EXPECT_EQ(why(s), "P0 leaves its range: rescale the columns, or --p0");
+    EXPECT_THAT(why(s), Names("P0 range --p0"));
     s = good, s.data_in_range = false, s.rank = 0;
-    EXPECT_EQ(why(s), "numbers of the data leave its range: rescale them");
+    EXPECT_THAT(why(s), Names("data range"));
     s = good, s.theta_digits = 0.4;
-    EXPECT_EQ(why(s), "rounding the data to it leaves no digit of the exact theta: rescale them");
+    EXPECT_THAT(why(s), Names("rounding data theta"));
     s = good, s.prior_bias = 0.0101;
-    EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
+    EXPECT_THAT(why(s), Names("prior theta"));
     s.prior_bias = std::nan("");
-    EXPECT_THAT(why(s), HasSubstr("the prior, not the data, decides theta"));
+    EXPECT_THAT(why(s), Names("prior theta"));
 }
 
 TEST(Recommendation, NoneInAWindowThatDoesNotDetermineTheParameters) {

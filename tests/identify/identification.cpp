@@ -248,7 +248,7 @@ TEST(Identify, ACleanRecordGivesItsSystemBackWithoutAWarning) {
     std::string const constant =
         folder.file("u,y\n" + std::string("1,5\n2,5\n0,5\n3,5\n1,5\n0,5\n2,5\n1,5\n3,5\n"), "still.csv");
     EXPECT_THAT(files::message_of([&] { identify::identify(constant, {.inputs = {"u"}, .output = "y", .order = 1}); }),
-                HasSubstr("column \"y\" does not change"));
+                Names("column y"));
 }
 /// With forgetting the estimate scatters as its own standard deviation says.
 TEST(Identify, StandardDeviationsHoldWithForgetting) {
@@ -290,19 +290,19 @@ TEST(Identify, SaysWhichOrderAPoorInputSupports) {
     };
     Signal sine(600);
     for (size_t k = 0; k < sine.size(); ++k) sine[k] = std::sin(0.3 * double(k));
-    EXPECT_THAT(said(sine, 3), HasSubstr("order 3 cannot be identified from this input; it supports order 1"));
-    EXPECT_THAT(said(Signal(600, 1.0), 2), HasSubstr("supports no model of order 1 or more"));
+    EXPECT_THAT(said(sine, 3), Names("order 3 1"));
+    EXPECT_THAT(said(Signal(600, 1.0), 2), Names("order 1"));
     Identified const m = identify::identify(record(sine), {.inputs = {"u"}, .output = "y", .detrend = false});
     EXPECT_LE(m.order, 1);
     ASSERT_FALSE(m.warnings().empty());
-    EXPECT_THAT(m.warnings().front(), HasSubstr("input u is exciting of order 2 only: it supports a model of order 1"));
+    EXPECT_THAT(m.warnings().front(), Names("u 2 1"));
 }
 TEST(Identify, TheHeatExchangersStandstillIsNamed) {
     std::string const file = RLSLAB_SOURCE_DIR "/../shared/data/heat_exchanger.csv";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
     Identified const m = identify::identify(file, {.inputs = {"u"}, .output = "y", .order = 4});
     ASSERT_FALSE(m.warnings().empty());
-    EXPECT_THAT(m.warnings().front(), HasSubstr("input u stands still over the first 100 of"));
+    EXPECT_THAT(m.warnings().front(), Names("u 100"));
 }
 
 /// The model that the recursion ends with predicts the held-out third as a batch QR does at the same order.

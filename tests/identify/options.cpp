@@ -72,52 +72,47 @@ TEST_F(Options, TheEquationIsPrintedWithItsSigns) {
     EXPECT_NEAR(y[5], 0.5 * y[4] + 2 * u[4], 1e-12);
 }
 TEST_F(Options, ThatDoNotGoTogetherAreRefused) {
-    EXPECT_EQ(refusal({.order = 2, .na = 1, .nb = {1}}), "--order: does not go with --na and --nb");
-    EXPECT_EQ(refusal({.order = 2, .max_order = 3}), "--max-order: does not go with --order, --na and --nb");
-    EXPECT_EQ(refusal({.max_order = 3, .na = 1, .nb = {1}}), "--max-order: does not go with --order, --na and --nb");
-    EXPECT_EQ(refusal({.na = 1}), "--na: expected --nb, too");
-    EXPECT_EQ(refusal({.nb = {1}}), "--nb: expected --na, too");
-    EXPECT_EQ(refusal({.na = 1, .nb = {1, 2}}), "--nb: expected one number, or one for each of the 1 inputs, found 2");
-    EXPECT_EQ(refusal({.inputs = {"u", "v"}, .order = 1, .delay = {1, 2, 3}}),
-              "--delay: expected one number, or one for each of the 2 inputs, found 3");
-    EXPECT_EQ(refusal({.inputs = {"u"}, .regressors = {"u"}}),
-              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.order = 1, .regressors = {"u"}}),
-              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.delay = {1}, .regressors = {"u"}}),
-              "--regressors: does not go with --input, --order, --max-order, --na, --nb or --delay");
-    EXPECT_EQ(refusal({.regressors = {"u", "y"}}), "--regressors: y: the output needs a lag: y[k-1] or further back");
-    EXPECT_EQ(refusal({.regressors = {"y[k-201]", "u"}}),
-              "--regressors: y[k-201]: expected a lag of at most 200 for the output");
-    EXPECT_EQ(refusal({.regressors = {"u", "u[k-201]"}}),
-              "--regressors: u[k-201]: expected the lags of an input within 200 of one another");
-    EXPECT_EQ(refusal({.regressors = {"w[k-1]"}}).substr(0, 24), "data.csv: no column \"w\";");
-    EXPECT_EQ(refusal({.inputs = {"u", "u"}}), "data.csv: column \"u\" is asked for twice");
-    EXPECT_EQ(refusal({.inputs = {"y"}}), "data.csv: column \"y\" is asked for twice");
-    EXPECT_EQ(message_of([&] { identify::identify(file, {.output = "y"}); }),
-              "--input: expected the name of an input column, or several: a,b (or --regressors; past outputs alone: "
-              "--regressors 'y[k-1..k-3]')");
-    EXPECT_EQ(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }),
-              "--output: expected the name of the output column");
+    EXPECT_THAT(refusal({.order = 2, .na = 1, .nb = {1}}), Names("--order --na --nb"));
+    EXPECT_THAT(refusal({.order = 2, .max_order = 3}), Names("--max-order --order --na --nb"));
+    EXPECT_THAT(refusal({.max_order = 3, .na = 1, .nb = {1}}), Names("--max-order --order --na --nb"));
+    EXPECT_THAT(refusal({.na = 1}), Names("--na --nb"));
+    EXPECT_THAT(refusal({.nb = {1}}), Names("--nb --na"));
+    EXPECT_THAT(refusal({.na = 1, .nb = {1, 2}}), Names("--nb 1 2"));
+    EXPECT_THAT(refusal({.inputs = {"u", "v"}, .order = 1, .delay = {1, 2, 3}}), Names("--delay 2 3"));
+    EXPECT_THAT(refusal({.inputs = {"u"}, .regressors = {"u"}}),
+                Names("--regressors --input --order --max-order --na --nb --delay"));
+    EXPECT_THAT(refusal({.order = 1, .regressors = {"u"}}),
+                Names("--regressors --input --order --max-order --na --nb --delay"));
+    EXPECT_THAT(refusal({.delay = {1}, .regressors = {"u"}}),
+                Names("--regressors --input --order --max-order --na --nb --delay"));
+    EXPECT_THAT(refusal({.regressors = {"u", "y"}}), Names("--regressors y y[k-1]"));
+    EXPECT_THAT(refusal({.regressors = {"y[k-201]", "u"}}), Names("--regressors y[k-201] 200"));
+    EXPECT_THAT(refusal({.regressors = {"u", "u[k-201]"}}), Names("--regressors u[k-201] 200"));
+    EXPECT_THAT(refusal({.regressors = {"w[k-1]"}}), Names("data.csv w"));
+    EXPECT_THAT(refusal({.inputs = {"u", "u"}}), Names("data.csv u"));
+    EXPECT_THAT(refusal({.inputs = {"y"}}), Names("data.csv y"));
+    EXPECT_THAT(message_of([&] { identify::identify(file, {.output = "y"}); }),
+                Names("--input --regressors y[k-1..k-3]"));
+    EXPECT_THAT(message_of([&] { identify::identify(file, {.inputs = {"u"}}); }), Names("--output"));
 }
 TEST_F(Options, AreRefusedByTheProgramInOneLineWithExitCodeTwo) {
-    for (auto const& [words, expected] : std::vector<std::pair<std::string, std::string>>{
-             {"--input u --na 1,2 --nb 1", "--na: "},
-             {"--input u --na -1 --nb 1", "--na: expected a whole number from 0 to 200, found \"-1\""},
-             {"--input u --na 1 --nb x", "--nb: expected a whole number from 0 to 200, found \"x\""},
-             {"--input u,v --na 1 --nb 1,201", "--nb: expected a whole number from 0 to 200, found \"201\""},
-             {"--input u --delay 100001", "--delay: expected a whole number from 0 to 100000, found \"100001\""},
-             {"--input u --delay 290", "expected a lower order, or a smaller --validate"},
-             {"--regressors ''", "--regressors"},
-             {"--regressors 'u[k+1]'", "--regressors: u[k+1]: lies in the future"},
-             {"--regressors 'u[k-1],u[k-1]'", "--regressors: u[k-1] is named twice"},
-             {"--order 1", "--input: expected the name of an input column"},
-             {"--input u --order 2 --na 2 --nb 2", "--order: does not go with --na and --nb"}}) {
+    for (auto const& [words, things] :
+         std::vector<std::pair<std::string, std::string>>{{"--input u --na 1,2 --nb 1", "--na"},
+                                                          {"--input u --na -1 --nb 1", "--na 0 200 -1"},
+                                                          {"--input u --na 1 --nb x", "--nb 0 200 x"},
+                                                          {"--input u,v --na 1 --nb 1,201", "--nb 0 200 201"},
+                                                          {"--input u --delay 100001", "--delay 0 100000 100001"},
+                                                          {"--input u --delay 290", "order --validate"},
+                                                          {"--regressors ''", "--regressors"},
+                                                          {"--regressors 'u[k+1]'", "--regressors u[k+1]"},
+                                                          {"--regressors 'u[k-1],u[k-1]'", "--regressors u[k-1]"},
+                                                          {"--order 1", "--input"},
+                                                          {"--input u --order 2 --na 2 --nb 2", "--order --na --nb"}}) {
         Outcome const run = program("data.csv --output y " + words);
         EXPECT_EQ(run.code, 2) << words;
         EXPECT_EQ(run.out, "") << words;
         EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-        EXPECT_THAT(run.err, HasSubstr(expected)) << words;
+        EXPECT_THAT(run.err, Names(things)) << words;
     }
     Outcome const good = program("data.csv --output y --input u,v --na 2 --nb 1,1 --delay 2,0 --json");
     EXPECT_EQ(good.code, 0) << good.err;
@@ -138,9 +133,7 @@ TEST_F(Options, TooFewSamplesAreRefusedAtTheNumberThatIsNamed) {
     };
     // Order 2, a delay of 1: 6 parameters, the constant included; 3 samples of presample; one row more than parameters.
     IdentifyOptions const options{.inputs = {"u"}, .output = "y", .order = 2, .delay = {1}, .validate = 0};
-    EXPECT_EQ(folder.without(message_of([&] { identify::identify(cut(9), options); })),
-              "cut.csv: order 2, delay 1 has 6 parameters and needs at least 10 samples to fit, found 9: expected a "
-              "lower order");
+    EXPECT_THAT(folder.without(message_of([&] { identify::identify(cut(9), options); })), Names("cut.csv 2 1 6 10 9"));
     Identified const m = identify::identify(cut(10), options);
     EXPECT_EQ(m.fitted, 7);
     EXPECT_NEAR(m.freedom, 1, 1e-3);
@@ -155,22 +148,18 @@ TEST_F(Options, RecordsWithoutAModelAreRefused) {
     Signal const u = white_noise(60, Seed{1});
     Signal late(60, 3.0), tiny = u;
     late[59] = 4;
-    EXPECT_EQ(said(u, Signal(60, 3.0)), "bad.csv: column \"y\" does not change: there is nothing to model");
-    EXPECT_EQ(
-        said(u, late),
-        "bad.csv: column \"y\" does not change over the 40 samples that are fitted: expected a smaller --validate");
-    EXPECT_THAT(said(Signal(60, 1.0), u), HasSubstr("the input does not excite the system"));
+    EXPECT_THAT(said(u, Signal(60, 3.0)), Names("bad.csv y"));
+    EXPECT_THAT(said(u, late), Names("bad.csv y 40 --validate"));
+    EXPECT_THAT(said(Signal(60, 1.0), u), Names("bad.csv input"));
     for (double& x : tiny) x *= 0x1p-405;
-    EXPECT_THAT(said(u, tiny), HasSubstr("expected moderate numbers; multiply it by a power of ten"));
-    EXPECT_THAT(said(tiny, u), HasSubstr("column \"u\" is "));
+    EXPECT_THAT(said(u, tiny), Names("bad.csv y power"));
+    EXPECT_THAT(said(tiny, u), Names("bad.csv u power"));
     for (double& x : tiny) x *= 0x1p+7;  // about 2^-398 at most
     EXPECT_EQ(said(tiny, white_noise(60, Seed{9})), "no error");
 }
 /// Too short a memory is refused by its degrees of freedom, with a lambda that is long enough.
 TEST_F(Options, AMemoryShorterThanTheParametersIsRefused) {
-    std::string const short_memory = refusal({.order = 2, .forgetting = 0.5});
-    EXPECT_EQ(short_memory,
-              "--forgetting: lambda = 0.5 remembers about 2 rows, too few for 6 parameters: expected 0.917 or more");
+    EXPECT_THAT(refusal({.order = 2, .forgetting = 0.5}), Names("--forgetting 0.5 2 6 0.917"));
     EXPECT_EQ(refusal({.order = 2, .forgetting = 0.917}), "no error");
     EXPECT_GE(run({.order = 2, .forgetting = 0.917}).freedom, 1);
 }
@@ -179,9 +168,9 @@ TEST_F(Options, AMemoryShorterThanTheParametersIsRefused) {
 
 TEST_F(Options, LambdaAndConfidenceThatLeaveNothingAreRefused) {
     for (double const lambda : {0.5, 1e-30, 1e-100, 1e-320})
-        EXPECT_THAT(refusal({.order = 2, .forgetting = lambda}), HasSubstr("--forgetting: lambda = ")) << lambda;
+        EXPECT_THAT(refusal({.order = 2, .forgetting = lambda}), Names("--forgetting lambda 6")) << lambda;
     EXPECT_THAT(program("data.csv --input u --output y --confidence 0.9999999999999999").err,
-                HasSubstr("--confidence: expected a number from 0.001 to 0.999999"));
+                Names("--confidence 0.001 0.999999"));
 }
 TEST_F(Options, APageOfALatin1NameIsUtf8) {
     std::string text = csv({white_noise(200, Seed{3}), white_noise(200, Seed{4})}, "T\xb0,y");

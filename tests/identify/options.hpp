@@ -16,6 +16,11 @@
 
 namespace rlslab::identify {
 
+/// A remark of this rank that names these things.
+MATCHER_P2(Says, rank, things, "") {
+    return arg.rank == rank && testing::ExplainMatchResult(Names(things), arg.sentence, result_listener);
+}
+
 inline std::string csv(std::vector<Signal> const& columns, std::string header) {
     for (size_t k = 0; k < columns[0].size(); ++k) {
         header += '\n';

@@ -41,21 +41,11 @@ TEST_F(Options, TheTableSaysWhatWasWorkedOut) {
         expect_printed(n[0], p.value, 6, p.name), expect_printed(n[1], p.sd, 2, p.name),
             expect_printed(n[2], p.lower, 5, p.name), expect_printed(n[3], p.upper, 5, p.name);
     }
-    EXPECT_THAT(text, HasSubstr("99 % interval"));
-    EXPECT_THAT(text,
-                HasSubstr(fmt::format(
-                    ": 300 samples: {} rows fitted, 100 held out; means taken off: u {:.5g}, v {:.5g}, y {:.5g}\n",
-                    m.fitted, m.means[0], m.means[1], m.means[2])));
-    EXPECT_THAT(text,
-                HasSubstr(fmt::format(
-                    "\nud in double, lambda = 1, prior P0_ii = (c / s_i)^2, c = 2^{}, s_i the size of regressor i: "
-                    "it moves no parameter by more than",
-                    std::ilogb(m.c))));
-    EXPECT_THAT(
-        text,
-        HasSubstr(
-            "\ninput u: excites enough for every order tried (exciting of order 4 at least)\ninput v: excites enough "
-            "for every order tried (exciting of order 4 at least)\n"));
+    EXPECT_THAT(text, Names("99 %"));
+    EXPECT_THAT(text, Names(fmt::format("300 {} 100 u {:.5g} v {:.5g} y {:.5g}", m.fitted, m.means[0], m.means[1],
+                                        m.means[2])));
+    EXPECT_THAT(text, Names(fmt::format("ud double lambda P0_ii 2^{}", std::ilogb(m.c))));
+    for (char const* const input : {"input u: ", "input v: "}) EXPECT_THAT(line_of(text, input), Names("order 4"));
     EXPECT_THAT(text, HasSubstr("\norder 3 (given)\n"));
     std::string flat = std::regex_replace(text, std::regex("\n    "), " ");
     EXPECT_THAT(line_of(flat, "poles: "),
@@ -180,10 +170,8 @@ TEST_F(Options, EveryOrderThatWasTriedHasItsLine) {
 }
 TEST_F(Options, WithForgettingResidualsGetNoVerdictAndTheTableSaysWhy) {
     std::string const text = as_table(run({.inputs = {"u", "v"}, .max_order = 4, .forgetting = 0.98}));
-    EXPECT_THAT(text, HasSubstr("all orders fitted without forgetting"));
-    EXPECT_THAT(text, HasSubstr("no verdict on those of the last theta over all rows"));
-    EXPECT_THAT(text, HasSubstr("criteria: AIC, BIC and FPE are those of a fit without forgetting; none here"));
-    EXPECT_THAT(text, testing::Not(HasSubstr("are not white")));
+    EXPECT_THAT(line_of(text, "criteria: "), Names("AIC BIC FPE none"));
+    EXPECT_THAT(text, testing::Not(Names("p")));
 }
 
 }  // namespace

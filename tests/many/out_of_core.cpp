@@ -82,20 +82,18 @@ struct Failing {
 };
 TEST(OutOfCore, AnErrorOfTheSourceIsTheCallers) {
     for (unsigned threads : {1u, 2u, 5u})
-        EXPECT_EQ(message_of([&] { fold_all<F>(laws::problem(2), Failing{}, threads, 10); }), "rows.bin: broken");
+        EXPECT_THAT(message_of([&] { fold_all<F>(laws::problem(2), Failing{}, threads, 10); }), Names("rows.bin"));
 }
 
 TEST(RowFile, SaysWhatIsWrongAndWithWhichFile) {
     Folder const folder;
     auto const opening = [&](std::string const& path) { return message_of([&] { RowFile(path, 4); }); };
-    EXPECT_THAT(opening(folder.path / "none.bin"), HasSubstr("none.bin: No such file or directory"));
-    EXPECT_THAT(opening(folder.path), HasSubstr(": is a directory"));
+    EXPECT_THAT(opening(folder.path / "none.bin"), Names("none.bin"));
+    EXPECT_THAT(opening(folder.path), Names("directory"));
     ASSERT_EQ(mkfifo((folder.path / "pipe").c_str(), 0600), 0);
-    EXPECT_THAT(opening(folder.path / "pipe"), HasSubstr("pipe: is not a regular file"));
-    EXPECT_THAT(opening(file_of_bytes(folder, 0)), HasSubstr("rows.bin: is empty"));
-    EXPECT_THAT(
-        opening(file_of_bytes(folder, 83)),
-        HasSubstr("rows.bin: expected rows of 5 numbers (40 bytes each), found 83 bytes: 3 more than whole rows"));
+    EXPECT_THAT(opening(folder.path / "pipe"), Names("pipe regular"));
+    EXPECT_THAT(opening(file_of_bytes(folder, 0)), Names("rows.bin empty"));
+    EXPECT_THAT(opening(file_of_bytes(folder, 83)), Names("rows.bin 5 40 83 3"));
     EXPECT_THROW(RowFile(file_of_bytes(folder, 80), 0), std::invalid_argument);
 }
 TEST(RowFile, ReadsAnyRowsAndNoOthers) {
@@ -110,7 +108,7 @@ TEST(RowFile, ReadsAnyRowsAndNoOthers) {
     EXPECT_THROW(file.read(18, block), std::invalid_argument);
     EXPECT_THROW(file.read(-1, block), std::invalid_argument);
     fs::resize_file(folder.path / "rows.bin", 18 * 40);
-    EXPECT_THAT(message_of([&] { file.read(17, block); }), HasSubstr("rows.bin: became shorter while it was read"));
+    EXPECT_THAT(message_of([&] { file.read(17, block); }), Names("rows.bin shorter"));
 }
 
 /// A process that may have 64 MB more than it has now folds a file of 160 MB, most of it a hole that reads as zeros.

@@ -17,40 +17,37 @@ using testing::Not;
 // --- did you mean ----------------------------------------------------------------------------------------------------
 
 TEST_F(Program, NamesTheCommandOptionVariantArithmeticStudyOrColumnThatWasMeant) {
-    refused("compair ok.csv", "no command \"compair\" (did you mean \"compare\"?)");
-    refused("stduy --all", "no command \"stduy\" (did you mean \"study\"?)");
-    refused("compare ok.csv --input u --ouptut y --order 1", "no option \"--ouptut\" (did you mean \"--output\"?)");
-    refused("compare ok.csv --input=u --ouptut=y --order 1", "no option \"--ouptut\" (did you mean \"--output\"?)");
-    refused("compare ok.csv --threats 1", "no option \"--threats\" (did you mean \"--threads\"?)");
-    refused("study gain_error --buget full", "no option \"--buget\" (did you mean \"--budget\"?)");
-    refused("--versoin", "no option \"--versoin\" (did you mean \"--version\"?)");
+    refused("compair ok.csv", "compair compare");
+    refused("stduy --all", "stduy study");
+    refused("compare ok.csv --input u --ouptut y --order 1", "--ouptut --output");
+    refused("compare ok.csv --input=u --ouptut=y --order 1", "--ouptut --output");
+    refused("compare ok.csv --threats 1", "--threats --threads");
+    refused("study gain_error --buget full", "--buget --budget");
+    refused("--versoin", "--versoin --version");
     std::string const model = "ok.csv --input u --output y --order 1";
-    refused("compare " + model + " --variants ud,jospeh",
-            "--variants: no variant \"jospeh\" (did you mean \"joseph\"?)");
-    refused("compare " + model + " --arithmetic doubel",
-            "--arithmetic: no arithmetic \"doubel\" (did you mean \"double\"?)");
-    refused("compare ok.csv --input U --output y --order 1", "no column \"U\" (did you mean \"u\"?)");
-    refused("identify " + model + " --variant extended",
-            "--variant: no variant \"extended\" (did you mean \"extended_qr\"?)");
-    refused("study gain_memory", "study: no study \"gain_memory\"");
+    refused("compare " + model + " --variants ud,jospeh", "--variants jospeh joseph");
+    refused("compare " + model + " --arithmetic doubel", "--arithmetic doubel double");
+    refused("compare ok.csv --input U --output y --order 1", "U u");
+    refused("identify " + model + " --variant extended", "--variant extended extended_qr");
+    refused("study gain_memory", "study gain_memory");
 }
 TEST_F(Program, SaysWhatAnOptionWants) {
-    refused("compare", "compare: expected FILE (rlslab compare --help)");
-    refused("compare ok.csv", "compare: expected --output COLUMN (rlslab compare --help)");
-    refused("compare ok.csv --output", "--output: expected COLUMN, found nothing");
-    refused("compare ok.csv --output --order 1", "--output: expected COLUMN, found the option --order");
-    refused("compare ok.csv --variants --order=1", "found the option --order=1");
-    refused("--color list", "--color: expected auto, always or never, found \"list\"");
-    refused("--color --quiet list", "--color: expected auto|always|never, found the option --quiet");
-    refused("list --json=false", "--json: expected no value behind it");
-    refused("list --quiet=maybe", "--quiet: expected no value behind it");
-    refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order: expected once, found again");
-    refused("study --threads", "--threads: expected N, found nothing");
-    refused("list list", "list: no part \"list\"; expected one of variants, arithmetics, rounding, studies");
-    refused("list variant", "list: no part \"variant\" (did you mean \"variants\"?)");
-    refused("list variants studies", "\"studies\" is one word too many (rlslab list --help)");
-    refused("ok.csv", "\"ok.csv\" is a file: rlslab compare ok.csv --input U --output Y --order N, or identify");
-    refused("ok.csv --input u", "\"ok.csv\" is a file: rlslab compare ok.csv");
+    refused("compare", "compare FILE --help");
+    refused("compare ok.csv", "compare --output COLUMN --help");
+    refused("compare ok.csv --output", "--output COLUMN");
+    refused("compare ok.csv --output --order 1", "--output COLUMN --order");
+    refused("compare ok.csv --variants --order=1", "--order=1");
+    refused("--color list", "--color auto always never list");
+    refused("--color --quiet list", "--color auto always never --quiet");
+    refused("list --json=false", "--json");
+    refused("list --quiet=maybe", "--quiet");
+    refused("compare ok.csv --order 1 --order 2 --output y --input u", "--order");
+    refused("study --threads", "--threads N");
+    refused("list list", "list variants arithmetics rounding studies");
+    refused("list variant", "list variant variants");
+    refused("list variants studies", "studies --help");
+    refused("ok.csv", "ok.csv --input U --output Y --order N");
+    refused("ok.csv --input u", "ok.csv");
     EXPECT_EQ(shell("rlslab simulate --a -0.5,0.25 --samples 30").code, 0) << "a number may begin with a minus";
 }
 TEST(Suggestion, IsTheNearestNameOrNone) {
@@ -136,7 +133,7 @@ TEST_F(Program, WhatAKilledRunWasWritingIsRemovedByTheNext) {
 TEST_F(Program, AFileBeyondTheLimitIsAnErrorLikeAnyOther) {
     Outcome const run = shell("ulimit -f 8; rlslab identify ok.csv --input u --output y --order 1 --out out");
     EXPECT_EQ(run.code, 2);
-    EXPECT_THAT(run.err, HasSubstr(": cannot write: File too large\n"));
+    EXPECT_THAT(run.err, rlslab::Names("large"));
     for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
         EXPECT_FALSE(file.path().string().ends_with(".new")) << file.path();
 }
@@ -181,7 +178,7 @@ TEST_F(Program, ColoursTerminalsUnlessToldOtherwise) {
     for (std::string const format : {"--json", "--csv"})
         EXPECT_FALSE(coloured(shell("rlslab" + compare + "--color=always " + format).out));
     EXPECT_TRUE(coloured(shell("rlslab study gain_identities --out out --color=always").out));
-    refused("list --color=sometimes", "--color: expected auto, always or never, found \"sometimes\"");
+    refused("list --color=sometimes", "--color auto always never sometimes");
     for (std::string const command : {"list", "simulate --samples 30", "excitation ok.csv --input u", "--version"})
         for (std::string const option : {"--quiet", "--color=never"}) {
             EXPECT_EQ(shell("rlslab " + option + " " + command).code, 0) << option << " " << command;
@@ -207,9 +204,8 @@ TEST_F(Program, InterruptedAStudySaysHowToGoOn) {
         return text.find(" %") == text.npos ? "" : "\003";
     });  // Ctrl-C
     EXPECT_EQ(stopped.code, 128 + SIGINT) << stopped.text;
-    EXPECT_THAT(
-        stopped.text,
-        HasSubstr("\nrlslab: stopped. Finished trials are kept in out: the same command goes on from there.\r\n"));
+    EXPECT_THAT(stopped.text, HasSubstr("\nrlslab: stopped"));
+    EXPECT_THAT(stopped.text, rlslab::Names("trials out"));
     EXPECT_GT(fs::file_size(folder / "out/.trials/definiteness"), 1000u) << "some trials were finished";
     EXPECT_FALSE(fs::exists(folder / "out/definiteness.csv"));
     for (auto const& file : fs::recursive_directory_iterator(folder / "out"))
@@ -246,14 +242,13 @@ TEST_F(Program, HelpFitsATerminalAndIsTheSameHoweverItIsAskedFor) {
     }
     std::istringstream list(shell("rlslab list").out);
     for (std::string line; std::getline(list, line);) EXPECT_LE(line.size(), 79u) << line;
-    refused("help frob", "no command \"frob\"; expected one of compare, ");
-    refused("help compair", "no command \"compair\" (did you mean \"compare\"?)");
-    refused("help man page", "\"page\" is one word too many");
+    refused("help frob", "frob compare");
+    refused("help compair", "compair compare");
+    refused("help man page", "page");
 }
 TEST_F(Program, AMissingValueIsNamedByItsLine) {
     write("gap.csv", "u,y\n1,2\n,3\n4,5\n");
-    refused("excitation gap.csv --input u",
-            "gap.csv:3: column \"u\": expected a number in every row, found a missing value");
+    refused("excitation gap.csv --input u", "gap.csv:3 u");
 }
 TEST_F(Program, SaysWhatIsInAState) {
     fs::path const states = fs::path(RLSLAB_SOURCE_DIR) / "tests/data/state";
@@ -262,16 +257,16 @@ TEST_F(Program, SaysWhatIsInAState) {
     EXPECT_EQ(run.out, "a state of ud in double with 4 parameters: format 2, 376 bytes\nud, edition 1\n");
     std::string const whole = read(states / "2/ud-double.state");
     write("short.state", whole.substr(0, 200));
-    refused("state short.state", "short.state: expected a state, found 200 bytes that are a state cut short");
+    refused("state short.state", "short.state 200");
     write("data.csv", "u,y\n1,2\n");
-    refused("state data.csv", "data.csv: expected a state, found 8 bytes that are not a state");
-    refused("state none.state", "none.state: cannot read: No such file or directory");
+    refused("state data.csv", "data.csv 8");
+    refused("state none.state", "none.state");
 }
 TEST_F(Program, AnInputThatIdentifiesNoModelIsAnAnswerThatIsNo) {
     write("constant.csv", "u\n1\n1\n1\n1\n1\n1\n1\n1\n");
     Outcome const run = shell("rlslab excitation constant.csv --input u --max-order 3");
     EXPECT_EQ(run.code, 1);
-    EXPECT_THAT(run.out, HasSubstr("no dynamic model can be identified"));
+    EXPECT_THAT(run.out, rlslab::Names("no model"));
 }
 TEST_F(Program, HasAManualPageThatGroffReadsWithoutAWarning) {
     std::string const page = shell("rlslab man").out;

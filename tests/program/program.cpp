@@ -28,61 +28,59 @@ TEST_F(Program, RefusesBadFilesInOneLine) {
     write("constant.csv", "u,y\n" + rows(40, [](int) { return std::string("1"); }));
     write("huge.csv", "u,y\n1,2\n1e308,2\n");
     write("ragged.csv", "u,y\n1,2\n3\n");
-    refused("compare none.csv" + options, "none.csv: cannot be opened");
-    refused("compare empty.csv" + options, "empty.csv: expected rows of numbers, found an empty file");
-    refused("compare text.csv" + options, "text.csv:3: column 2 (y): expected a number, found \"abc\"");
-    refused("compare short.csv" + options, "short.csv: 3 parameters need at least 3 rows, found 1");
-    refused("compare constant.csv" + options, "exact rank 2 of 3 over 39 rows (constant: b0, b1)");
-    refused("compare huge.csv" + options, "huge.csv:3: column 1 (u): expected");
-    refused("compare ragged.csv" + options, "ragged.csv:3: expected 2 columns");
-    refused("compare ." + options, ".: expected a file, found a directory");
-    refused("compare ok.csv --input v --output y --order 1", "no column \"v\"; the columns are \"u\", \"y\"");
+    refused("compare none.csv" + options, "none.csv");
+    refused("compare empty.csv" + options, "empty.csv");
+    refused("compare text.csv" + options, "text.csv:3 2 y abc");
+    refused("compare short.csv" + options, "short.csv 3 1");
+    refused("compare constant.csv" + options, "2 3 39 b0 b1");
+    refused("compare huge.csv" + options, "huge.csv:3 1 u");
+    refused("compare ragged.csv" + options, "ragged.csv:3 2");
+    refused("compare ." + options, "directory");
+    refused("compare ok.csv --input v --output y --order 1", "v u y");
 }
 TEST_F(Program, RefusesStudiesThatAreNotThere) {
-    refused("study", "study: expected the names of studies (rlslab list), or --all");
-    refused("study gain_error --all", "study: expected the names of studies (rlslab list), or --all");
-    refused("study gain_eror", "study: no study \"gain_eror\" (did you mean \"gain_error\"?)");
-    refused("study something", "study: no study \"something\"; expected one of choose, gain_identities, ");
-    refused("study gain_error --budget slow", "--budget: expected quick or full, found \"slow\"");
-    refused("study gain_error --seed -1", "--seed: expected a whole number");
-    refused("study gain_error --threads 0", "--threads: expected a whole number");
-    refused("study gain_error --out /dev/null/here", "/dev/null/here/figures: cannot create");
+    refused("study", "study --all");
+    refused("study gain_error --all", "study --all");
+    refused("study gain_eror", "study gain_eror gain_error");
+    refused("study something", "study something choose gain_identities");
+    refused("study gain_error --budget slow", "--budget quick full slow");
+    refused("study gain_error --seed -1", "--seed");
+    refused("study gain_error --threads 0", "--threads");
+    refused("study gain_error --out /dev/null/here", "/dev/null/here/figures");
     EXPECT_FALSE(fs::exists(folder / "out"));
 }
 TEST_F(Program, RefusesAFolderThatAnotherRunIsWriting) {
     fs::create_directory(folder / "busy");
     rlslab::studies::FolderLock const other(folder / "busy");
-    refused("study gain_error --out busy", "busy: another run is writing there");
+    refused("study gain_error --out busy", "busy");
     EXPECT_FALSE(fs::exists(folder / "busy" / "gain_error.csv"));
 }
 TEST_F(Program, RefusesBadOptionsInOneLine) {
     std::string const data = "compare ok.csv --input u --output y";
-    refused(data + " --order 0", "--order: expected a whole number from 1 to 1000, found \"0\"");
-    refused(data + " --order abc", "--order: expected a whole number from 1 to 1000, found \"abc\"");
-    refused(data, "--order: expected");
-    refused(data + " --order 30", "61 parameters need at least 61 rows");
+    refused(data + " --order 0", "--order 1 1000 0");
+    refused(data + " --order abc", "--order 1 1000 abc");
+    refused(data, "--order");
+    refused(data + " --order 30", "61");
     for (std::string const bad : {"0", "1.5", "nan", "-1", "inf", "x"})
-        refused(data + " --order 1 --forgetting " + bad,
-                "--forgetting: expected a number in (0, 1], found \"" + bad + "\"");
-    for (std::string const bad : {"0", "-1", "nan", "inf"})
-        refused(data + " --order 1 --p0 " + bad, "--p0: expected a positive, finite number, found \"" + bad + "\"");
-    refused(data + " --order 1 --delay -1", "--delay: expected a whole number");
-    refused(data + " --order 1 --threads 0", "--threads: expected a whole number");
-    refused(data + " --order 1 --variants ud,foo", "--variants: no variant \"foo\"; expected one of conventional, ");
-    refused(data + " --order 1 --arithmetic foo", "--arithmetic: no arithmetic \"foo\"; expected one of bfloat16, ");
-    refused(data + " --order 1 --variants qr_sparse --arithmetic float", "--variants, --arithmetic: expected");
-    refused(data + " --order 1 --json --csv", "--json: does not go with --csv");
-    refused(data + " --order 1 --na 2", "--order: does not go with --na and --nb");
-    refused(data + " --order 1 --regressors u", "--regressors: does not go with");
-    refused(data + " --order 1 --bogus", "no option \"--bogus\" (rlslab compare --help)");
-    refused(data + " --order 1 --output u", "--output: expected once, found again");
-    refused("frob", "no command \"frob\"; expected one of compare, study, ");
-    refused("frob list", "no command \"frob\"; expected one of compare, study, ");
-    refused("list frob", "list: no part \"frob\"; expected one of variants, ");
+        refused(data + " --order 1 --forgetting " + bad, "--forgetting 0 1 " + bad);
+    for (std::string const bad : {"0", "-1", "nan", "inf"}) refused(data + " --order 1 --p0 " + bad, "--p0 " + bad);
+    refused(data + " --order 1 --delay -1", "--delay");
+    refused(data + " --order 1 --threads 0", "--threads");
+    refused(data + " --order 1 --variants ud,foo", "--variants foo conventional");
+    refused(data + " --order 1 --arithmetic foo", "--arithmetic foo bfloat16");
+    refused(data + " --order 1 --variants qr_sparse --arithmetic float", "--variants --arithmetic");
+    refused(data + " --order 1 --json --csv", "--json --csv");
+    refused(data + " --order 1 --na 2", "--order --na --nb");
+    refused(data + " --order 1 --regressors u", "--regressors");
+    refused(data + " --order 1 --bogus", "--bogus --help");
+    refused(data + " --order 1 --output u", "--output");
+    refused("frob", "frob compare study");
+    refused("frob list", "frob compare study");
+    refused("list frob", "list frob variants");
     refused("compare ok.csv --input u --order 1", "--output");
     refused("compare", "FILE");
-    refused("bogus", "\"bogus\"");
-    refused("", "expected a command: compare, study, ");
+    refused("bogus", "bogus");
+    refused("", "compare study");
 }
 TEST_F(Program, ReadsStandardInput) {
     std::string const options = " --input u --output y --order 1 --arithmetic double";

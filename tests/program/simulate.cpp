@@ -16,24 +16,21 @@ using Simulate = Program;
 using DataFiles = Program;
 
 TEST_F(Simulate, RefusesADelayBeyondTheRecord) {
-    refused("simulate --samples 100 --delay 100",
-            "--delay: expected less than the 100 --samples: of an input that comes later the record shows nothing, "
-            "found 100");
+    refused("simulate --samples 100 --delay 100", "--delay 100 --samples");
     EXPECT_EQ(shell("rlslab simulate --samples 100 --delay 99").code, 0);
 }
 TEST_F(Simulate, RefusesAnOutputThatDoesNotChange) {
-    refused("simulate --b 0", "--b: the output is 0 throughout, and nothing can be learnt from it");
-    refused("simulate --samples 3", "--samples: the input is ");
-    refused("simulate --b 0,0 --a=-0.5", "--b: the output is 0 throughout");
+    refused("simulate --b 0", "--b 0");
+    refused("simulate --samples 3", "--samples");
+    refused("simulate --b 0,0 --a=-0.5", "--b 0");
     EXPECT_EQ(shell("rlslab simulate --b 0 --noise 1").code, 0);
     EXPECT_EQ(shell("rlslab simulate --samples 1").code, 0);
 }
 TEST_F(Simulate, RefusesNumbersWhoseSquaresVanish) {
-    refused("simulate --b 1e-160",
-            "--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
-    refused("simulate --b 5e-324", "--b: the output stays below 2^-500");
-    refused("simulate --b 0 --noise 1e-300", "--b: the output stays below 2^-500");
-    refused("simulate --b 1e160", "grows beyond 2^500");
+    refused("simulate --b 1e-160", "--b 2^-500");
+    refused("simulate --b 5e-324", "--b 2^-500");
+    refused("simulate --b 0 --noise 1e-300", "--b 2^-500");
+    refused("simulate --b 1e160", "2^500");
     EXPECT_EQ(shell("rlslab simulate --b 1e-140").code, 0);
 }
 
@@ -62,15 +59,12 @@ TEST_F(DataFiles, AreReadInEveryForm) {
 }
 TEST_F(DataFiles, OfADoubtfulFormAreExplained) {
     write("doubt.csv", "u;y\n1,234;2\n2;3\n");
-    refused("excitation doubt.csv --input u",
-            "doubt.csv:2: column 1 (u): \"1,234\" may be a decimal comma or a mark between thousands, and no number "
-            "says which (--decimal , if");
+    refused("excitation doubt.csv --input u", "doubt.csv:2 1 u 1,234 --decimal");
     EXPECT_EQ(shell("rlslab excitation doubt.csv --input u --decimal , --max-order 1").code,
               1);  // read, and found to identify nothing
-    refused("excitation ok.csv --input u --separator x",
-            "--separator: expected comma, semicolon, tab, bar or blank, found \"x\"");
+    refused("excitation ok.csv --input u --separator x", "--separator comma semicolon tab bar blank x");
     refused("excitation ok.csv --input u --decimal ';'", "--decimal");
-    refused("excitation ok.csv --input u --separator semicolon", "no column \"u\"");
+    refused("excitation ok.csv --input u --separator semicolon", "u");
 }
 TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
     std::ofstream file(folder / "comma.csv");
@@ -86,8 +80,7 @@ TEST_F(DataFiles, AColumnWhoseNameHoldsACommaStandsInQuotes) {
         EXPECT_LE(run.code, 1) << command << run.err;
         EXPECT_THAT(run.out, testing::HasSubstr("u,1")) << command;
     }
-    refused("compare comma.csv --input '\"u,1' --output y --order 1",
-            "comma.csv: no column \"\"u,1\" (did you mean \"u,1\"?); the columns are \"u,1\", \"y\"");
+    refused("compare comma.csv --input '\"u,1' --output y --order 1", "comma.csv u,1 y");
 }
 TEST_F(DataFiles, AColumnAsMatlabNamesItNeedsNoQuotes) {
     write("matrix.csv", "\"x(:,2)\",y\n" + rows(60, [](int k) { return std::to_string(k * 5 % 13); }));
@@ -97,11 +90,11 @@ TEST_F(DataFiles, AColumnAsMatlabNamesItNeedsNoQuotes) {
         EXPECT_LE(run.code, 1) << command << run.err;
         EXPECT_THAT(run.out, testing::HasSubstr("x(:,2)")) << command;
     }
-    refused("compare matrix.csv --regressors 'x(:,2),v' --output y", "no column \"v\"");
+    refused("compare matrix.csv --regressors 'x(:,2),v' --output y", "v");
 }
 TEST_F(DataFiles, AnEmptyFolderIsNoFolder) {
-    refused("compare ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");
-    refused("identify ok.csv --input u --output y --order 1 --out ''", "--out: expected the name of a folder");
+    refused("compare ok.csv --input u --output y --order 1 --out ''", "--out");
+    refused("identify ok.csv --input u --output y --order 1 --out ''", "--out");
 }
 
 }  // namespace

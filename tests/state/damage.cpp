@@ -80,8 +80,8 @@ TEST(State, WithAForgedChecksumIsNotBelievedInEverything) {
     bytes[8] = std::byte(3);
     seal();
     EXPECT_EQ(load(g, bytes), StateFault::later_version);
-    EXPECT_EQ(files::message_of([&] { loaded<Information<double>>(std::span<std::byte const>(bytes)); }),
-              "expected a state of information in double, found one of format 3, this program reads formats up to 2");
+    EXPECT_THAT(files::message_of([&] { loaded<Information<double>>(std::span<std::byte const>(bytes)); }),
+                Names("information double 3 2"));
     bytes = state_of(f);
     for (std::uint64_t const entries : {std::uint64_t(0), std::uint64_t(2), std::uint64_t(0xffffffff)}) {
         detail::write_low(entries, 4, bytes.data() + StateHeader::size);
@@ -117,8 +117,7 @@ TEST(State, SaysWhatIsInIt) {
               "ud, edition 1\n");
     Bytes bytes = state_of(f);
     bytes[200] ^= std::byte(1);
-    EXPECT_EQ(files::message_of([&] { (void)described_state(bytes); }),
-              "expected a state, found 937 bytes that are a state damaged: its checksum is another");
+    EXPECT_THAT(files::message_of([&] { (void)described_state(bytes); }), Names("937 checksum"));
     std::filesystem::path const old = std::filesystem::path(RLSLAB_SOURCE_DIR) / "tests/data/state/1/ud-float.state";
     EXPECT_EQ(described_state(detail::bytes_of(old)),
               "a state of ud in float with 4 parameters: format 1, 220 bytes\n"
@@ -130,36 +129,28 @@ TEST(State, IsRefusedInOneLine) {
     save(Qr<double>({.size = 3}), path);
     Ud<float> f({.size = 5});
     auto const message = [&] { return folder.without(files::message_of([&] { load(f, path); })); };
-    EXPECT_EQ(
-        message(),
-        "x.state: expected a state of ud in float with 5 parameters, found one of qr in double with 3 parameters");
+    EXPECT_THAT(message(), Names("x.state ud float 5 qr double 3"));
     save(Ud<float>({.size = 1}), path);
-    EXPECT_EQ(message(),
-              "x.state: expected a state of ud in float with 5 parameters, found one of ud in float with 1 parameter");
+    EXPECT_THAT(message(), Names("x.state ud float 5 1"));
     auto const around = [&](auto const& expected) {
         auto filter = expected;
         return folder.without(files::message_of([&] { load(filter, path); }));
     };
     using F = Ud<float>;
-    std::string const same =
-        "x.state: expected a state of ud in float with 3 parameters, found one of ud in float with 3 parameters";
     save(Guarded<F>({.size = 3}, {.innovation = 4}), path);
-    EXPECT_EQ(around(Guarded<F>({.size = 3})), same + ", its guard has innovation 4, expected 6");
-    EXPECT_EQ(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})),
-              same + ", its guard has on_outlier skip, expected report");
-    EXPECT_EQ(around(Forgetting<F, Kulhavy<float>>({.size = 3})),
-              same + ", guard around ud, expected kulhavy around ud");
+    EXPECT_THAT(around(Guarded<F>({.size = 3})), Names("x.state guard innovation 4 6"));
+    EXPECT_THAT(around(Guarded<F, reporting>({.size = 3}, {.innovation = 4})),
+                Names("x.state guard on_outlier skip report"));
+    EXPECT_THAT(around(Forgetting<F, Kulhavy<float>>({.size = 3})), Names("x.state guard kulhavy ud"));
     folder.file("a,b\n1,2\n", "x.state");
-    EXPECT_EQ(message(),
-              "x.state: expected a state of ud in float with 5 parameters, found 8 bytes that are not a state");
+    EXPECT_THAT(message(), Names("x.state ud float 5 8"));
     std::filesystem::remove(path);
-    EXPECT_EQ(message(), "x.state: cannot read: No such file or directory");
+    EXPECT_THAT(message(), Names("x.state file"));
     std::filesystem::create_directory(path);
-    EXPECT_EQ(message(), "x.state: cannot read: it is a folder");
+    EXPECT_THAT(message(), Names("x.state folder"));
     std::filesystem::remove(path);
-    EXPECT_THAT(files::message_of([&] { save(f, folder.path / "no" / "folder"); }), testing::HasSubstr("cannot write"));
-    EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })),
-                testing::StartsWith("x.state: cannot read"));
+    EXPECT_THAT(files::message_of([&] { save(f, folder.path / "no" / "folder"); }), Names("folder write"));
+    EXPECT_THAT(folder.without(files::message_of([&] { loaded<Ud<float>>(path); })), Names("x.state"));
 }
 
 // --- kills -----------------------------------------------------------------------------------------------------------
