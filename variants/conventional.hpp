@@ -51,7 +51,9 @@ public:
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
     auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
-    friend Step<T> rows_at_once(Conventional& f, RowsOf<T> psi, OutputsOf<T> y) { return update_rows(f, f.next_, psi, y); }
+    friend Step<T> rows_at_once(Conventional& f, RowsOf<T> psi, OutputsOf<T> y) {
+        return update_rows(f, f.next_, psi, y);
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<Conventional<double>>);

@@ -1,5 +1,5 @@
-// Laws of every drawing, whatever the numbers: inside its panel, no NaN, well formed, of bounded size. Of pages, of names
-// at their marks, of points below the axis.
+// Laws of every drawing, whatever the numbers: inside its panel, no NaN, well formed, of bounded size. Of pages, of
+// names at their marks, of points below the axis.
 #include "tests/report/drawn.hpp"
 #include "report/plot.hpp"
 
@@ -266,7 +266,7 @@ TEST(Pages, LoadNothing) {
     EXPECT_THAT(text, testing::HasSubstr("<th>&lt;b&gt;</th>"));
 }
 
-// --- names, points below the axis, emphasised curves ------------------------------------------------------------------
+// --- names, points below the axis, emphasised curves -----------------------------------------------------------------
 
 /// Single points with names, as in a plot of cost against digits.
 Figure named_points(std::vector<std::pair<double, double>> const& places, size_t name_length = 9) {

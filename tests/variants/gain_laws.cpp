@@ -306,7 +306,7 @@ TEST(GainLaws, JosephRankTwoIsFirstOrderInErrorsOfFAndS) {
     }
 }
 
-// --- an error reaches a filter of the catalogue or is refused; it is never ignored silently ---------------------------
+// --- an error reaches a filter of the catalogue or is refused; it is never ignored silently --------------------------
 
 /// theta and P after one row whose gain was `relative` off. Empty and the message where that is refused.
 struct Answer {

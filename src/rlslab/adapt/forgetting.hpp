@@ -311,8 +311,8 @@ struct RandomWalk {
     T variance = T(0);  ///< q >= 0, a row, in units of the noise's
     static constexpr std::string_view name = "random_walk", type = "RandomWalk";
     static constexpr std::string_view what =
-        "theta walks at random: Q = VARIANCE I per row on average, in units of the noise variance; each row adds to one "
-        "coordinate in turn (kalman: to all)";
+        "theta walks at random: Q = VARIANCE I per row on average, in units of the noise variance; each row adds to "
+        "one coordinate in turn (kalman: to all)";
     static constexpr std::string_view layer = "walk";  ///< in saved states
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"variance", &RandomWalk::variance, "VARIANCE", {.otherwise = RuleDefault::none}}};
