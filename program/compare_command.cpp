@@ -81,9 +81,9 @@ Command compare_command(CLI::App& app) {
         "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 "
         "--guard reset\n\n"
         "With --control, --window or --guard the digits are those of the composition. A window, or a guard that "
-        "changed nothing, is compared with the certified least-squares solution of its rows. A control is compared with the "
-        "same recursion in 257 bits, and so is a guard from the row on at which it changed something. MATLAB's "
-        "ForgettingFactor is --forgetting, its KalmanFilter random_walk, its finite history --window.\n\n" +
+        "changed nothing, is compared with the certified least-squares solution of its rows. A control is compared "
+        "with the same recursion in 257 bits, and so is a guard from the row on at which it changed something. "
+        "MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its finite history --window.\n\n" +
         control_notes() +
         "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths "
         "of the "
