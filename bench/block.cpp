@@ -30,7 +30,7 @@ void run_blocks(benchmark::State& state, Index size) {
                           constexpr Index at_once = 64;
                           for (Index k = scored; k < y.size(); k += at_once) {
                               Index const count = std::min(at_once, y.size() - k);
-                              filter.update_block(psi.middleCols(k, count), y.segment(k, count));
+                              rows_at_once(filter, psi.middleCols(k, count), y.segment(k, count));
                           }
                           do_not_optimize(filter);
                       });

@@ -10,7 +10,7 @@ template <class F>
 void add() {
     add_large_rows<F>();
     add_large_rows<F>(std::string(F::name) + "_rows_known",
-                      [](F& filter, auto const& psi, auto const& y) { filter.update_block(psi, y); });
+                      [](F& filter, auto const& psi, auto const& y) { rows_at_once(filter, psi, y); });
 }
 
 [[maybe_unused]] bool const added = [] {

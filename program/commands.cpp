@@ -107,10 +107,10 @@ void define_format(CLI::App& command, CsvFormat& format) {
           {"bar", '|'},
           {" ", ' '},
           {"blank", ' '}},
-         "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: found out",
+         "comma|semicolon|tab|bar|blank", "between the file's cells (blank: any number of them); default: detected",
          "comma, semicolon, tab, bar or blank");
     take("--decimal", format.decimal, {{".", '.'}, {"point", '.'}, {",", ','}, {"comma", ','}}, "point|comma",
-         "decimal mark of the file's numbers; default: found out", "point or comma");
+         "decimal mark of the file's numbers; default: detected", "point or comma");
 }
 
 void print(std::string const& text) {

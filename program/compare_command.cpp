@@ -80,13 +80,10 @@ Command compare_command(CLI::App& app) {
         "The last 100 rows:        rlslab compare data.csv --input u --output y --order 4 --window 100\n"
         "Guarded, a random walk:   rlslab compare data.csv --input u --output y --order 4 --control random_walk:1e-4 "
         "--guard reset\n\n"
-        "With --control, --window or --guard the digits are those of the composition. A window, and a guard that "
-        "changed nothing, are "
-        "compared with the certified least-squares solution of the rows that they hold; a control, and a guard from "
-        "where it changed "
-        "anything, with the same recursion in 257 bits. MATLAB's ForgettingFactor is --forgetting, its KalmanFilter "
-        "random_walk, its "
-        "finite history --window.\n\n" +
+        "With --control, --window or --guard the digits are those of the composition. A window, or a guard that "
+        "changed nothing, is compared with the certified least-squares solution of its rows. A control is compared "
+        "with the same recursion in 257 bits, and so is a guard from the row on at which it changed something. "
+        "MATLAB's ForgettingFactor is --forgetting, its KalmanFilter random_walk, its finite history --window.\n\n" +
         control_notes() +
         "\nWith --digits N the answer is the first arithmetic that keeps N digits of every parameter: at nine tenths "
         "of the "
@@ -113,7 +110,7 @@ Command compare_command(CLI::App& app) {
     comparing->add_flag("--all", a->all, "every arithmetic");
     comparing
         ->add_option("--digits", a->options.digits,
-                     "what keeps so many digits of every parameter, from 0.5 to 30, with the C++ for it")
+                     "the variant and arithmetic that keep D digits of every parameter, 0.5 to 30, and their C++")
         ->check(real("a number from 0.5 to 30", [](double x) { return 0.5 <= x && x <= 30; }))
         ->type_name("D");
     define_composition(*comparing, a->composition);

@@ -54,12 +54,12 @@ void define_composition(CLI::App& command, CompositionArguments& a) {
         ->check(named("the name of a control"))
         ->type_name("NAME");
     define_count(command, "--window", a.window, 1, 1000000000,
-                 "the variant over its last N rows: older ones are taken back");
+                 "an estimate from the last N rows: older ones are removed");
     std::vector<std::string> policies;
     for (NamedPolicy const& policy : guard_policies) policies.push_back(fmt::format("{} {}", policy.name, policy.what));
     command
         .add_option("--guard", a.guard,
-                    fmt::format("a guard around the variant, which keeps out what is not finite: {}",
+                    fmt::format("a guard around the variant, which skips rows that are not finite: {}",
                                 fmt::join(policies, "; ")))
         ->check(named("the name of a guard"))
         ->type_name("POLICY");

@@ -238,7 +238,7 @@ Command identify_command(CLI::App& app) {
         "--forgetting alone.\n\n" +
         control_notes() +
         "\n"
-        "Exit code: 0 a model; 1 the variant, or it with its composition, broke down, and is named; 2 options or a "
+        "Exit code: 0 a model; 1 the variant broke down, alone or in its composition, and is named; 2 options or a "
         "record that do not "
         "make sense.");
     c->add_option("FILE", a->file,

@@ -46,17 +46,14 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over P. Returns
-    /// the last step.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-        return update_rows(*this, next_, f_.size(), psi, y);
-    }
-
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return P_.view(); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::plain, P_.view()}; }
     auto form() requires Field<T> { return PlainCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, P_}; }
+    friend Step<T> rows_at_once(Conventional& f, RowsOf<T> psi, OutputsOf<T> y) {
+        return update_rows(f, f.next_, psi, y);
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.K_, f.P_); }
 };
 static_assert(GainPerturbable<Conventional<double>>);

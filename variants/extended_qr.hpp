@@ -62,25 +62,22 @@ public:
         return if_finite(finite && all_finite(theta_), report_rotated(eta, root_gamma, Truth<T>(true)));
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns
-    /// the last step.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-        auto const fold = [&](Index k) {
-            NoPerturbation none;
-            rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, true);
-            for (Index n = 0; n < rows_.together; ++n) {
-                T const eta = rows_.rotation(n, c_, s_);
-                turn_inverse(none);
-                add_scaled(theta_, -eta, v_);
-            }
-        };
-        return update_rows(*this, rows_, x_.size(), psi, y, fold, theta_, K_);
-    }
-
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(V_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::covariance, Stored<T>::Form::factor, V_.view()}; }
+    friend Step<T> rows_at_once(ExtendedQr& f, RowsOf<T> psi, OutputsOf<T> y) {
+        auto const fold = [&](Index k) {
+            NoPerturbation none;
+            f.rows_.rotate_in(f.L_, f.root_lambda_, f.z_, psi, y, k, true);
+            for (Index n = 0; n < f.rows_.together; ++n) {
+                T const eta = f.rows_.rotation(n, f.c_, f.s_);
+                f.turn_inverse(none);
+                add_scaled(f.theta_, -eta, f.v_);
+            }
+        };
+        return update_rows(f, f.rows_, f.x_.size(), psi, y, fold, f.theta_, f.K_);
+    }
     static auto state(auto& f) { return std::tie(f.root_lambda_, f.by_root_lambda_, f.theta_, f.z_, f.K_, f.L_, f.V_); }
 };
 static_assert(GainPerturbable<ExtendedQr<double>>);

@@ -53,12 +53,6 @@ public:
         return if_finite(all_finite(theta_) && is_finite(b), step_of(e, RealOf<T>(RealOf<T>(1) / (b * b))));
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (2) of one and (1) of the next are one pass over S. Returns
-    /// the last step.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-        return update_rows(*this, next_, a_.size(), psi, y);
-    }
-
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(S_); }
@@ -66,6 +60,7 @@ public:
     auto form() requires Field<T> {
         return RootCovariance<T, N, true>{lambda_, by_root_lambda_, theta_, K_, a_, before_, b_, g_, S_};
     }
+    friend Step<T> rows_at_once(InverseQr& f, RowsOf<T> psi, OutputsOf<T> y) { return update_rows(f, f.next_, psi, y); }
     static auto state(auto& f) { return std::tie(f.by_root_lambda_, f.theta_, f.K_, f.S_); }
 };
 static_assert(GainPerturbable<InverseQr<double>>);

@@ -52,15 +52,6 @@ public:
         return if_finite(lengths_.add_row(lambda_, psi_, y, L_, z_, x_) || !determined, step);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: while one of them waits for a rotation, others turn. Returns
-    /// the last step.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-        return update_rows(*this, rows_, x_.size(), psi, y, [&](Index k) {
-            rows_.rotate_in(L_, root_lambda_, z_, psi, y, k, false);                                     // (1)
-            for (Index n = k; n < k + rows_.together; ++n) lengths_.add(lambda_, psi.col(n).data(), y[n], L_);
-        });
-    }
-
     Vector<T, N> theta() const { return solved_lower_transposed(L_, z_); }
     Vector<T, N> gain() const { return solved_outer(L_, psi_); }
     void theta(StateVector<T, N>& out) const { out = z_; solve_lower_transposed(L_, out); }    // without the heap
@@ -68,6 +59,12 @@ public:
     Matrix<T, N> information() const { return outer(L_); }
     Stored<T> stored() const { return {Stored<T>::Quantity::information, Stored<T>::Form::factor, L_.view()}; }
     auto form() requires Field<T> { return RootInformation<T, N>{lambda_, root_lambda_, z_, x_, c_, s_, L_, lengths_}; }
+    friend Step<T> rows_at_once(Qr& f, RowsOf<T> psi, OutputsOf<T> y) {
+        return update_rows(f, f.rows_, f.x_.size(), psi, y, [&](Index k) {
+            f.rows_.rotate_in(f.L_, f.root_lambda_, f.z_, psi, y, k, false);                             // (1)
+            for (Index n = k; n < k + f.rows_.together; ++n) f.lengths_.add(f.lambda_, psi.col(n).data(), y[n], f.L_);
+        });
+    }
     static auto state(auto& f) { return std::tie(f.lambda_, f.root_lambda_, f.z_, f.psi_, f.L_, f.lengths_); }
 };
 static_assert(ReportsInformation<Qr<double>> && StartsWithoutPrior<Qr<double>>);

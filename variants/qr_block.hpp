@@ -59,7 +59,7 @@ public:
 
     /// Folds in B >= 1 rows at once, the oldest first: psi is d x B, y has B entries. Returns the health after the
     /// last.
-    PerLane<T, Health> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
+    PerLane<T, Health> update_block(RowsOf<T> psi, OutputsOf<T> y) {
         Index const d = z_.size(), rows = y.size();
         expects(psi.rows() == d && psi.cols() == rows && rows >= 1, "a block of d x B regressors and B outputs");
         for (Index i = 0; i < d; ++i) psi_[i] = psi(i, rows - 1);

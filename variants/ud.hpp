@@ -58,12 +58,6 @@ public:
         return step_of(e, lambda_, s, theta_);
     }
 
-    /// The rows psi (d x B) with y (B), the oldest first: (4) of one and (1) of the next are one pass over U. Returns
-    /// the last step.
-    Step<T> update_block(Eigen::Ref<Matrix<T> const> const& psi, Eigen::Ref<Vector<T> const> const& y) {
-        return update_rows(*this, next_, f_.size(), psi, y);
-    }
-
     auto theta() const { return theta_.view(); }
     auto gain() const { return K_.view(); }
     Matrix<T, N> covariance() const { return outer(U_, D_); }
@@ -73,6 +67,7 @@ public:
     auto form() requires Field<T> {
         return UdCovariance<T, N>{lambda_, by_lambda_, theta_, K_, f_, g_, before_, s_, D_, U_};
     }
+    friend Step<T> rows_at_once(Ud& f, RowsOf<T> psi, OutputsOf<T> y) { return update_rows(f, f.next_, psi, y); }
     static auto state(auto& f) { return std::tie(f.lambda_, f.by_lambda_, f.theta_, f.D_, f.K_, f.U_); }
 };
 static_assert(GainPerturbable<Ud<double>>);

@@ -41,7 +41,7 @@ long allocations_of_a_block() {
     Matrix<double> const psi = Matrix<double>::Identity(size, 5);
     Vector<double> const y = Vector<double>::Ones(5);
     long const before = allocations;
-    filter.update_block(psi, y);
+    rows_at_once(filter, psi, y);
     return allocations - before;
 }
 

@@ -1,50 +1,72 @@
-// Rows that are known in advance leave the bits of one update after another: theta, gain, P, and the last step.
+// Rows that are known in advance leave the bits of one update after another: theta, gain, what is stored, and the last
+// step. Of the forms that store P or its factor the next product is computed ahead; into R several rows are rotated at
+// the same time.
 #include "tests/common/each_isa.hpp"
+#include "tests/linalg/known_rows.hpp"
 
 #include <rlslab/arithmetic/chopped.hpp>
 #include <rlslab/core/process.hpp>
-#include <rlslab/core/random.hpp>
 #include <rlslab/variants/variants.hpp>
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <sys/mman.h>
 #include <unistd.h>
 
 namespace rlslab {
+using namespace known_rows;
 namespace {
 
-/// Noise, with zeros of both signs and numbers of other scales.
-template <class T>
-Matrix<T> noise(Index rows, Index columns, Seed seed) {
-    Matrix<T> out(rows, columns);
-    for (T& x : out.reshaped()) {
-        auto const kind = seed.next() % 16;
-        x = kind == 0 ? T(0) : kind == 1 ? -T(0) : std::ldexp(T(seed.bell()), kind == 2 ? 20 : kind == 3 ? -20 : 0);
-    }
-    return out;
-}
-
 template <class F>
-std::vector<double> reported(F const& filter, Step<typename F::scalar> const& step) {
+std::vector<double> reported(F const& f, Step<typename F::scalar> const& step) {
+    using T = typename F::scalar;
     std::vector<double> out{double(step.innovation), double(step.residual), double(step.gamma),
                             double(int(step.health))};
     auto const add = [&](auto const& numbers) {
         for (auto const& x : numbers.reshaped()) out.push_back(double(x));
     };
-    add(Vector<typename F::scalar>(filter.theta()));
-    add(Vector<typename F::scalar>(filter.gain()));
-    auto const stored = filter.stored();
+    add(Vector<T>(f.theta()));
+    add(Vector<T>(f.gain()));
+    auto const stored = f.stored();
     add(stored.F);
     add(stored.D);
     return out;
 }
 
-bool same_bits(std::vector<double> const& a, std::vector<double> const& b) {
-    return std::ranges::equal(a, b, [](double x, double y) {
-        return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y) || (std::isnan(x) && std::isnan(y));
-    });
+template <class T>
+struct Rows {
+    Matrix<T> psi;
+    Vector<T> y;
+
+    Rows(Index d, Index count, Kind kind, Seed seed) : psi(d, count), y(count) {
+        for (T& x : psi.reshaped()) x = number<T>(seed, kind);
+        for (T& x : y) x = number<T>(seed, kind);
+        if (kind != Kind::ordinary && kind != Kind::mild)
+            for (Index k = 0; k < count; k += 5) psi.col(k).setZero();
+    }
+};
+
+/// Blocks against single rows after each block, and single rows again after them: nothing of a block is left behind.
+template <class F>
+bool equal(Problem<typename F::scalar> const& problem, Rows<typename F::scalar> const& rows, Index block) {
+    using T = typename F::scalar;
+    F single(problem), at_once(problem);
+    Index const d = problem.size;
+    Index k = 0;
+    for (; k + block < rows.y.size(); k += block) {
+        Step<T> step{};
+        for (Index n = k; n < k + block; ++n) step = single.update({rows.psi.col(n).data(), d}, rows.y[n]);
+        Step<T> const last = rows_at_once(at_once, rows.psi.middleCols(k, block), rows.y.segment(k, block));
+        if (!same(reported(single, step), reported(at_once, last))) return false;
+    }
+    Step<T> const step = single.update({rows.psi.col(k).data(), d}, rows.y[k]);
+    return same(reported(single, step), reported(at_once, at_once.update({rows.psi.col(k).data(), d}, rows.y[k])));
+}
+
+/// d x columns of mild noise.
+template <class T>
+Matrix<T> noise(Index d, Index columns, Seed seed) {
+    return Rows<T>(d, columns, Kind::mild, seed).psi;
 }
 
 template <class F>
@@ -52,23 +74,14 @@ F started(Index size) {
     using T = typename F::scalar;
     return F(Problem<T>{.size = size, .forgetting = T(0.984375)});
 }
-
-/// Blocks of `block` rows against single rows, and single rows again after them: nothing of a block is left behind.
 template <class F>
-bool equal(Index size, Index block, Index blocks = 2) {
+bool equal(Index size, Index block) {
     using T = typename F::scalar;
-    Matrix<T> const psi = noise<T>(size, blocks * block + 1, Seed{std::uint64_t(size)});
-    Vector<T> const y = noise<T>(blocks * block + 1, 1, Seed{7});
-    F single = started<F>(size), at_once = single;
-    Step<T> step{}, last{};
-    for (Index k = 0; k < blocks * block; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
-    for (Index k = 0; k < blocks; ++k)
-        last = at_once.update_block(psi.middleCols(k * block, block), y.segment(k * block, block));
-    if (!same_bits(reported(single, step), reported(at_once, last))) return false;
-    Regressor<T> const next(psi.col(blocks * block).data(), size);
-    step = single.update(next, y[blocks * block]), last = at_once.update(next, y[blocks * block]);
-    return same_bits(reported(single, step), reported(at_once, last));
+    return equal<F>({.size = size, .forgetting = T(0.984375)},
+                    Rows<T>(size, 2 * block + 1, Kind::mild, Seed{std::uint64_t(size)}), block);
 }
+
+// --- a product computed ahead ----------------------------------------------------------------------------------------
 
 template <template <class, int> class F, class T>
 void check() {
@@ -106,7 +119,7 @@ TEST(RowsAtOnce, LeaveTheSignsOfZeros) {
             F single = started<F>(size), at_once = single;
             Step<T> step{};
             for (Index k = 0; k < 3; ++k) step = single.update({psi.col(k).data(), size}, y[k]);
-            EXPECT_TRUE(same_bits(reported(single, step), reported(at_once, at_once.update_block(psi, y))))
+            EXPECT_TRUE(same(reported(single, step), reported(at_once, rows_at_once(at_once, psi, y))))
                 << F::name << ", " << size;
         }
     };
@@ -129,7 +142,7 @@ TEST(RowsAtOnce, ReadNothingBehindTheLastRegressor) {
     Eigen::Map<Matrix<double>> psi(reinterpret_cast<double*>(memory + pages - bytes), size, rows);
     psi = noise<double>(size, rows, Seed{3});
     Vector<double> const y = Vector<double>::Ones(rows);
-    auto const check_end = [&](auto filter) { EXPECT_EQ(filter.update_block(psi, y).health, Health::sound); };
+    auto const check_end = [&](auto filter) { EXPECT_EQ(rows_at_once(filter, psi, y).health, Health::sound); };
     check_end(started<Conventional<double>>(size)), check_end(started<Symmetric<double>>(size));
     check_end(started<Ud<double>>(size)), check_end(started<Carlson<double>>(size)),
         check_end(started<InverseQr<double>>(size));
@@ -155,8 +168,8 @@ void check_view(Shown shown, char const* what) {
     };
     Step<double> step{};
     for (Index k = 0; k < 3; ++k) step = single[1].update({regressors(single).col(k).data(), size}, y[k]);
-    Step<double> const last = at_once[1].update_block(regressors(at_once), y);
-    EXPECT_TRUE(same_bits(reported(single[1], step), reported(at_once[1], last))) << F::name << ", " << what;
+    Step<double> const last = rows_at_once(at_once[1], regressors(at_once), y);
+    EXPECT_TRUE(same(reported(single[1], step), reported(at_once[1], last))) << F::name << ", " << what;
 }
 TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
     auto const check_both = []<class F>(std::type_identity<F>) {
@@ -170,66 +183,13 @@ TEST(RowsAtOnce, MayBeViewsOfTheFilter) {
     check_both(std::type_identity<InverseQr<double, 128>>());
 }
 
-TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
-    auto const check_moved = []<class F>(F filter) {
-        F const taken = std::move(filter);
-        EXPECT_THROW(filter.update_block(Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument)
-            << F::name;
-        EXPECT_THROW(filter.update(Vector<double>(0), 1), std::invalid_argument) << F::name;
-        F itself = taken;
-        F& same = itself;
-        itself = std::move(same);
-        EXPECT_THROW(itself.update(Vector<double>::Ones(20).eval(), 1), std::invalid_argument) << F::name;
-    };
-    check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)),
-        check_moved(started<InverseQr<double>>(20));
-    check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
-}
-
-/// Rounding at random draws a number at each operation: another order of operations would draw others.
-TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
-    using T = Chopped<binary16, Rounding::stochastic>;
-    auto const run = [](Index block) {
-        Seed draws{1};
-        StochasticStream const stream(draws);
-        Conventional<T> filter = started<Conventional<T>>(5);
-        Seed seed{2};
-        Matrix<T> const psi = Matrix<T>::NullaryExpr(5, 12, [&] { return T(seed.bell()); });
-        Vector<T> const y = Vector<T>::NullaryExpr(12, [&] { return T(seed.bell()); });
-        Step<T> step{};
-        for (Index k = 0; k < 12; k += block) step = filter.update_block(psi.middleCols(k, block), y.segment(k, block));
-        return reported(filter, step);
-    };
-    EXPECT_EQ(run(1), run(12));
-}
-
-TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
-    Matrix<double> const psi = noise<double>(100, 150, Seed{1});
-    Vector<double> const y = noise<double>(150, 1, Seed{2});
-    auto single = started<Conventional<double>>(100), processed = single;
-    Step<double> step{};
-    for (Index k = 0; k < 150; ++k) step = single.update({psi.col(k).data(), 100}, y[k]);
-    EXPECT_TRUE(same_bits(reported(single, step), reported(processed, process(processed, psi, y))));
-    EXPECT_TRUE(TakesRowsAtOnce<Conventional<double>> && TakesRowsAtOnce<Symmetric<float>> &&
-                TakesRowsAtOnce<Ud<float>> && !TakesRowsAtOnce<QrBlock<double>>);
-}
-
-TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
-    auto filter = started<Conventional<double>>(20);
-    std::vector<double> const before = reported(filter, {});
-    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(19, 3), Vector<double>::Ones(3)), std::invalid_argument);
-    EXPECT_THROW(filter.update_block(Matrix<double>::Ones(20, 3), Vector<double>::Ones(2)), std::invalid_argument);
-    EXPECT_THROW(filter.update_block(Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
-    EXPECT_TRUE(same_bits(before, reported(filter, {})));
-}
-
 /// A NaN in a row that is still to come does not reach the rows before it; the report of its own row says so.
 TEST(RowsAtOnce, ANanOfTheNextRowComesWithThatRow) {
     Matrix<double> psi = noise<double>(100, 3, Seed{1});
     psi(50, 2) = std::numeric_limits<double>::quiet_NaN();
     auto filter = started<Conventional<double>>(100), two = filter;
-    EXPECT_EQ(two.update_block(psi.leftCols(2), Vector<double>::Ones(2)).health, Health::sound);
-    EXPECT_EQ(filter.update_block(psi, Vector<double>::Ones(3)).health, Health::nonfinite);
+    EXPECT_EQ(rows_at_once(two, psi.leftCols(2), Vector<double>::Ones(2)).health, Health::sound);
+    EXPECT_EQ(rows_at_once(filter, psi, Vector<double>::Ones(3)).health, Health::nonfinite);
 }
 
 /// The saboteur multiplies by the matrix as it was before the change. Of a size for which the pass also multiplies on
@@ -257,6 +217,153 @@ TEST(RowsAtOnce, DifferIfTheProductIsOfTheOldMatrix) {
         EXPECT_EQ(Vector<double>(ahead.view()), Vector<double>(right.view()));
         EXPECT_NE(Vector<double>(ahead.view()), Vector<double>(wrong.view()));
     });
+}
+
+// --- rows rotated in together ----------------------------------------------------------------------------------------
+
+template <class F>
+void check_rotated() {
+    using T = typename F::scalar;
+    on_each_isa([] {
+        for (Index d = 1; d <= 70; ++d)
+            for (Kind kind : kinds)
+                for (Index block : {1, 2, 3, 4, 5, 6, 7, 8, 9, 100}) {
+                    if (d > 24 && block % 4 != d % 4 && block != 5) continue;  // each rest of either still
+                    Problem<T> problem{.size = d, .forgetting = block % 2 ? T(0.984375) : T(1)};
+                    if (StartsWithoutPrior<F> && d % 3 == 0) problem.prior.reset();
+                    Rows<T> const rows(d, block == 100 ? 101 : 2 * block + 1, kind, Seed{std::uint64_t(d)});
+                    EXPECT_TRUE((equal<F>(problem, rows, block)))
+                        << d << " parameters, blocks of " << block << ", kind " << int(kind);
+                }
+    });
+}
+TEST(RowsAtOnce, LeaveQrTheBitsOfSingleRowsInDouble) { check_rotated<Qr<double>>(); }
+TEST(RowsAtOnce, LeaveQrTheBitsOfSingleRowsInFloat) { check_rotated<Qr<float>>(); }
+TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInDouble) { check_rotated<ExtendedQr<double>>(); }
+TEST(RowsAtOnce, LeaveExtendedQrTheBitsOfSingleRowsInFloat) { check_rotated<ExtendedQr<float>>(); }
+
+TEST(RowsAtOnce, LeaveTheBitsAtFixedSizesAndInOtherArithmetics) {
+    auto const check = []<class F>(std::type_identity<F>, Index d) {
+        using T = typename F::scalar;
+        Seed seed{3};
+        Rows<double> const rows(d, 27, Kind::zeros, seed);
+        F single(Problem<T>{.size = d}), at_once(Problem<T>{.size = d});
+        Matrix<T> const psi = rows.psi.unaryExpr([](double x) { return T(x); });
+        Vector<T> const y = rows.y.unaryExpr([](double x) { return T(x); });
+        Step<T> step{};
+        for (Index k = 0; k < 27; ++k) step = single.update({psi.col(k).data(), d}, y[k]);
+        EXPECT_TRUE(same(reported(single, step), reported(at_once, rows_at_once(at_once, psi, y))))
+            << d << " parameters";
+    };
+    check(std::type_identity<Qr<double, 4>>{}, 4);
+    check(std::type_identity<Qr<float, 8>>{}, 8);
+    check(std::type_identity<Qr<double, 9>>{}, 9);
+    check(std::type_identity<Qr<float, 20>>{}, 20);
+    check(std::type_identity<ExtendedQr<double, 16>>{}, 16);
+    check(std::type_identity<ExtendedQr<float, 3>>{}, 3);
+    check(std::type_identity<Qr<long double>>{}, 20);
+    check(std::type_identity<ExtendedQr<Chopped<binary16>>>{}, 20);
+}
+
+/// One row of a block is not finite. The rows before it are as they were, and the health after it is that of single
+/// rows.
+TEST(RowsAtOnce, ReportABreakdownInTheMiddleOfABlock) {
+    Index const d = 20, count = 14;
+    for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308})
+        for (Index at = 0; at < count; ++at) {
+            Rows<double> rows(d, count, Kind::ordinary, Seed{4});
+            rows.psi(at % d, at) = bad, rows.psi((at + 7) % d, at) = bad;
+            Qr<double> single(Problem<double>{.size = d}), at_once = single;
+            Step<double> step{};
+            for (Index k = 0; k < count; ++k) step = single.update({rows.psi.col(k).data(), d}, rows.y[k]);
+            Step<double> const last = rows_at_once(at_once, rows.psi, rows.y);
+            EXPECT_TRUE(same(reported(single, step), reported(at_once, last))) << bad << " in row " << at;
+            if (!std::isfinite(bad)) {
+                EXPECT_EQ(last.health, Health::nonfinite) << bad << " in row " << at;
+            }
+        }
+}
+
+/// y is a view of theta or of the gain: a row changes the y of the rows behind it.
+TEST(RowsAtOnce, TakeOutputsThatAreViewsOfTheFilterAsSingleRowsDo) {
+    Index const d = 12;
+    Rows<double> const rows(d, 30, Kind::ordinary, Seed{5});
+    ExtendedQr<double> filter(Problem<double>{.size = d, .forgetting = 0.9375});
+    for (Index k = 0; k < 30; ++k) filter.update({rows.psi.col(k).data(), d}, rows.y[k]);
+    auto const check = [&](auto const& view_of) {
+        ExtendedQr<double> single = filter, at_once = filter;
+        auto const y = view_of(single);
+        Step<double> step{};
+        for (Index k = 0; k < d; ++k) step = single.update({rows.psi.col(k).data(), d}, y[k]);
+        Step<double> const last = rows_at_once(at_once, rows.psi.leftCols(d), view_of(at_once));
+        EXPECT_TRUE(same(reported(single, step), reported(at_once, last)));
+    };
+    check([](auto const& f) { return f.theta(); });
+    check([](auto const& f) { return f.gain(); });
+}
+
+// --- both ------------------------------------------------------------------------------------------------------------
+
+TEST(RowsAtOnce, AreRefusedByWhatWasMovedFrom) {
+    auto const check_moved = []<class F>(F filter) {
+        F const taken = std::move(filter);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>(0, 1), Vector<double>::Ones(1)), std::invalid_argument)
+            << F::name;
+        EXPECT_THROW(filter.update(Vector<double>(0), 1), std::invalid_argument) << F::name;
+        F itself = taken;
+        F& same = itself;
+        itself = std::move(same);
+        EXPECT_THROW(itself.update(Vector<double>::Ones(20).eval(), 1), std::invalid_argument) << F::name;
+    };
+    check_moved(started<Conventional<double>>(20)), check_moved(started<Ud<double>>(20)),
+        check_moved(started<InverseQr<double>>(20));
+    check_moved(started<Qr<double>>(20)), check_moved(started<ExtendedQr<double>>(20));
+}
+
+/// Rounding at random draws a number at each operation: another order of operations would draw others.
+TEST(RowsAtOnce, LeaveTheOrderOfRandomRoundings) {
+    using T = Chopped<binary16, Rounding::stochastic>;
+    auto const run = []<class F>(std::type_identity<F>, Index block) {
+        Seed draws{1};
+        StochasticStream const stream(draws);
+        F filter(Problem<T>{.size = 9, .forgetting = T(0.984375)});
+        Seed seed{2};
+        Matrix<T> const psi = Matrix<T>::NullaryExpr(9, 12, [&] { return T(seed.bell()); });
+        Vector<T> const y = Vector<T>::NullaryExpr(12, [&] { return T(seed.bell()); });
+        Step<T> step{};
+        for (Index k = 0; k < 12; k += block)
+            step = rows_at_once(filter, psi.middleCols(k, block), y.segment(k, block));
+        return reported(filter, step);
+    };
+    EXPECT_EQ(run(std::type_identity<Conventional<T>>{}, 1), run(std::type_identity<Conventional<T>>{}, 12));
+    EXPECT_EQ(run(std::type_identity<Qr<T>>{}, 1), run(std::type_identity<Qr<T>>{}, 12));
+    EXPECT_EQ(run(std::type_identity<ExtendedQr<T>>{}, 1), run(std::type_identity<ExtendedQr<T>>{}, 12));
+}
+
+TEST(RowsAtOnce, AreWhatProcessGivesTheFilter) {
+    auto const check_process = []<class F>(F single) {
+        Rows<double> const rows(100, 150, Kind::ordinary, Seed{1});
+        F processed = single;
+        Step<double> step{};
+        for (Index k = 0; k < 150; ++k) step = single.update({rows.psi.col(k).data(), 100}, rows.y[k]);
+        EXPECT_TRUE(same(reported(single, step), reported(processed, process(processed, rows.psi, rows.y)))) << F::name;
+    };
+    check_process(started<Conventional<double>>(100)), check_process(started<Qr<double>>(100));
+    EXPECT_TRUE(TakesRowsAtOnce<Symmetric<float>> && TakesRowsAtOnce<Ud<float>> && TakesRowsAtOnce<ExtendedQr<float>> &&
+                !TakesRowsAtOnce<QrBlock<double>>);
+}
+
+TEST(RowsAtOnce, RefuseOtherShapesBeforeAnyRow) {
+    auto const check = []<class F>(F filter) {
+        std::vector<double> const before = reported(filter, {});
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(19, 9), Vector<double>::Ones(9)), std::invalid_argument);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>::Ones(20, 9), Vector<double>::Ones(8)), std::invalid_argument);
+        EXPECT_THROW(rows_at_once(filter, Matrix<double>(20, 0), Vector<double>(0)), std::invalid_argument);
+        EXPECT_TRUE(same(before, reported(filter, {})));
+    };
+    check(Conventional<double>(Problem<double>{.size = 20}));
+    check(Qr<double>(Problem<double>{.size = 20}));
+    check(ExtendedQr<double>(Problem<double>{.size = 20}));
 }
 
 }  // namespace

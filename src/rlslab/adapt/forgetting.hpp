@@ -119,7 +119,7 @@ struct Fortescue {
     static constexpr std::string_view name = "fortescue", type = "Fortescue";
     static constexpr std::string_view what =
         "lambda chosen at every row so that the sum of squares stays at VARIANCE times MEMORY rows, and not below "
-        "LEAST; VARIANCE is the noise's, of the residuals where it is not given";
+        "LEAST; VARIANCE is that of the noise, without it estimated from the residuals";
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"noise_variance",
                                      &Fortescue::noise_variance,
@@ -278,8 +278,7 @@ struct CovarianceReset {
     Index period = 1000;    ///< >= 1, in rows
     T variance = T(16384);  ///< k > 0
     static constexpr std::string_view name = "reset", type = "CovarianceReset";
-    static constexpr std::string_view what =
-        "P = VARIANCE I every PERIOD rows; VARIANCE is the largest of P0 where it is not given";
+    static constexpr std::string_view what = "P = VARIANCE I every PERIOD rows; without VARIANCE, the largest of P0";
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"period", &CovarianceReset::period, "PERIOD", {.least = 1, .most = 1e7}},
                           RuleNumber{"variance",
@@ -312,8 +311,8 @@ struct RandomWalk {
     T variance = T(0);  ///< q >= 0, a row, in units of the noise's
     static constexpr std::string_view name = "random_walk", type = "RandomWalk";
     static constexpr std::string_view what =
-        "theta walks at random: Q = VARIANCE I a row on average, in units of the noise's; a coordinate a row by turns "
-        "(kalman: all of Q)";
+        "theta walks at random: Q = VARIANCE I per row on average, in units of the noise variance; each row adds to "
+        "one coordinate in turn (kalman: to all)";
     static constexpr std::string_view layer = "walk";  ///< in saved states
     static constexpr auto numbers() {
         return std::tuple{RuleNumber{"variance", &RandomWalk::variance, "VARIANCE", {.otherwise = RuleDefault::none}}};

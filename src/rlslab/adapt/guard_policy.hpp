@@ -48,11 +48,11 @@ struct NamedPolicy {
 };
 /// A new policy is its constant above and a line here; the program goes through the list.
 inline constexpr NamedPolicy guard_policies[] = {
-    {"report", "reporting", "only counts what it sees besides", reporting},
+    {"report", "reporting", "counts outliers, changes, windup and breakdowns", reporting},
     {"reset", "resetting", "also skips outliers, restarts at a change, caps windup and resets at a breakdown",
      resetting},
-    {"rebuild", "rebuilding", "does so but takes the last rows anew at a breakdown", rebuilding},
-    {"hand_over", "handing_over", "does so but goes on in ud of the next longer arithmetic at a breakdown",
+    {"rebuild", "rebuilding", "as reset, but processes the last rows again after a breakdown", rebuilding},
+    {"hand_over", "handing_over", "as reset, but continues with ud in the next longer arithmetic after a breakdown",
      handing_over},
 };
 /// Null for another name.

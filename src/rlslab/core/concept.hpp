@@ -107,12 +107,13 @@ concept TakesBlocks =
         { f.update_block(psi, y) } -> std::same_as<PerLane<typename F::scalar, Health>>;
     };
 
-/// update_block(psi, y) as above, but it leaves the bits of update row by row and returns the last row's step: a faster
-/// way where the rows are known in advance.
+/// rows_at_once(f, psi, y) processes B >= 1 rows that are known in advance, the oldest first: psi is d x B, y has B
+/// numbers. It leaves the bits of update row by row and returns the last row's step, and is faster where docs/speed.md
+/// says: the next row is multiplied while P changes for this one, or several rows are rotated in at the same time.
 template <class F>
 concept TakesRowsAtOnce =
     RecursiveLeastSquares<F> && requires(F f, Matrix<typename F::scalar> psi, Vector<typename F::scalar> y) {
-        { f.update_block(psi, y) } -> std::same_as<Step<typename F::scalar>>;
+        { rows_at_once(f, psi, y) } -> std::same_as<Step<typename F::scalar>>;
     };
 
 /// Names its state in one line: state(f) is the tuple of references to all members that any later answer depends on,

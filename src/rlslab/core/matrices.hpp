@@ -18,4 +18,10 @@ using Vector = Eigen::Matrix<T, N, 1, Eigen::DontAlign>;
 template <class T, int Rows = Dynamic, int Columns = Rows>
 using Matrix = Eigen::Matrix<T, Rows, Columns, Eigen::DontAlign>;
 
+/// Several rows, the oldest first: their regressors (d x B), and their B outputs.
+template <class T>
+using RowsOf = Eigen::Ref<Matrix<T> const> const&;
+template <class T>
+using OutputsOf = Eigen::Ref<Vector<T> const> const&;
+
 }  // namespace rlslab

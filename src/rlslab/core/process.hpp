@@ -30,7 +30,7 @@ Step<typename F::scalar> process(F& f, Eigen::MatrixBase<Psi> const& psi, Eigen:
         constexpr Index at_once = 64;
         for (Index k = 0; k < y.size(); k += at_once) {
             Index const rows = std::min<Index>(at_once, y.size() - k);
-            step = f.update_block(psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
+            step = rows_at_once(f, psi.middleCols(k, rows).template cast<T>(), y.segment(k, rows).template cast<T>());
         }
     } else {
         Vector<T> row(psi.rows());

@@ -90,11 +90,11 @@ void multiply_upper_transposed(StateMatrix<T, N> const& S, T const* x, StateVect
 /// Throws std::invalid_argument for other shapes, before any row is processed. Where psi is a view of f's theta or
 /// gain, which each row changes, no product is computed ahead.
 template <Scalar T, int N, class Pass, class F>
-Step<T> update_rows(F& f, NextRow<Pass, N>& next, Index d, Eigen::Ref<Matrix<T> const> const& psi,
-                    Eigen::Ref<Vector<T> const> const& y) {
+Step<T> update_rows(F& f, NextRow<Pass, N>& next, RowsOf<T> psi, OutputsOf<T> y) {
+    auto const theta = f.theta(), gain = f.gain();
+    Index const d = theta.size();
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1,
             "a block of d x B regressors and B outputs");
-    auto const theta = f.theta(), gain = f.gain();
     Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
     bool const stay =
         detail::disjoint(psi.data(), numbers, theta.data(), d) && detail::disjoint(psi.data(), numbers, gain.data(), d);

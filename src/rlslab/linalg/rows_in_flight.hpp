@@ -29,8 +29,8 @@ public:
     static bool are_faster(Index d) { return d >= kernels::together_from; }
 
     /// The rows from k on of psi (d x B) and y (B). The rotations are kept for rotation() if `kept`.
-    void rotate_in(StateMatrix<T, N>& L, T const& r, StateVector<T, N>& z, Eigen::Ref<Matrix<T> const> const& psi,
-                   Eigen::Ref<Vector<T> const> const& y, Index k, bool kept) {
+    void rotate_in(StateMatrix<T, N>& L, T const& r, StateVector<T, N>& z, RowsOf<T> psi, OutputsOf<T> y, Index k,
+                   bool kept) {
         for (Index n = 0; n < together; ++n) {
             eta_[n] = y[k + n];
             std::copy_n(psi.col(k + n).data(), L.size(), part(n));
@@ -62,8 +62,8 @@ public:
 /// among them. `shown` are the vectors that views of f's answers show. Where psi or y is such a view, a row changes
 /// those behind it, and rows go one by one. Throws std::invalid_argument for other shapes, before any row is processed.
 template <class Flight, class F, class Fold, class... Shown>
-auto update_rows(F& f, Flight const&, Index d, Eigen::Ref<Matrix<typename F::scalar> const> const& psi,
-                 Eigen::Ref<Vector<typename F::scalar> const> const& y, Fold fold, Shown const&... shown) {
+auto update_rows(F& f, Flight const&, Index d, RowsOf<typename F::scalar> psi, OutputsOf<typename F::scalar> y,
+                 Fold fold, Shown const&... shown) {
     expects(d >= 1 && psi.rows() == d && psi.cols() == y.size() && y.size() >= 1,
             "a block of d x B regressors and B outputs");
     [[maybe_unused]] Index const numbers = (psi.cols() - 1) * psi.outerStride() + d;
