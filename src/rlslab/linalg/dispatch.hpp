@@ -193,11 +193,9 @@ void dispatch(Kernel const& kernel);
     if constexpr (!OnColumns<Kernel> && wide<Kernel>.from != never)
         if (uses_wide_registers<Kernel>(isa, kernel.d))
             return avx512::run_outlined<avx512::InRegisters<Kernel, T, 64>>(kernel);
-    if (Elementwise<Kernel> || register_bytes >= 32 || isa >= Isa::avx2)
-        return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
+    if (register_bytes >= 32 || isa >= Isa::avx2) return avx2::run_outlined<avx2::InRegisters<Kernel, T, 32>>(kernel);
 #endif
-    if constexpr (!Elementwise<Kernel>)
-        portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
+    portable::run_outlined<portable::InRegisters<Kernel, T, register_bytes>>(kernel);
 }
 #endif
 }  // namespace kernels
@@ -215,7 +213,7 @@ template <class T, int N, class Kernel>
         portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
     } else {
         if constexpr (Elementwise<Kernel>)
-            if (kernel.d <= inlined_bytes / Index(sizeof(T)) || isa == Isa::baseline)
+            if (kernel.d <= inlined_bytes / Index(sizeof(T)))
                 return portable::evaluate<portable::SimdBlock<T, register_bytes>>(kernel);
         dispatch<T>(kernel);
     }

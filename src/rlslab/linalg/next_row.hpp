@@ -28,6 +28,12 @@ class NextRow {
         return next.multiplied_;
     }
 
+    /// Not inlined, and with a copy whose address alone is handed on: the pass stays in registers where it is called.
+    [[gnu::noinline]] bool run_announced(Pass const& pass) {
+        Pass const copy = pass;
+        return run_and_multiply_(*this, copy);
+    }
+
 public:
     explicit NextRow(Index size) : product_(size) {}
     /// psi: d numbers that stay as they are until the next call, or nullptr. Only who calls this compiles the pass with
@@ -38,7 +44,7 @@ public:
     }
 
     [[gnu::always_inline]] void run(Pass const& pass) {
-        if (run_and_multiply_ == nullptr || !run_and_multiply_(*this, pass)) run_kernel<T, N>(pass);
+        if (psi_ == nullptr || !run_announced(pass)) run_kernel<T, N>(pass);
     }
     /// Moves the product to f, if it has been computed.
     bool move_product(StateVector<T, N>& f) {

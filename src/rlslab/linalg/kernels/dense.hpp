@@ -141,7 +141,7 @@ template <class B, class T, Shape shape>
                 }
             }
         }
-        if (last == 0)
+        if (B::rows == 8 && last == 0)
 #pragma GCC unroll 16
             for (int c = 0; c < 4; ++c) sum[c].empty_sum();
         x = x_tail;

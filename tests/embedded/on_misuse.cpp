@@ -1,0 +1,11 @@
+// What a program does on misuse where exceptions are compiled out.
+#include <rlslab/core/misuse.hpp>
+
+#include <board.hpp>
+
+void rlslab::on_misuse(char const* expected) {
+    print("expected ");
+    print(expected);
+    print("\n");
+    stop(3);
+}
