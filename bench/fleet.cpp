@@ -36,7 +36,7 @@ void run_fleet(benchmark::State& state, Index size, unsigned threads) {
     for (auto _ : state) watch.add(next, [&] { return nanoseconds_of([&] { fleet.update(psi, y, threads); }); });
     watch.finish({digits(scenario.exact, theta, std::numeric_limits<T>::digits), fleet.theta(million - 1).allFinite()});
     double const bytes =
-        double(sizeof(F)) / F::scalar::lanes * 2 + double(size + 1) * sizeof(T);  // read and written; the row
+        double(fleet.bytes_per_filter()) * 2 + double(size + 1) * sizeof(T);  // read and written; the row
     state.counters["GB_per_s"] = bytes / double(state.counters["ns_per_update"]);
 }
 

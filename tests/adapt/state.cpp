@@ -11,6 +11,7 @@
 #include <rlslab/adapt/outputs.hpp>
 #include <rlslab/adapt/weighted.hpp>
 #include <rlslab/variants/gentleman.hpp>
+#include <rlslab/variants/conventional.hpp>
 #include <rlslab/variants/information.hpp>
 #include <rlslab/variants/qr.hpp>
 #include <rlslab/variants/symmetric.hpp>
@@ -200,9 +201,8 @@ TEST(State, OfAnotherEditionLoadsOnlyWhereThatIsSaid) {
     EXPECT_EQ(load(of_version_1, std::as_bytes(std::span(text))), StateFault::edition);
     EXPECT_EQ(load(of_version_1, std::as_bytes(std::span(text)), Edition::any), StateFault::none);
 }
-TEST(State, OfAFleetContinuesBitForBit) {
-    using F = Fleet<Information<Pack<double, 4>>>;
-    Problem<double> const p{.size = 3, .forgetting = 0.96875, .prior = std::nullopt};
+template <class F>
+void expect_a_fleet_to_continue(Problem<double> const& p) {
     F f(10, p), g(10, {.size = 3}), other(11, p);
     Seed seed{17};
     auto const take = [&seed](F& fleet, int rows) {
@@ -222,6 +222,14 @@ TEST(State, OfAFleetContinuesBitForBit) {
     take(g, 20);
     EXPECT_EQ(bytes_of(f), bytes_of(g));
     for (Index i = 0; i < 10; ++i) EXPECT_EQ(f.health(i), g.health(i));
+}
+TEST(State, OfAFleetContinuesBitForBit) {
+    Problem<double> p{.size = 3, .forgetting = 0.96875};
+    expect_a_fleet_to_continue<Fleet<Ud<Pack<double, 4>, 3>>>(p);
+    expect_a_fleet_to_continue<Fleet<Conventional<Pack<double, 4>>>>(p);
+    p.prior = std::nullopt;
+    expect_a_fleet_to_continue<Fleet<Information<Pack<double, 4>>>>(p);
+    expect_a_fleet_to_continue<Fleet<Gentleman<Pack<double, 4>>>>(p);
 }
 TEST(State, OfVersionOneCountedTheRowsOfAllLanes) {
     using P = Pack<double, 4>;

@@ -71,6 +71,34 @@ TEST(Fleet, EachFilterHasItsBitsWhateverTheOthersMiss) {
         }
 }
 
+/// A record keeps what the form says; a number that it left out would be another filter's.
+template <template <class, int> class V>
+void expect_records_to_hold_all() {
+    expect_the_bits_of_each_alone<V<Pack<double, 8>, 3>, V<double, 3>>(20, 84, 1);
+    expect_the_bits_of_each_alone<V<Pack<double, 8>, Dynamic>, V<double, Dynamic>>(20, 85, 1);
+}
+TEST(Fleet, KeepsOfEachVariantWhatItNeeds) {
+    expect_records_to_hold_all<Conventional>();
+    expect_records_to_hold_all<ConventionalTwoSided>();
+    expect_records_to_hold_all<Symmetric>();
+    expect_records_to_hold_all<Joseph>();
+    expect_records_to_hold_all<JosephRankTwo>();
+    expect_records_to_hold_all<Potter>();
+    expect_records_to_hold_all<Carlson>();
+    expect_records_to_hold_all<Ud>();
+    expect_records_to_hold_all<InverseQr>();
+    expect_records_to_hold_all<Information>();
+    expect_records_to_hold_all<Qr>();
+    expect_records_to_hold_all<Gentleman>();
+    expect_records_to_hold_all<ExtendedQr>();
+    expect_records_to_hold_all<Kalman>();
+}
+TEST(Fleet, HoldsWhatPersistsAlone) {  // theta, D and what is above U's diagonal; theta and P
+    Problem<double> const p{.size = 4};
+    EXPECT_EQ((Fleet<Ud<Pack<double, 8>, 4>>(9, p).bytes_per_filter()), (4 + 4 + 6) * 8);
+    EXPECT_EQ((Fleet<Conventional<Pack<double, 8>, 4>>(9, p).bytes_per_filter()), (4 + 16) * 8);
+}
+
 /// Filters that start without prior, each of which misses rows of its own and begins anew when it likes: theta and
 /// health of each alone.
 template <class V, class One>

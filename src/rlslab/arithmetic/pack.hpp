@@ -49,6 +49,7 @@ struct PackShape {
     static constexpr int alignment = std::min(bytes, 16);
     typedef T Numbers __attribute__((vector_size(bytes), aligned(alignment)));
     typedef Word Bits __attribute__((vector_size(bytes), aligned(alignment)));
+    typedef T Anywhere __attribute__((vector_size(bytes), aligned(alignof(T)), may_alias));
 };
 }  // namespace detail
 
@@ -107,9 +108,7 @@ public:
     [[gnu::always_inline]] friend bool any(PackMask const& a) {
         Bits seen = a.m[0];
         detail::for_registers<Shape::registers>([&](auto k) __attribute__((always_inline)) { seen |= a.m[k]; });
-        typename Shape::Word out = 0;
-        for (int i = 0; i < Shape::width; ++i) out |= seen[i];
-        return out != 0;
+        return !detail::registers::holds_in_all<T>(Bits(~seen));
     }
     [[gnu::always_inline]] friend bool all(PackMask const& a) { return !any(!a); }
 };
@@ -148,6 +147,14 @@ public:
         : Pack(T(x)) {}
     [[gnu::always_inline]] explicit Pack(std::array<T, L> const& x) {
         for (int i = 0; i < L; ++i) set(i, x[size_t(i)]);
+    }
+    /// The L numbers from x on, by whole registers.
+    [[gnu::always_inline]] static Pack loaded(T const* x) {
+        Pack out(Raw{});
+        detail::for_registers<R>([&](auto k) __attribute__((always_inline)) {
+            out.v[k] = *reinterpret_cast<typename Shape::Anywhere const*>(x + k * Shape::width);
+        });
+        return out;
     }
     T operator[](int lane) const { return v[lane / Shape::width][lane % Shape::width]; }
     void set(int lane, T x) { v[lane / Shape::width][lane % Shape::width] = x; }
@@ -213,6 +220,7 @@ private:
 
 template <class X, class T, int L>
 Lanes<X, L> select(PackMask<T, L> const& mask, Lanes<X, L> const& a, Lanes<X, L> const& b) {
+    if (all(mask)) return a;
     Lanes<X, L> out = b;
     if (any(mask))
         for (int i = 0; i < L; ++i)

@@ -38,6 +38,11 @@ template <class T, class M>
     else if constexpr (sizeof(M) == 16) return _mm_movemask_ps(__m128(m)) == 15;
     else if constexpr (sizeof(M) == 32 && is_double) return __builtin_ia32_movmskpd256(Numbers(m)) == 15;
     else if constexpr (sizeof(M) == 32) return __builtin_ia32_movmskps256(Numbers(m)) == 255;
+    else if constexpr (sizeof(M) == 64 && is_double)
+        return holds_in_all<T>(__builtin_shufflevector(m, m, 0, 1, 2, 3) & __builtin_shufflevector(m, m, 4, 5, 6, 7));
+    else if constexpr (sizeof(M) == 64)
+        return holds_in_all<T>(__builtin_shufflevector(m, m, 0, 1, 2, 3, 4, 5, 6, 7) &
+                               __builtin_shufflevector(m, m, 8, 9, 10, 11, 12, 13, 14, 15));
 #endif
     for (size_t i = 0; i < sizeof(M) / sizeof(T); ++i) out = out && m[i] != 0;
     return out;

@@ -1,11 +1,9 @@
 // Many filters of one kind, one row each at a time: as many in lockstep as a Pack has lanes, in the order of memory.
 #pragma once
 
-#include <rlslab/state/state.hpp>
-#include <rlslab/many/threads.hpp>
 #include <rlslab/arithmetic/pack.hpp>
-
-#include <cstring>
+#include <rlslab/many/fleet_records.hpp>
+#include <rlslab/many/threads.hpp>
 
 namespace rlslab {
 
@@ -67,8 +65,9 @@ concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && 
 /// does not pass for it; update it with psi = 0 and y = 0 where it should. Without a prior each filter counts its own
 /// rows.
 ///
-/// Memory: that of F for each P::lanes filters; an update allocates the numbers of two such F. A row moves the state of
-/// all through the processor once. Source: layout as in arrays of structures of arrays; folklore.
+/// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
+/// triangle (all of F where that is not fixed in size and stores a square); an F for each thread. A row moves that of all through the processor once. Source: layout as in
+/// arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:
@@ -81,22 +80,25 @@ public:
     /// Throws std::invalid_argument unless filters >= 1, and as F for the problem.
     Fleet(Index filters, Problem<number> const& problem)
         : filters_(checked_count(filters)), fresh_(in_packs(problem)), size_(Index(fresh_.theta().size())),
-          packs_(size_t((filters + lanes - 1) / lanes), fresh_),
-          first_(problem.prior ? Health::sound : Health::undetermined), health_(packs_.size(), first_) {}
+          packs_(fresh_, (filters + lanes - 1) / lanes), first_(problem.prior ? Health::sound : Health::undetermined),
+          health_(size_t(packs_.size()), first_) {}
 
-    Index filters() const { return packs_.empty() ? 0 : filters_; }  ///< M
-    Index parameters() const { return size_; }                       ///< d
+    Index filters() const { return packs_.size() == 0 ? 0 : filters_; }  ///< M
+    Index parameters() const { return size_; }                           ///< d
+    Index bytes_per_filter() const { return packs_.bytes() / lanes; }
 
     /// One row for each filter. Returns how many samples were missing. threads: over how many the filters are divided;
     /// no bit depends on it. Throws std::invalid_argument unless psi is M x d and y has M numbers.
     Index update(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
                  unsigned threads = 1) {
-        expects(!packs_.empty() && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
+        expects(packs_.size() > 0 && psi.rows() == filters_ && psi.cols() == size_ && y.size() == filters_,
                 "psi: filters x parameters; y: a number for each filter");
-        Index const all = Index(packs_.size()), shares = std::clamp<Index>(Index(threads), 1, all);
+        Index const all = packs_.size(), shares = std::clamp<Index>(Index(threads), 1, all);
         std::vector<Index> missing(size_t(shares), 0);
+        while (Index(workspace_.size()) < shares) workspace_.push_back(packs_.pattern());
         auto const work = [&](Index share) {
-            missing[size_t(share)] = update_packs(psi, y, all * share / shares, all * (share + 1) / shares);
+            missing[size_t(share)] =
+                update_packs(workspace_[size_t(share)], psi, y, all * share / shares, all * (share + 1) / shares);
         };
         detail::among_threads(shares, work);
         Index out = 0;
@@ -108,7 +110,10 @@ public:
     /// steps. Throws std::invalid_argument unless 0 <= i < M.
     Vector<number> theta(Index i) const {
         check(i);
-        return packs_[size_t(i / lanes)].theta().unaryExpr([lane = int(i % lanes)](pack const& x) { return x[lane]; });
+        F workspace = packs_.pattern();
+        return packs_.read(i / lanes, workspace).theta().unaryExpr([lane = int(i % lanes)](pack const& x) {
+            return x[lane];
+        });
     }
     Health health(Index i) const {
         check(i);
@@ -123,13 +128,20 @@ public:
         pack chosen;
         chosen.set(int(i % lanes), number(1));
         detail::LanesPutBack<pack> back(fresh, chosen == pack(number(1)));
-        detail::walk(back, packs_[size_t(i / lanes)]);
+        F workspace = packs_.pattern();
+        F& filter = packs_.read(i / lanes, workspace);
+        detail::walk(back, filter);
+        packs_.write(i / lanes, filter);
         health_[size_t(i / lanes)].value[size_t(i % lanes)] = first_;
     }
 
     static constexpr std::string_view layer = "fleet";
     static std::array<StateOption, 1> options(auto const& f) { return {{{"filters", double(f.filters_)}}}; }
-    static auto state(auto& f) { return std::tie(f.fresh_, f.packs_, f.first_, f.health_); }
+    static auto state(auto& f) {
+        if constexpr (!std::is_const_v<std::remove_reference_t<decltype(f)>>)
+            f.workspace_.clear();  // of the filters before; what is read in has constants of its own
+        return std::tie(f.fresh_, f.packs_, f.first_, f.health_);
+    }
 
 private:
     static Index checked_count(Index filters) {
@@ -143,21 +155,22 @@ private:
     }
     static void add(Lanes<Health, lanes>& health, Lanes<Health, lanes> const& step,
                     typename pack::Mask const& present) {
+        static Lanes<Health, lanes> const sound(Health::sound);
+        if (health.value == sound.value && step.value == sound.value) return;
         for (int i = 0; i < lanes; ++i)
             if (Health& mine = health.value[size_t(i)]; present[i])
                 mine = mine == Health::undetermined ? step[i] : worse(mine, step[i]);
     }
     /// The numbers of `count` filters in a row, NaN behind the last.
     static pack loaded(number const* from, Index count) {
+        if (count >= lanes) return pack::loaded(from);
         pack out(std::numeric_limits<number>::quiet_NaN());
-        if (count >= lanes) std::memcpy(&out.v, from, sizeof out.v);
-        else
-            for (int i = 0; i < count; ++i) out.set(i, from[i]);
+        for (int i = 0; i < count; ++i) out.set(i, from[i]);
         return out;
     }
 
-    Index update_packs(Eigen::Ref<Matrix<number> const> const& psi, Eigen::Ref<Vector<number> const> const& y,
-                       Index first, Index last) {
+    Index update_packs(F& workspace, Eigen::Ref<Matrix<number> const> const& psi,
+                       Eigen::Ref<Vector<number> const> const& y, Index first, Index last) {
         detail::NumbersOfLanes<pack> before;  // of a filter of which some lanes stay as they were
         std::vector<pack> numbers_of_row(size_t(size_), pack{});
         Eigen::Map<Vector<pack>> row(numbers_of_row.data(), size_);
@@ -170,19 +183,22 @@ private:
                 row[i] = loaded(psi.col(i).data() + at, here);
                 present = present && isfinite(row[i]);
             }
-            F& filter = packs_[size_t(g)];
-            if (all(present)) {
-                add(health_[size_t(g)], filter.update(row, output).health, present);
-                continue;
-            }
             for (int lane = 0; lane < here; ++lane) missing += !present[lane];
             if (!any(present)) continue;
+            packs_.prefetch_behind(g);
+            F& filter = packs_.read(g, workspace);
+            if (all(present)) {
+                add(health_[size_t(g)], filter.update(row, output).health, present);
+                packs_.write(g, filter);
+                continue;
+            }
             before.clear();
             detail::walk(before, filter);
             for (Index i = 0; i < size_; ++i) row[i] = select(present, row[i], pack());
             auto const step = filter.update(row, select(present, output, pack()));
             detail::LanesPutBack<pack> back(before, !present);
             detail::walk(back, filter);
+            packs_.write(g, filter);
             add(health_[size_t(g)], step.health, present);
         }
         return missing;
@@ -191,8 +207,9 @@ private:
     Index filters_;
     F fresh_;
     Index size_;
-    std::vector<F> packs_;
-    Health first_;  // of a filter that took no row
+    detail::FleetRecords<F> packs_;
+    std::vector<F> workspace_ = {};  // a filter for each thread
+    Health first_;                   // of a filter that took no row
     std::vector<Lanes<Health, lanes>> health_;
 };
 

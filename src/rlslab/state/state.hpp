@@ -139,6 +139,9 @@ void walk(To& to, X& x) {
     } else if constexpr (Irregular<Member>) {
         to.token('s', 0);
         to.irregular(x);
+    } else if constexpr (requires { x.each([](auto&) {}); }) {  // elements that are made for the walk
+        to.length('a', Index(x.size()), 0);
+        x.each([&to](auto& element) { walk(to, element); });
     } else {
         using Element = std::remove_cvref_t<decltype(x[0])>;
         if constexpr (Encodable<Element>) {
