@@ -82,6 +82,7 @@ void run_list(std::string const& part, bool json) {
     std::string text;
     for (auto const& [name, text_of] : parts)
         if (part.empty() || part == name) text += (text.empty() ? "" : "\n") + text_of(out);
+    out["run"] = Json::parse(as_json(this_run(false)));
     print(json ? out.dump(2) + '\n' : text);
 }
 

@@ -124,7 +124,7 @@ int study_whole(StudyArguments const& a) {
         replace_file(a.options.out / "tables" / (outcome.study->name + ".tex"), table_tex(outcome, a.options));
     replace_file(a.options.out / "numbers.tex", numbers_tex(outcomes, a.options));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
-    replace_file(a.options.out / "verdicts.csv", verdicts_csv(outcomes));
+    replace_file(a.options.out / "verdicts.csv", as_comments(run_of(outcomes, a.options)) + verdicts_csv(outcomes));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
     std::string text;
     for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rlslab/arithmetic/multiprecision.hpp>
+#include <rlslab/core/problem.hpp>
 #include <rlslab/core/stored.hpp>
 
 #include <memory>

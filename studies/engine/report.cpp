@@ -3,7 +3,7 @@
 
 #include "report/page.hpp"
 #include "studies/engine/interval.hpp"
-#include "studies/engine/revision.hpp"
+#include "report/revision.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <algorithm>
@@ -136,7 +136,8 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
             "bound. <span class=\"soft\">rlslab {} {}, {} budget, seed "
             "{}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
             held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-            name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
+            name_of(options.budget), options.seed, contents,
+            summary(outcomes) + sections + as_html(run_of(outcomes, options))));
 }
 
 }  // namespace rlslab::studies

@@ -1,8 +1,6 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
 #include "studies/engine/run.hpp"
 
-#include "studies/engine/revision.hpp"
-
 #include <rlslab/core/input_error.hpp>
 
 #include <fmt/format.h>
@@ -36,6 +34,15 @@ CatalogueEntry const& Trial::entry(std::string_view variant, std::string_view ar
 
 bool Outcome::holds() const {
     return std::ranges::all_of(judgements, [](Judgement const& judgement) { return judgement.holds(); });
+}
+
+Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    std::vector<std::string> words{"rlslab", "study"};
+    if (outcomes.size() == studies().size()) words.push_back("--all");
+    else
+        for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
+    return {.command =
+                fmt::format("{} --budget {} --seed {}", shell_text(words), name_of(options.budget), options.seed)};
 }
 
 std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }

@@ -4,6 +4,7 @@
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include "report/progress.hpp"
+#include "report/provenance.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/study.hpp"
 
@@ -34,6 +35,10 @@ struct Outcome {
 /// thrown again with the trial's name.
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
                                  report::Progress const& progress);
+
+/// What the files of a run of studies say about it. No word of it depends on the machine, the number of threads or the
+/// parts: neither do their bytes.
+report::Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
 /// The numbers of all trials, of a part's own, and of those among its own that were finished already.
 struct Share {

@@ -1,8 +1,6 @@
 // Verdicts: said, counted, recorded.
 #include "studies/engine/verdicts.hpp"
 
-#include "studies/engine/revision.hpp"
-
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
@@ -109,6 +107,7 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
                                   {"holds", outcome.holds()},
                                   {"claims", claims}});
     }
+    out["run"] = Json::parse(as_json(run_of(outcomes, options)));
     return out.dump(2) + '\n';
 }
 

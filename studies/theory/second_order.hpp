@@ -4,6 +4,7 @@
 
 #include <rlslab/arithmetic/multiprecision.hpp>
 #include <rlslab/arithmetic/pack.hpp>
+#include <rlslab/core/matrices.hpp>
 #include <rlslab/core/random.hpp>
 
 #include <array>
