@@ -167,8 +167,7 @@ std::function<int()> parse(std::vector<std::string> words) {
     }
     if (line->version)
         return [json = line->json] {
-            return print(json ? as_json({.instruction_set = this_run(false).instruction_set}) + '\n'
-                              : "rlslab " RLSLAB_VERSION "\n"),
+            return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : "rlslab " RLSLAB_VERSION "\n"),
                    0;
         };
     if (line->json) throw InputError("--json: expected behind --version or a command");

@@ -181,10 +181,12 @@ void set_command(std::vector<std::string> const& words) {
     }
 }
 
+char const* instruction_set() { return name_of(kernels::isa); }
+
 report::Provenance this_run(bool dated) {
-    return {.command = shell_text(command_words),
-            .instruction_set = name_of(kernels::isa),
-            .date = dated ? date_now() : ""};
+    report::Provenance out{.command = shell_text(command_words)};
+    if (dated) out.instruction_set = instruction_set(), out.date = date_now();
+    return out;
 }
 report::Provenance this_run(bool dated, std::string const& file, std::string const& sha256, long rows) {
     report::Provenance out = this_run(dated);
@@ -194,7 +196,8 @@ report::Provenance this_run(bool dated, std::string const& file, std::string con
 
 void define_undated(CLI::App& command, bool& dated) {
     command.add_flag_callback(
-        "--no-timings", [&dated] { dated = false; }, "leave out the date, the only text that differs from run to run");
+        "--no-timings", [&dated] { dated = false; },
+        "leave out the date and the instruction set, which differ from run to run");
 }
 
 void tell(std::string const& line) {

@@ -63,8 +63,11 @@ void set_output_options(OutputOptions const& options);
 
 /// The words of this process's command line, without the program's name.
 void set_command(std::vector<std::string> const& words);
+/// Of the kernels that run here: "baseline", "avx2", "avx512".
+char const* instruction_set();
 /// The run that an answer is from: the command without the words that change no byte of it (--out, --threads, --json,
-/// --csv, --color, --quiet), the instruction set, and the date unless `dated` is false.
+/// --csv, --color, --quiet) and, if `dated`, the instruction set and the date. Without them the bytes of an answer are
+/// the same on every machine.
 report::Provenance this_run(bool dated);
 /// The same of an answer about the columns that were read from a file.
 report::Provenance this_run(bool dated, std::string const& file, std::string const& sha256, long rows);

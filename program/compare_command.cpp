@@ -127,7 +127,7 @@ Command compare_command(CLI::App& app) {
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback(
         "--no-timings", [a] { a->options.timings = false; },
-        "leave out nanoseconds and the date: all that differs from run to run");
+        "leave out nanoseconds, the date and the instruction set: all that differs from run to run");
     return {comparing, [a] { return run_compare(*a); }};
 }
 

@@ -102,6 +102,9 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
                                   escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
     out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
+    if (!outcome.changed.empty())
+        out += fmt::format("<li class=\"undecided\"><b>not judged</b> factors changed: {}</li>\n",
+                           escaped(outcome.changed));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
