@@ -111,5 +111,14 @@ foreach(package "program;rlslab" "headers;librlslab-dev" "library;${librlslab}" 
   endif()
 endforeach()
 
+# A result says which revision it is from: a package whose program cannot is refused.
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/known_revision.cmake @ONLY CONTENT "set(SOURCE_DIR \"@PROJECT_SOURCE_DIR@\")
+set(REVISION \"@RLSLAB_REVISION@\")
+set(REFUSE_UNKNOWN ON)
+include(\"@CMAKE_CURRENT_LIST_DIR@/revision.cmake\")
+")
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/pack_pages.cmake)
+if(TARGET rlslab_program)
+  list(PREPEND CPACK_PRE_BUILD_SCRIPTS ${PROJECT_BINARY_DIR}/known_revision.cmake)
+endif()
 include(CPack)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <rlslab/catalogue/composition.hpp>
+#include "report/provenance.hpp"
 #include "report/stages.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
@@ -142,6 +143,7 @@ struct Comparison {
     std::vector<Recommendation> recommendations;
     std::shared_ptr<struct DigitsAnswer const> digits =
         {};  ///< with options.digits: what keeps them; it then is the answer that is shown
+    std::optional<report::Provenance> run = {};  ///< with it JSON, CSV and page say which run they are from
 };
 
 /// Throws InputError when the options name an unknown variant or arithmetic, or the regressors are linearly dependent

@@ -321,11 +321,13 @@ std::string as_json(Comparison const& c) {
                                          {"too_short", r.too_short},
                                          {"losses", losses_json(r)}});
     if (c.digits) out["digits"] = Json::parse(answer_json(*c.digits));
+    if (c.run) out["run"] = Json::parse(as_json(*c.run));
     return out.dump(2) + '\n';
 }
 
 std::string as_csv(Comparison const& c) {
-    std::string out =
+    std::string out = c.run ? as_comments(*c.run) : "";
+    out +=
         "variant,arithmetic,theta_digits,theta_digits_worst,covariance_digits,breakdown_step,breakdown_kind,"
         "asymmetry,operations,ns_per_update,runs,broken";
     for (char const* of : {"theta", "worst", "covariance"})

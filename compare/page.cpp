@@ -280,6 +280,7 @@ std::string as_page(Comparison const& c) {
     body += fmt::format(
         "<p class=\"soft\">Proven to {:.0e} relative, for the data as binary64, at {} bits.</p></section>\n", c.radius,
         c.bits);
+    if (c.run) body += as_html(*c.run);
     return page("rlslab compare: " + what, body);
 }
 

@@ -74,6 +74,7 @@ Identified identify(DataFile const& file, IdentifyOptions const& given, Progress
     Validation const validation = validate(record, options, structure, rows, fitted.rows(), estimation);
     Identified out{structure, estimation.estimate, criteria_of(options, estimation.estimate, fitted), validation};
     out.file = record.file;
+    out.sha256 = record.sha256;
     out.options = options;
     out.samples = record.samples;
     out.fitted = fitted.rows();

@@ -5,6 +5,7 @@
 #include "identify/order.hpp"
 #include "identify/tracking.hpp"
 #include "report/progress.hpp"
+#include "report/provenance.hpp"
 
 #include <rlslab/catalogue/any_filter.hpp>
 #include <rlslab/model/default_prior.hpp>
@@ -155,6 +156,7 @@ struct Identified : Structure,
                     Criteria,
                     Validation {  ///< Criteria: of the model as fitted, lambda = 1; else NaN
     std::string file = {};
+    std::string sha256 = {};  ///< of the file
     IdentifyOptions options = {};
     Index samples = 0, fitted = 0, held_out = 0;  ///< fitted: rows of the equation; held_out: samples
     Index skipped = 0;                            ///< rows of the equation that miss a value
@@ -162,6 +164,7 @@ struct Identified : Structure,
     std::vector<Excitation> excitation = {};      ///< of each input over the fitted part
     std::optional<Tracked> tracked = {};          ///< if a composition was given
     std::vector<Remark> remarks = {};             ///< warnings before hints, each by rank
+    std::optional<report::Provenance> run = {};   ///< with it JSON and page say which run they are from
 
     std::vector<std::string> warnings() const, hints() const;  ///< their sentences
     std::string next() const;                                  ///< of the first remark that has one; "" if none has

@@ -132,6 +132,7 @@ std::string as_json(Identified const& m) {
         {"condition", number(m.condition)}};
     Json all = out;
     if (m.tracked) all["tracked"] = tracked_json(*m.tracked);
+    if (m.run) all["run"] = Json::parse(as_json(*m.run));
     return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 

@@ -280,6 +280,7 @@ std::string as_page(Identified const& m) {
     for (auto const& lines : {data_lines(m), input_lines(m)})
         for (std::string const& words : lines) body += fmt::format("<p class=\"soft\">{}</p>", escaped(words));
     for (Figure const& figure : figures) body += figure_html(figure);
+    if (m.run) body += as_html(*m.run);
     return page(m.file + ": identified", body);
 }
 

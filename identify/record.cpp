@@ -49,6 +49,7 @@ Record read_columns_of(DataFile const& file, IdentifyOptions const& options) {
                 fmt::format("{}: column \"{}\" is asked for twice", name_of_file(file.path), printable(name)));
     Columns columns = read_data(file, names);
     Record out{.file = printable(file.path, 200), .y = columns[options.output], .lines = std::move(columns.lines)};
+    out.sha256 = columns.sha256;
     for (std::string const& name : options.inputs) out.inputs.push_back(columns[name]);
     for (std::string const& name : names) {
         Signal known = columns[name];

@@ -7,7 +7,8 @@ namespace rlslab::identify {
 
 /// The inputs and the output less their means; NaN: a missing value.
 struct Record {
-    std::string file;  ///< printable
+    std::string file;         ///< printable
+    std::string sha256 = {};  ///< of the file
     std::vector<Signal> inputs = {};
     Signal y = {};
     std::vector<Signal> inputs_with_means = {};  ///< whose numbers show their resolution

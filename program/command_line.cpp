@@ -16,15 +16,18 @@ struct CommandLine {
     CLI::App app{
         "Which variant of recursive least squares can you trust, on your data, in your arithmetic, at what price?",
         "rlslab"};
-    std::vector<Command> const commands{compare_command(app),  study_command(app),     merge_command(app),
-                                        identify_command(app), simulate_command(app),  excitation_command(app),
-                                        state_command(app),    list_command(app),      help_command(app),
-                                        man_command(app),      completion_command(app)};
+    std::vector<Command> const commands{compare_command(app),  study_command(app),    merge_command(app),
+                                        identify_command(app), simulate_command(app), excitation_command(app),
+                                        state_command(app),    list_command(app),     cite_command(app),
+                                        help_command(app),     man_command(app),      completion_command(app)};
 
     OutputOptions output_options;
+    bool version = false, json = false;
 
     CommandLine() {
-        app.set_version_flag("--version", "rlslab " RLSLAB_VERSION, "the version of rlslab");
+        app.add_flag("--version", version,
+                     "the version of rlslab; with --json also revision, compiler, instruction set");
+        app.add_flag("--json", json, "with --version: as JSON");
         app.footer("rlslab help COMMAND tells more about one of them, man rlslab all of it.");
         app.require_subcommand(0, 1);  // a file may be called "list"
         app.formatter_fn(
@@ -162,6 +165,12 @@ std::function<int()> parse(std::vector<std::string> words) {
         line->refuse_extra_word();
         throw InputError(printable(line->complaint(error), 200));
     }
+    if (line->version)
+        return [json = line->json] {
+            return print(json ? as_json({.instruction_set = instruction_set()}) + '\n' : "rlslab " RLSLAB_VERSION "\n"),
+                   0;
+        };
+    if (line->json) throw InputError("--json: expected behind --version or a command");
     for (Command const& command : line->commands)
         if (command.app->parsed())
             return [line, run = command.run] {

@@ -1,6 +1,8 @@
 // Options checked in one line, and answers written whole.
 #include "program/commands.hpp"
 
+#include <rlslab/linalg/dispatch.hpp>
+
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -158,6 +160,45 @@ public:
 }  // namespace
 
 void set_output_options(OutputOptions const& options) { output_options = options; }
+
+namespace {
+
+std::vector<std::string> command_words;
+
+char const* name_of(Isa isa) { return isa == Isa::avx512 ? "avx512" : isa == Isa::avx2 ? "avx2" : "baseline"; }
+
+}  // namespace
+
+void set_command(std::vector<std::string> const& words) {
+    static constexpr std::string_view with_value[] = {"--out", "--threads", "--color"},
+                                      alone[] = {"--json", "--csv", "--quiet"};
+    command_words = {"rlslab"};
+    for (size_t i = 0; i < words.size(); ++i) {
+        std::string_view const name = std::string_view(words[i]).substr(0, words[i].find('='));
+        if (std::ranges::find(alone, words[i]) != std::end(alone)) continue;
+        if (std::ranges::find(with_value, name) == std::end(with_value)) command_words.push_back(words[i]);
+        else if (name == words[i]) ++i;
+    }
+}
+
+char const* instruction_set() { return name_of(kernels::isa); }
+
+report::Provenance this_run(bool dated) {
+    report::Provenance out{.command = shell_text(command_words)};
+    if (dated) out.instruction_set = instruction_set(), out.date = date_now();
+    return out;
+}
+report::Provenance this_run(bool dated, std::string const& file, std::string const& sha256, long rows) {
+    report::Provenance out = this_run(dated);
+    out.file = file, out.sha256 = sha256, out.rows = rows;
+    return out;
+}
+
+void define_undated(CLI::App& command, bool& dated) {
+    command.add_flag_callback(
+        "--no-timings", [&dated] { dated = false; },
+        "leave out the date and the instruction set, which differ from run to run");
+}
 
 void tell(std::string const& line) {
     if (!output_options.quiet) std::fputs(line.c_str(), stderr);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "report/progress.hpp"
+#include "report/provenance.hpp"
 #include "report/stages.hpp"
 
 #include <rlslab/input/csv.hpp>
@@ -60,6 +61,19 @@ struct OutputOptions {
 /// Sets them for this process.
 void set_output_options(OutputOptions const& options);
 
+/// The words of this process's command line, without the program's name.
+void set_command(std::vector<std::string> const& words);
+/// Of the kernels that run here: "baseline", "avx2", "avx512".
+char const* instruction_set();
+/// The run that an answer is from: the command without the words that change no byte of it (--out, --threads, --json,
+/// --csv, --color, --quiet) and, if `dated`, the instruction set and the date. Without them the bytes of an answer are
+/// the same on every machine.
+report::Provenance this_run(bool dated);
+/// The same of an answer about the columns that were read from a file.
+report::Provenance this_run(bool dated, std::string const& file, std::string const& sha256, long rows);
+/// --no-timings of commands that measure no time.
+void define_undated(CLI::App& command, bool& dated);
+
 /// After this call SIGINT, SIGTERM and SIGHUP leave no half-written file and no line of progress, and print this advice
 /// on standard error ("" for none). The process then ends by the signal, as its parent expects.
 void when_stopped(std::string const& advice);
@@ -77,6 +91,7 @@ Command simulate_command(CLI::App& app);
 Command excitation_command(CLI::App& app);
 Command state_command(CLI::App& app);
 Command list_command(CLI::App& app);
+Command cite_command(CLI::App& app);
 Command help_command(CLI::App& app);
 Command man_command(CLI::App& app);         ///< not shown: for the build
 Command completion_command(CLI::App& app);  ///< not shown: for the build

@@ -48,6 +48,7 @@ int run_compare(CompareArguments const& a) {
     Question const question = question_of(a.record);
     Comparison comparison = compare::compare(question.records, options, stages_after_a_second());
     comparison.model = question.model;
+    comparison.run = this_run(options.timings, question.model.file, question.sha256, question.rows);
     if (options.digits)
         comparison.digits = std::make_shared<DigitsAnswer>(
             digits_answer(question.records, options, question.model, progress_after_a_second("trying priors")));
@@ -123,7 +124,7 @@ Command compare_command(CLI::App& app) {
     comparing->add_flag("--csv", a->csv, "CSV instead of the table");
     comparing->add_flag_callback(
         "--no-timings", [a] { a->options.timings = false; },
-        "leave out nanoseconds, the only column that differs from run to run");
+        "leave out nanoseconds, the date and the instruction set: all that differs from run to run");
     return {comparing, [a] { return run_compare(*a); }};
 }
 
@@ -132,6 +133,7 @@ int run_compare_alone(int argc, char const* const* argv) {
     app.require_subcommand(1);
     Command const comparing = compare_command(app);
     try {
+        set_command({argv + (argc > 0), argv + argc});
         app.parse(argc, argv);
         return comparing.run();
     } catch (CLI::ParseError const& error) {

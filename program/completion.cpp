@@ -45,6 +45,10 @@ Values values_of(CLI::App const& command, CommandOption const& one) {
         for (Study const* study : studies::studies()) add(study->name);
         return {words, names};
     }
+    if (one.value.starts_with("VARIANT")) {
+        for (CatalogueEntry const* const entry : one_entry_each()) add(entry->variant);
+        return {words, names};
+    }
     if (one.value == "PART") return {words, {"variants", "arithmetics", "rounding", "studies"}};
     if (one.value == "COMMAND") {
         for (CLI::App const* other : shown_commands(*command.get_parent())) add(other->get_name());
@@ -75,7 +79,7 @@ _rlslab_columns() {
     local word
     for word in "${COMP_WORDS[@]:2}"; do
         [[ -f $word && -r $word ]] || continue
-        zcat -f -- "$word" 2>/dev/null | head -n 1 | tr -d '\000"\r' | tr ',;\t' '\n'
+        zcat -f -- "$word" 2>/dev/null | grep -am 1 '^[^#]' | tr -d '\000"\r' | tr ',;\t' '\n'
         return
     done
 }
@@ -213,7 +217,7 @@ _rlslab_columns() {
   local -a names
   for word in $words; do
     [[ -f $word && -r $word ]] || continue
-    names=(${(f)"$(zcat -f -- $word 2>/dev/null | head -n 1 | tr -d '\000"\r' | tr ',;\t' '\n')"})
+    names=(${(f)"$(zcat -f -- $word 2>/dev/null | grep -am 1 '^[^#]' | tr -d '\000"\r' | tr ',;\t' '\n')"})
     compadd "$@" -a names
     return
   done

@@ -66,7 +66,7 @@ Signal input_of(std::string const& text, Index samples, Seed seed) {
 struct IdentifyArguments {
     CsvFormat format;
     std::string file, out;
-    bool json = false, keep_mean = false;
+    bool json = false, keep_mean = false, dated = true;
     int na = -1;
     CompositionArguments composition;
     IdentifyOptions options;
@@ -76,8 +76,9 @@ int run_identify(IdentifyArguments a) {
     a.options.detrend = !a.keep_mean;
     if (a.na >= 0) a.options.na = a.na;
     a.options.composition = composition_of(a.composition, a.options.forgetting);
-    Identified const model =
+    Identified model =
         identify::identify({a.file, a.format}, a.options, progress_after_a_second("looking at the excitation"));
+    model.run = this_run(a.dated, model.file, model.sha256, model.samples);
     std::string written;
     if (!a.out.empty()) {
         create_folder(a.out);
@@ -86,7 +87,7 @@ int run_identify(IdentifyArguments a) {
         written = fmt::format("\n{0}/model.html, {0}/model.json", a.out);
         if (model.tracked) {
             replace_file(std::filesystem::path(a.out) / "tracked.csv",
-                         tracked_csv(*model.tracked, parameter_names(model)));
+                         as_comments(*model.run) + tracked_csv(*model.tracked, parameter_names(model)));
             written += fmt::format(", {}/tracked.csv", a.out);
         }
         written += "\n";
@@ -144,7 +145,7 @@ int run_simulate(SimulateArguments const& s) {
                         y[0]));
     if (std::ranges::all_of(y, [](double v) { return std::abs(v) < 1 / largest_value; }))
         throw InputError("--b: the output stays below 2^-500, where squares vanish: expected moderate numbers");
-    std::string text = "u,y\n";
+    std::string text = as_comments(this_run(false)) + "u,y\n";
     for (size_t k = 0; k < y.size(); ++k) text += fmt::format("{},{}\n", u[k], y[k]);
     print(text);
     return 0;
@@ -154,7 +155,7 @@ struct ExcitationArguments {
     CsvFormat format;
     std::string file, input;
     int most = 20;
-    bool json = false;
+    bool json = false, dated = true;
 };
 
 /// A column. Throws InputError with file, line and column where a value is missing.
@@ -203,16 +204,18 @@ int run_excitation(ExcitationArguments const& a) {
     if (e.exact_order > e.order)
         text += fmt::format("(of order {} for exactly the numbers stored: beyond {} that is their rounding)\n",
                             e.exact_order, e.order);
-    nlohmann::ordered_json const out = {{"file", a.file},
-                                        {"input", a.input},
-                                        {"samples", u.size()},
-                                        {"exciting_of_order", e.order},
-                                        {"exact_order", e.exact_order},
-                                        {"persistent_order", e.persistent},
-                                        {"changes", e.changes},
-                                        {"resolution", e.resolution},
-                                        {"constant_at_start", e.constant_at_start},
-                                        {"orders", orders}};
+    nlohmann::ordered_json out = {{"file", a.file},
+                                  {"input", a.input},
+                                  {"samples", u.size()},
+                                  {"exciting_of_order", e.order},
+                                  {"exact_order", e.exact_order},
+                                  {"persistent_order", e.persistent},
+                                  {"changes", e.changes},
+                                  {"resolution", e.resolution},
+                                  {"constant_at_start", e.constant_at_start},
+                                  {"orders", orders}};
+    out["run"] = nlohmann::ordered_json::parse(
+        as_json(this_run(a.dated, printable(a.file, 200), columns.sha256, columns.rows())));
     print(a.json ? out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n' : text);
     return e.order >= 2 ? 0 : 1;
 }
@@ -281,6 +284,7 @@ Command identify_command(CLI::App& app) {
     c->add_flag("--intercept", a->options.intercept, "a constant regressor besides");
     c->add_flag("--keep-mean", a->keep_mean, "do not take the means off first");
     c->add_flag("--json", a->json, "JSON instead of the table");
+    define_undated(*c, a->dated);
     c->add_option("--out", a->out, "folder for model.html, model.json and, with a composition, tracked.csv")
         ->check(named("the name of a folder"))
         ->type_name("DIR");
@@ -335,6 +339,7 @@ Command excitation_command(CLI::App& app) {
         ->check(whole(1, 200))
         ->type_name("N");
     c->add_flag("--json", a->json, "JSON instead of the table");
+    define_undated(*c, a->dated);
     return {c, [a] { return run_excitation(*a); }};
 }
 

@@ -1,13 +1,16 @@
 // rlslab list: the names of variants, arithmetics and studies.
 #include <rlslab/catalogue/catalogue.hpp>
+#include "program/bibliography.hpp"
 #include "program/commands.hpp"
 #include "program/definitions.hpp"
-#include "studies/engine/study.hpp"
+#include "studies/engine/factors.hpp"
 
 #include <rlslab/core/rounding.hpp>
 #include <rlslab/input/suggestion.hpp>
 #include <rlslab/input/text.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +20,11 @@ using namespace studies;
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+std::string small(std::string text) {
+    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
 
 std::string variants_text(Json& out) {
     std::string text = "variants                  propagates   a prior   rows at once  in\n";
@@ -60,28 +68,55 @@ std::string rounding_text(Json& out) {
                                                  : fmt::format("{}\n", fmt::join(faults, "\n  and  ")));
 }
 
-std::string studies_text(Json& out) {
+/// Everything that a study says of itself and its sources, in small letters.
+std::string said_of(Study const& study) {
+    std::string out = fmt::format("{} {} {} {} {} {}", study.name, subject_of(study), study.question, study.source,
+                                  study.data, study.interpretation);
+    for (Claim const& claim : study.claims)
+        out += fmt::format(" {} {} {}", claim.text, claim.basis.band, claim.basis.data);
+    for (Source const* source : sources_of(study.name)) out += ' ' + source->text;
+    return small(out);
+}
+bool is_about(Study const& study, std::vector<std::string> const& words) {
+    if (words.empty()) return true;
+    std::string const said = said_of(study);
+    return std::ranges::all_of(words, [&](std::string const& word) { return said.find(small(word)) != said.npos; });
+}
+
+std::string studies_text(Json& out, std::vector<std::string> const& words) {
     std::string text = "studies\n";
+    out["studies"] = Json::array();
     for (Study const* study : studies::studies()) {
+        if (!is_about(*study, words)) continue;
         text += fmt::format("  {:<23} {}\n", study->name, wrapped(study->question, 26, 26, help_width));
-        out["studies"].push_back({{"name", study->name}, {"question", study->question}});
+        out["studies"].push_back(
+            {{"name", study->name}, {"question", study->question}, {"subject", subject_of(*study)}});
     }
+    if (out["studies"].empty())
+        throw InputError(
+            fmt::format("list studies: none says \"{}\" of itself; expected a paper (Bierman 1977) or a "
+                        "subject (gain, forgetting)",
+                        printable(fmt::format("{}", fmt::join(words, " ")))));
     return text;
 }
 
-/// All parts, or the one that is named.
-void run_list(std::string const& part, bool json) {
-    static constexpr std::pair<std::string_view, std::string (*)(Json&)> parts[] = {{"variants", variants_text},
-                                                                                    {"arithmetics", arithmetics_text},
-                                                                                    {"rounding", rounding_text},
-                                                                                    {"studies", studies_text}};
+/// All parts, or the one that is named; of the studies those that are about all the words.
+void run_list(std::string const& part, std::vector<std::string> const& words, bool json) {
+    std::pair<std::string_view, std::function<std::string(Json&)>> const parts[] = {
+        {"variants", variants_text},
+        {"arithmetics", arithmetics_text},
+        {"rounding", rounding_text},
+        {"studies", [&](Json& out) { return studies_text(out, words); }}};
     std::vector<std::string_view> names;
     for (auto const& [name, text] : parts) names.push_back(name);
     if (!part.empty()) expect_one_of(names, part, "list", "part");
+    if (!words.empty() && part != "studies")
+        throw InputError(fmt::format("\"{}\" is one word too many (rlslab list --help)", printable(words.front())));
     Json out;
     std::string text;
     for (auto const& [name, text_of] : parts)
         if (part.empty() || part == name) text += (text.empty() ? "" : "\n") + text_of(out);
+    out["run"] = Json::parse(as_json(this_run(false)));
     print(json ? out.dump(2) + '\n' : text);
 }
 
@@ -90,12 +125,21 @@ void run_list(std::string const& part, bool json) {
 Command list_command(CLI::App& app) {
     auto const json = std::make_shared<bool>(false);
     auto const part = std::make_shared<std::string>();
+    auto const words = std::make_shared<std::vector<std::string>>();
     CLI::App* const listing = app.add_subcommand("list", "What there is: variants, arithmetics, studies.");
-    listing->footer("Example:  rlslab list variants --json\n\nExit code: 0.");
+    listing->footer(
+        "Example:          rlslab list variants --json\n"
+        "By paper:         rlslab list studies Bierman 1977\n"
+        "By subject:       rlslab list studies forgetting\n\n"
+        "Studies are found by what they say of themselves: name, subject, question, source, data, result and claims. "
+        "All words have to be there.\n\n"
+        "Exit code: 0; 2 no study says these words.");
     listing->add_option("PART", *part, "variants, arithmetics, rounding or studies; default: all")->type_name("");
+    listing->add_option("WORD", *words, "behind studies: those about all these words, such as an author and a year")
+        ->type_name("");
     listing->add_flag("--json", *json, "JSON instead of the tables");
-    return {listing, [part, json] {
-                run_list(*part, *json);
+    return {listing, [part, words, json] {
+                run_list(*part, *words, *json);
                 return 0;
             }};
 }

@@ -153,6 +153,7 @@ Question question_of(RecordArguments a) {
     Columns data = read_data({a.file, a.format}, model.columns);
     Question out;
     out.model.file = printable(data.file, 200);
+    out.sha256 = data.sha256, out.rows = data.rows();
     std::vector<std::string> regressors = model.columns;
     std::erase(regressors, a.output);
     out.model.warnings = counting_warnings(data, regressors);

@@ -25,6 +25,8 @@ void define_arithmetics(CLI::App& command, std::vector<std::string>& into, char 
 struct Question {
     Records records;
     compare::ModelText model;
+    std::string sha256;  ///< of the file
+    long rows = 0;       ///< of the file
 };
 /// The records the options describe; reads the file once the options make sense. Throws InputError.
 Question question_of(RecordArguments arguments);

@@ -22,6 +22,7 @@ void prepare_process() {
 int run(std::vector<std::string> const& words, int rank) {
     bool understood = false;
     try {
+        set_command(words);
         auto const command = parse(words);
         understood = true;
         return command();

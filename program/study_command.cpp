@@ -1,18 +1,22 @@
 // rlslab study: questions with claims; tables, figures, verdicts, a report. rlslab merge: the same from parts of a run.
 #include "program/commands.hpp"
+#include "program/definitions.hpp"
 #include "report/svg.hpp"
+#include "studies/engine/factors.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/latex.hpp"
 #include "studies/engine/report.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
 
 #include <charconv>
 #include <fmt/format.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
 
 namespace rlslab::program {
 using namespace report;
@@ -21,10 +25,11 @@ namespace {
 
 struct StudyArguments {
     std::vector<std::string> names;
-    bool all = false, fresh = false;
+    bool all = false, fresh = false, describe = false;
     std::string budget = "quick", out = "out", record;
     Part part;
     RunOptions options;                // from budget and out
+    std::vector<std::string> set;      // "kappa=1e2,1e4"
     std::vector<Study const*> chosen;  // from names and all
 };
 struct MergeArguments {
@@ -60,13 +65,54 @@ void resolve(StudyArguments& a) {
     if (a.all == !a.names.empty()) throw InputError("study: expected the names of studies (rlslab list), or --all");
     for (Study const* study : studies::studies())
         if (a.all || std::ranges::find(a.names, study->name) != a.names.end()) a.chosen.push_back(study);
+    a.options.set.clear();
+    for (std::string const& text : a.set) {
+        FactorValues const values = factor_values_from(text);
+        if (std::ranges::find(a.options.set, values.name, &FactorValues::name) != a.options.set.end())
+            throw InputError(fmt::format("--set: factor \"{}\" is set twice", printable(values.name)));
+        a.options.set.push_back(values);
+    }
+    for (Study const* study : a.chosen) factors_of(*study, a.options);  // before anything is written
+    if (a.options.changed() && !a.record.empty())
+        throw InputError("--record: does not go with --set and --seeds: claims are then not judged");
+}
+
+std::string duration_text(double seconds) {
+    return seconds < 1      ? "1 s"
+           : seconds < 90   ? fmt::format("{:.0f} s", seconds)
+           : seconds < 5400 ? fmt::format("{:.0f} min", seconds / 60)
+                            : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+/// What the studies are; how long they take is tried here.
+int describe(StudyArguments const& a) {
+    size_t const width = line_width(terminal_columns(), help_width);
+    std::string text;
+    for (Study const* study : a.chosen) {
+        text += (text.empty() ? "" : "\n") + described(*study, width) + "time here\n";
+        for (Budget const budget : {Budget::quick, Budget::full}) {
+            RunOptions options = a.options;
+            options.budget = budget;
+            TimeEstimate const t = estimated_time(*study, options, 2);
+            int const threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+            double const seconds = t.of_one * std::max(1.0, double(t.trials) / threads);
+            text += fmt::format("  {:<6}{} trials: {} {} on {} cores{}\n", name_of(budget), t.trials,
+                                t.tried > 0 ? "about" : "more than", duration_text(seconds), threads,
+                                t.tried > 0 ? fmt::format(" ({} of them tried)", t.tried) : "");
+        }
+    }
+    print(text);
+    return 0;
 }
 
 /// What the parts of a run have in common, as `rlslab merge` reads it in DIR/.trials/run.json.
 std::string run_json(StudyArguments const& a) {
     std::vector<std::string> names;
     for (Study const* study : a.chosen) names.push_back(study->name);
-    return nlohmann::ordered_json{{"studies", names}, {"budget", a.budget}, {"seed", a.options.seed}}.dump(1) + '\n';
+    nlohmann::ordered_json out{{"studies", names}, {"budget", a.budget}, {"seed", a.options.seed}};
+    if (!a.set.empty()) out["set"] = a.set;
+    if (a.options.seeds > 0) out["seeds"] = a.options.seeds;
+    return out.dump(1) + '\n';
 }
 
 /// The text of DIR/.trials/run.json; "" if there is none. Throws InputError for what is no file of its size.
@@ -124,16 +170,17 @@ int study_whole(StudyArguments const& a) {
         replace_file(a.options.out / "tables" / (outcome.study->name + ".tex"), table_tex(outcome, a.options));
     replace_file(a.options.out / "numbers.tex", numbers_tex(outcomes, a.options));
     replace_file(a.options.out / "verdicts.json", verdicts_json(outcomes, a.options));
-    replace_file(a.options.out / "verdicts.csv", verdicts_csv(outcomes));
+    replace_file(a.options.out / "verdicts.csv", as_comments(run_of(outcomes, a.options)) + verdicts_csv(outcomes));
     replace_file(a.options.out / "report.html", report_html(outcomes, a.options));
     std::string text;
     for (Outcome const& outcome : outcomes) text += verdict_lines(outcome, colour()) + '\n';
-    Record const& record = recorded(a.options.budget);
+    Record const& record = a.options.changed() ? Record{} : recorded(a.options.budget);
     if (!a.record.empty()) replace_file(a.record, record_json(outcomes, record));
     std::vector<std::string> const changed = changes(outcomes, record), broken = failed_verifications(outcomes);
     text += listed("Changed against the recorded verdicts (of seed 1):", changed);
     text += listed("Verifications that fail:", broken);
     text += listed("Not in the record:", record.empty() ? std::vector<std::string>{} : unrecorded(outcomes, record));
+    if (a.options.changed()) return print(text + fmt::format("tables, figures and the report are in {}\n", a.out)), 0;
     text += count_lines(outcomes);
     text += fmt::format(
         "at most {:.2f} of these verdicts are expected to be wrong; tables, figures and the report are in {}\n",
@@ -144,6 +191,7 @@ int study_whole(StudyArguments const& a) {
 
 int run_study(StudyArguments& a) {
     resolve(a);
+    if (a.describe) return describe(a);
     return a.part.whole() ? study_whole(a) : study_part(a);
 }
 
@@ -157,6 +205,8 @@ StudyArguments arguments_of(std::string const& run, std::string const& folder, s
         said.at("studies").get_to(out.names);
         said.at("budget").get_to(out.budget);
         seed.get_to(out.options.seed);
+        if (said.contains("set")) said.at("set").get_to(out.set);
+        if (said.contains("seeds")) said.at("seeds").get_to(out.options.seeds);
         if (!seed.is_number_unsigned() || (out.budget != "quick" && out.budget != "full")) throw InputError("");
         resolve(out);
     } catch (std::exception const&) {
@@ -193,6 +243,8 @@ Command study_command(CLI::App& app) {
         app.add_subcommand("study", "Questions with claims: tables, figures, verdicts and a report.");
     studying->footer(
         "One study:    rlslab study gain_error\n"
+        "What it is:   rlslab study gain_error --describe\n"
+        "Varied:       rlslab study gain_error --set variant=ud,joseph --seeds 20 --out mine\n"
         "All of them:  rlslab study --all --budget full --out out\n"
         "Stopped, and started again by the same command, it goes on where it was.\n\n"
         "A claim is a verification (the code does what the formula says), a reproduction (an earlier number) or a "
@@ -205,6 +257,19 @@ Command study_command(CLI::App& app) {
         "not be run.");
     studying->add_option("NAME", st->names, "names of studies, as rlslab list shows them")->type_name("");
     studying->add_flag("--all", st->all, "every study");
+    studying->add_flag(
+        "--describe", st->describe,
+        "do not run it: its question, factors with their values, measures, claims, and the time it takes");
+    studying
+        ->add_option("--set", st->set,
+                     "other values for a factor (--describe has them); may be given for several. Claims are then not "
+                     "judged")
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->allow_extra_args(false)
+        ->type_name("FACTOR=A,B");
+    studying->add_option("--seeds", st->options.seeds, "so many replicates; claims are then not judged")
+        ->check(whole(1, 100000))
+        ->type_name("N");
     studying
         ->add_option("--budget", st->budget,
                      "quick: seconds a study; full: minutes, for numbers to quote; default quick")

@@ -35,7 +35,8 @@ bool survives(CatalogueEntry const& entry, int bits, double lambda, Records cons
     for (Index k = 0; k < rows; ++k) {
         Step<double> const step = filter->update(records.sample(k), records.y[k]);
         if (!(step.gamma > 0 && step.gamma <= 1)) return false;
-        if ((k + 1) % (rows / 200) == 0 && breakdown(*filter, *entry.arithmetic) != Health::sound) return false;
+        if ((k + 1) % std::max<Index>(1, rows / 200) == 0 && breakdown(*filter, *entry.arithmetic) != Health::sound)
+            return false;
     }
     return errors(*filter, certified(problem, records, {rows}, 10).front()).covariance < 0.5;
 }

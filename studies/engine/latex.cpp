@@ -1,7 +1,7 @@
 // LaTeX of tables and numbers: verdicts as a paper quotes them.
 #include "studies/engine/latex.hpp"
 
-#include "studies/engine/revision.hpp"
+#include "report/revision.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "report/page.hpp"
 #include "studies/engine/interval.hpp"
-#include "studies/engine/revision.hpp"
+#include "report/revision.hpp"
 #include "studies/engine/verdicts.hpp"
 
 #include <algorithm>
@@ -102,6 +102,9 @@ std::string section(Outcome const& outcome, std::vector<Figure> const& drawn) {
                                   escaped(study.question));
     if (!study.formula.empty()) out += formula_html(study.formula);
     out += fmt::format("<p>{}</p>\n<ul class=\"claims\">\n", escaped(study.interpretation));
+    if (!outcome.changed.empty())
+        out += fmt::format("<li class=\"undecided\"><b>not judged</b> factors changed: {}</li>\n",
+                           escaped(outcome.changed));
     for (Verdict const verdict : {Verdict::fails, Verdict::undecided, Verdict::holds})
         for (size_t i = 0; i < outcome.judgements.size(); ++i)
             if (outcome.judgements[i].verdict == verdict) out += claim_html(study, i, outcome.judgements[i], false);
@@ -136,7 +139,8 @@ std::string report_html(std::vector<Outcome> const& outcomes, RunOptions const& 
             "bound. <span class=\"soft\">rlslab {} {}, {} budget, seed "
             "{}.</span></p></header>\n<nav><ol>\n{}</ol></nav>\n{}",
             held, claims, outcomes.size(), outcomes.size() == 1 ? "study" : "studies", RLSLAB_VERSION, revision,
-            name_of(options.budget), options.seed, contents, summary(outcomes) + sections));
+            name_of(options.budget), options.seed, contents,
+            summary(outcomes) + sections + as_html(run_of(outcomes, options))));
 }
 
 }  // namespace rlslab::studies

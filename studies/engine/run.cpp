@@ -1,7 +1,7 @@
 // All trials of all studies in one parallel loop; tables are put together in the order of the factors.
 #include "studies/engine/run.hpp"
 
-#include "studies/engine/revision.hpp"
+#include "studies/engine/factors.hpp"
 
 #include <rlslab/core/input_error.hpp>
 
@@ -38,6 +38,22 @@ bool Outcome::holds() const {
     return std::ranges::all_of(judgements, [](Judgement const& judgement) { return judgement.holds(); });
 }
 
+namespace {
+
+std::string command_of(std::string const& names, RunOptions const& options) {
+    std::string const changes = words_of_changes(options);
+    return fmt::format("rlslab study {} --budget {} --seed {}{}{}", names, name_of(options.budget), options.seed,
+                       changes.empty() ? "" : " ", changes);
+}
+
+}  // namespace
+
+Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options) {
+    std::vector<std::string> words;
+    for (Outcome const& outcome : outcomes) words.push_back(outcome.study->name);
+    return {.command = command_of(words.size() == studies().size() ? "--all" : shell_text(words), options)};
+}
+
 std::string_view name_of(Budget budget) { return budget == Budget::quick ? "quick" : "full"; }
 
 namespace {
@@ -55,13 +71,9 @@ std::uint64_t identity() {
 
 /// It does not depend on the machine, the number of threads or the folder, so that the bytes of a table do not either.
 std::vector<std::string> provenance(Study const& study, RunOptions const& options) {
-    return {fmt::format("study: {}", study.name),
-            fmt::format("question: {}", study.question),
-            fmt::format("source: {}", study.source),
-            fmt::format("revision: {} {}", RLSLAB_VERSION, revision),
-            fmt::format("compiler: {}", compiler),
-            fmt::format("command: rlslab study {} --budget {} --seed {}", study.name, name_of(options.budget),
-                        options.seed)};
+    return {fmt::format("study: {}", study.name),    fmt::format("question: {}", study.question),
+            fmt::format("source: {}", study.source), fmt::format("revision: {} {}", RLSLAB_VERSION, revision),
+            fmt::format("compiler: {}", compiler),   "command: " + command_of(study.name, options)};
 }
 
 /// The trials of one study and their results.
@@ -90,14 +102,27 @@ std::vector<std::vector<Cell>> combinations(std::vector<Factor> const& factors) 
     return out;
 }
 
+}  // namespace
+
+std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options) {
+    std::vector<Trial> out;
+    for (auto& values : combinations(factors)) {
+        Trial const trial(study.name, factors, std::move(values), options.seed, *options.entries, options.budget);
+        if (!study.admits || study.admits(trial)) out.push_back(trial);
+    }
+    if (out.empty() && options.changed())
+        throw InputError(
+            fmt::format("--set: study {} admits none of these combinations: {}", study.name, changes_of(options)));
+    return out;
+}
+
+namespace {
+
 /// The trials; returns the journal's key.
 std::string prepare(Running& run, RunOptions const& options) {
     Study const& study = *run.study;
-    run.factors = study.factors(options.budget);
-    for (auto& values : combinations(run.factors)) {
-        Trial const trial(study.name, run.factors, std::move(values), options.seed, *options.entries, options.budget);
-        if (!study.admits || study.admits(trial)) run.trials.push_back(trial);
-    }
+    run.factors = factors_of(study, options);
+    run.trials = trials_of(study, run.factors, options);
     run.lines.resize(run.trials.size());
     run.done.assign(run.trials.size(), false);
     std::string key =
@@ -122,7 +147,8 @@ Outcome finish(Running const& run, RunOptions const& options) {
     std::vector<std::string> columns;
     for (Factor const& factor : run.factors) columns.push_back(factor.name);
     columns.insert(columns.end(), study.measures.begin(), study.measures.end());
-    Outcome out{&study, Table(columns), {}, provenance(study, options), run.trials.size(), run.resumed};
+    Outcome out{&study,      Table(columns),     {}, provenance(study, options), run.trials.size(),
+                run.resumed, changes_of(options)};
     std::string csv;
     for (std::string const& line : out.provenance) csv += "# " + line + '\n';
     csv += fmt::format("{}\n", fmt::join(columns, ","));
@@ -132,6 +158,7 @@ Outcome finish(Running const& run, RunOptions const& options) {
             out.table.add_line(line);
         }
     replace_file(options.out / (study.name + ".csv"), csv);
+    if (options.changed()) return out;
     for (Claim const& claim : study.claims) {
         out.judgements.push_back(claim.judge(out.table));
         Judgement const& judgement = out.judgements.back();

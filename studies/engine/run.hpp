@@ -4,6 +4,7 @@
 
 #include <rlslab/catalogue/catalogue.hpp>
 #include "report/progress.hpp"
+#include "report/provenance.hpp"
 #include "studies/engine/journal.hpp"
 #include "studies/engine/study.hpp"
 
@@ -11,22 +12,37 @@
 
 namespace rlslab::studies {
 
+/// Other values for a factor, as words of a command line.
+struct FactorValues {
+    std::string name;
+    std::vector<std::string> values;
+    friend bool operator==(FactorValues const&, FactorValues const&) = default;
+};
+
 struct RunOptions {
     Budget budget = Budget::quick;
     std::uint64_t seed = 1;
     int threads = 0;            ///< 0: all cores
     std::filesystem::path out;  ///< the folder of tables, verdicts, figures and the report; created if missing
     std::vector<CatalogueEntry> const* entries = &catalogue();
+    std::vector<FactorValues> set = {};  ///< other values for some factors; claims are then not judged
+    int seeds = 0;                       ///< other than 0: so many replicates, likewise
+    bool changed() const { return !set.empty() || seeds > 0; }
 };
 
 struct Outcome {
     Study const* study;
     Table table;
-    std::vector<Judgement> judgements;    ///< one for each claim
+    std::vector<Judgement> judgements;    ///< one for each claim; none if options.changed()
     std::vector<std::string> provenance;  ///< "key: value", the lines above the CSV's header
     size_t trials, resumed;               ///< all trials, and the trials that an interrupted run had finished
+    std::string changed;                  ///< "kappa = 1e2, 1e4": what differs from the study's own factors
     bool holds() const;                   ///< every claim
 };
+
+/// Every combination of the factors' values that the study admits, the last factor fastest. Throws InputError if it
+/// admits none. `factors` outlives the trials.
+std::vector<Trial> trials_of(Study const& study, std::vector<Factor> const& factors, RunOptions const& options);
 
 /// Runs the trials of the studies and writes out/NAME.csv for each (a header of provenance in lines with #, then the
 /// table in the order of its factors). Finished trials are stored in out/.trials, and the same program uses them again
@@ -34,6 +50,10 @@ struct Outcome {
 /// thrown again with the trial's name.
 std::vector<Outcome> run_studies(std::vector<Study const*> const& chosen, RunOptions const& options,
                                  report::Progress const& progress);
+
+/// What the files of a run of studies say about it. No word of it depends on the machine, the number of threads or the
+/// parts: neither do their bytes.
+report::Provenance run_of(std::vector<Outcome> const& outcomes, RunOptions const& options);
 
 /// The numbers of all trials, of a part's own, and of those among its own that were finished already.
 struct Share {

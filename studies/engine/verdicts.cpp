@@ -1,8 +1,6 @@
 // Verdicts: said, counted, recorded.
 #include "studies/engine/verdicts.hpp"
 
-#include "studies/engine/revision.hpp"
-
 #include <rlslab/core/input_error.hpp>
 
 #include <algorithm>
@@ -68,6 +66,7 @@ std::string verdict_lines(Outcome const& outcome, bool colour) {
         return colour ? fmt::format("\033[{}m{}\033[0m", code, text) : std::string(text);
     };
     std::string out = fmt::format("{}  {}\n", painted(outcome.study->name, 1), outcome.study->question);
+    if (!outcome.changed.empty()) out += fmt::format("  not judged: factors changed: {}\n", outcome.changed);
     std::vector<size_t> order(outcome.judgements.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::stable_sort(order, {}, [&](size_t i) { return outcome.judgements[i].verdict; });
@@ -103,12 +102,19 @@ std::string verdicts_json(std::vector<Outcome> const& outcomes, RunOptions const
                               {"verdict", name_of(outcome.judgements[i].verdict)},
                               {"measured", outcome.judgements[i].measured}});
         }
+        if (!outcome.changed.empty())
+            for (Claim const& claim : outcome.study->claims)
+                claims.push_back({{"claim", claim.text},
+                                  {"kind", name_of(claim.basis.kind)},
+                                  {"verdict", "not judged: factors changed"}});
         out["studies"].push_back({{"name", outcome.study->name},
                                   {"question", outcome.study->question},
                                   {"source", outcome.study->source},
-                                  {"holds", outcome.holds()},
+                                  {"holds", outcome.changed.empty() ? Json(outcome.holds()) : Json(nullptr)},
                                   {"claims", claims}});
+        if (!outcome.changed.empty()) out["studies"].back()["changed"] = outcome.changed;
     }
+    out["run"] = Json::parse(as_json(run_of(outcomes, options)));
     return out.dump(2) + '\n';
 }
 

@@ -5,6 +5,7 @@
 #include <rlslab/arithmetic/elementary.hpp>
 #include <rlslab/catalogue/breakdown.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rlslab::studies {
@@ -29,7 +30,7 @@ void measure(Trial const& trial, TrialOutput& out) {
     auto const filter =
         entry.make({.size = size, .forgetting = lambda, .prior = Prior<double>{.variance = 1}}, Seed{1});
     Seed seed = trial.seed({"replicate"});
-    int const every = int(predicted / 40);
+    int const every = std::max(1, int(predicted / 40));
     for (int k = 1; k <= horizon; ++k) {
         Vector<double> psi(size);
         double y = 1e-3 * seed.bell();

@@ -25,6 +25,13 @@ inline std::string on_ranks(int number, std::string const& command) {
            std::to_string(number) + " " + command;
 }
 
+/// CSV without the lines that say which run it is from.
+inline std::string without_run(std::string const& csv) {
+    size_t at = 0;
+    while (csv.compare(at, 1, "#") == 0) at = csv.find('\n', at) + 1;
+    return csv.substr(at);
+}
+
 struct Outcome {
     int code;
     std::string out, err;

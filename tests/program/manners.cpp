@@ -304,7 +304,7 @@ protected:
 };
 TEST_F(Completion, OffersCommandsOptionsAndNames) {
     EXPECT_EQ(offered("rlslab co"), "compare ");
-    EXPECT_EQ(offered("rlslab \"\""), "compare study merge identify simulate excitation state list help ");
+    EXPECT_EQ(offered("rlslab \"\""), "compare study merge identify simulate excitation state list cite help ");
     EXPECT_EQ(offered("rlslab help ex"), "excitation ");
     EXPECT_EQ(offered("rlslab --ver"), "--version ");
     EXPECT_EQ(offered("rlslab study gain_e"),

@@ -17,6 +17,7 @@ struct Columns {
     std::vector<std::string> names = {};           ///< in the order of the request
     std::vector<std::vector<double>> values = {};  ///< one per name, of rows() numbers each
     std::vector<long> lines = {};                  ///< rows(): the line of the file on which each row begins, from 1
+    std::string sha256 = {};                       ///< of the whole file, as read_data leaves it; otherwise empty
     Index rows() const { return Index(lines.size()); }
     /// The column of that name. Throws std::invalid_argument when it is not among names.
     std::vector<double> const& operator[](std::string const& name) const;

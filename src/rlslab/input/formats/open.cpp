@@ -3,11 +3,12 @@
 
 #include <rlslab/input/formats/gzip.hpp>
 #include <rlslab/input/formats/mat.hpp>
+#include <rlslab/input/sha256.hpp>
 
 namespace rlslab {
+namespace {
 
-Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
-    ByteSource bytes = bytes_of_file(file.path);
+Columns read_any(ByteSource bytes, DataFile const& file, std::vector<std::string> const& requested) {
     std::string const name = name_of_file(file.path);
     std::string begin = detail::peek(bytes, mat_begin);
     bool const compressed = begin.starts_with(gzip_begins);
@@ -22,6 +23,18 @@ Columns read_data(DataFile const& file, std::vector<std::string> const& requeste
     if (compressed || file.path == "-")
         throw InputError(name + ": a MATLAB file of version 7.3 is read from a regular file alone");
     return read_mat73(file.path, requested);
+}
+
+}  // namespace
+
+Columns read_data(DataFile const& file, std::vector<std::string> const& requested) {
+    auto const digest = std::make_shared<Sha256>();
+    ByteSource const bytes = digested(bytes_of_file(file.path), digest);
+    Columns out = read_any(bytes, file, requested);
+    std::vector<char> rest(1 << 16);  // what a reader of MATLAB's variables did not need
+    while (bytes(rest) > 0) {}
+    out.sha256 = digest->hex();
+    return out;
 }
 
 }  // namespace rlslab

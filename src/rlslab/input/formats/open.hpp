@@ -11,7 +11,8 @@ struct DataFile {
     DataFile(std::string at = "", CsvFormat as = {}) : path(std::move(at)), format(as) {}
 };
 
-/// The columns named in `requested`. The first bytes of the file decide its format, not its name. Throws InputError.
+/// The columns named in `requested`. The first bytes of the file decide its format, not its name. Its digest is
+/// in the answer. Throws InputError.
 Columns read_data(DataFile const& file, std::vector<std::string> const& requested);
 
 }  // namespace rlslab

@@ -1,0 +1,199 @@
+// Other values for factors; the study in words.
+#include "studies/engine/factors.hpp"
+
+#include "studies/engine/scenarios.hpp"
+#include "studies/engine/verdicts.hpp"
+
+#include <rlslab/core/input_error.hpp>
+#include <rlslab/input/suggestion.hpp>
+#include <rlslab/input/text.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace rlslab::studies {
+namespace {
+
+constexpr std::string_view replicates = "replicate";
+
+std::string texts(std::vector<Cell> const& values) {
+    std::string out;
+    for (Cell const& value : values) out += (out.empty() ? "" : ", ") + as_text(value);
+    return out;
+}
+/// "1 ... 40" for what counts.
+std::string range_of(std::vector<Cell> const& values) {
+    bool counts = values.size() > 3;
+    for (size_t i = 0; counts && i < values.size(); ++i)
+        counts = std::holds_alternative<double>(values[i]) && std::get<double>(values[i]) == double(i + 1);
+    return counts ? fmt::format("1 ... {}", values.size()) : texts(values);
+}
+
+bool all_words(std::vector<Cell> const& values) {
+    return std::ranges::all_of(values, [](Cell const& c) { return std::holds_alternative<std::string>(c); });
+}
+bool all_numbers(std::vector<Cell> const& values, bool (*holds)(double)) {
+    return std::ranges::all_of(
+        values, [&](Cell const& c) { return std::holds_alternative<double>(c) && holds(std::get<double>(c)); });
+}
+
+/// The values that a study gives a factor at either budget.
+std::vector<Cell> own_values(Study const& study, std::string const& name) {
+    std::vector<Cell> out;
+    for (Budget const budget : {Budget::quick, Budget::full})
+        for (Factor const& factor : study.factors(budget))
+            if (factor.name == name)
+                for (Cell const& value : factor.values)
+                    if (std::ranges::find(out, value) == out.end()) out.push_back(value);
+    return out;
+}
+
+/// The words that a factor may have.
+std::vector<std::string> admitted_words(std::vector<Cell> const& own, RunOptions const& options) {
+    std::vector<std::string> out, variants, arithmetics;
+    for (Cell const& value : own)
+        if (std::holds_alternative<std::string>(value)) out.push_back(std::get<std::string>(value));
+    auto const add = [](std::vector<std::string>& list, std::string_view name) {
+        if (std::ranges::find(list, name) == list.end()) list.emplace_back(name);
+    };
+    for (CatalogueEntry const& e : *options.entries) add(variants, e.variant), add(arithmetics, e.arithmetic->name);
+    for (std::vector<std::string> const* known : {&variants, &arithmetics})
+        if (std::ranges::all_of(out, [&](auto const& word) { return std::ranges::find(*known, word) != known->end(); }))
+            return *known;
+    return out;
+}
+
+double number_of(std::string const& study, std::string const& factor, std::string const& text,
+                 std::vector<Cell> const& own) {
+    double value = 0;
+    auto const [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    bool const number = error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+    bool const forgets = factor == "lambda" || factor == "forgetting";
+    bool const whole = !forgets && all_numbers(own, [](double x) { return x == std::floor(x); });
+    double least = INFINITY;  // fewer rows or parameters than the study was made for may not be a problem at all
+    if (whole)
+        for (Cell const& cell : own) least = std::min(least, std::get<double>(cell));
+    bool const positive = forgets || all_numbers(own, [](double x) { return x > 0; });
+    bool const at_least_0 = positive || all_numbers(own, [](double x) { return x >= 0; });
+    bool const below_1 = !whole && all_numbers(own, [](double x) { return x < 1; });
+    bool const at_most_1 = forgets || (!whole && all_numbers(own, [](double x) { return x <= 1; }));
+    if (number && (!whole || (value == std::floor(value) && value >= least)) && (!positive || value > 0) &&
+        (!at_least_0 || value >= 0) && (!at_most_1 || value <= 1) && (!below_1 || value < 1))
+        return value;
+    throw InputError(fmt::format("--set {}: study {} has {} there: expected {}{}{}, found \"{}\"", factor, study,
+                                 texts(own), whole ? fmt::format("whole numbers of at least {}", least) : "numbers",
+                                 whole        ? ""
+                                 : positive   ? " above 0"
+                                 : at_least_0 ? " of at least 0"
+                                              : "",
+                                 below_1     ? ", below 1"
+                                 : at_most_1 ? ", at most 1"
+                                             : "",
+                                 printable(text)));
+}
+
+Cell value_of(Study const& study, std::string const& factor, std::string const& text, RunOptions const& options) {
+    std::vector<Cell> const own = own_values(study, factor);
+    bool const a_word = std::ranges::any_of(own, [&](Cell const& c) { return as_text(c) == text; });
+    if (!all_words(own) && !a_word) return number_of(study.name, factor, text, own);
+    for (Cell const& value : own)
+        if (as_text(value) == text) return value;
+    std::vector<std::string> const words = admitted_words(own, options);
+    expect_one_of(std::vector<std::string_view>(words.begin(), words.end()), text, "--set " + factor, "value");
+    return text;
+}
+
+}  // namespace
+
+FactorValues factor_values_from(std::string const& text) {
+    size_t const equals = std::min(text.find('='), text.size());
+    FactorValues out{text.substr(0, equals), {}};
+    for (size_t from = equals + 1; from <= text.size();) {
+        size_t const to = std::min(text.find(',', from), text.size());
+        out.values.push_back(text.substr(from, to - from));
+        from = to + 1;
+    }
+    if (out.name.empty() || out.values.empty() || std::ranges::find(out.values, "") != out.values.end())
+        throw InputError(fmt::format("--set: expected FACTOR=VALUE[,VALUE], found \"{}\"", printable(text)));
+    return out;
+}
+
+std::vector<Factor> factors_of(Study const& study, RunOptions const& options) {
+    std::vector<Factor> out = study.factors(options.budget);
+    std::vector<std::string_view> names;
+    for (Factor const& factor : out) names.push_back(factor.name);
+    for (auto const& [name, values] : options.set) {
+        auto const found = std::ranges::find(out, name, &Factor::name);
+        if (found == out.end())
+            throw InputError(fmt::format("--set: study {} has no factor \"{}\"; its factors are {}", study.name,
+                                         printable(name), fmt::join(names, ", ")));
+        found->values.clear();
+        for (std::string const& text : values) {
+            Cell const value = value_of(study, name, text, options);
+            if (std::ranges::find(found->values, value) != found->values.end())
+                throw InputError(fmt::format("--set {}: {} is there twice", name, as_text(value)));
+            found->values.push_back(value);
+        }
+    }
+    if (options.seeds > 0) {
+        auto const found = std::ranges::find(out, replicates, &Factor::name);
+        if (found == out.end())
+            throw InputError(
+                fmt::format("--seeds: study {} has no factor \"{}\": its data are fixed; its factors are {}",
+                            study.name, replicates, fmt::join(names, ", ")));
+        found->values = counted(options.seeds);
+    }
+    return out;
+}
+
+std::string changes_of(RunOptions const& options) {
+    std::string out;
+    for (auto const& [name, values] : options.set)
+        out += fmt::format("{}{} = {}", out.empty() ? "" : "; ", name, fmt::join(values, ", "));
+    if (options.seeds > 0) out += fmt::format("{}{} = 1 ... {}", out.empty() ? "" : "; ", replicates, options.seeds);
+    return out;
+}
+std::string words_of_changes(RunOptions const& options) {
+    std::vector<std::string> words;
+    for (auto const& [name, values] : options.set) {
+        words.push_back("--set");
+        words.push_back(fmt::format("{}={}", name, fmt::join(values, ",")));
+    }
+    if (options.seeds > 0) {
+        words.push_back("--seeds");
+        words.push_back(fmt::format("{}", options.seeds));
+    }
+    return report::shell_text(words);
+}
+
+std::string described(Study const& study, size_t width) {
+    auto const line = [&](std::string_view head, std::string const& text) {
+        return fmt::format("{:<12}{}\n", head, wrapped(text, 12, 12, width));
+    };
+    std::string out = fmt::format("{}\n", study.name) + line("question", study.question) + line("source", study.source);
+    if (!study.data.empty()) out += line("data", study.data);
+    std::vector<Factor> const quick = study.factors(Budget::quick), full = study.factors(Budget::full);
+    out += "factors\n";
+    for (Factor const& factor : full) {
+        auto const at_quick = std::ranges::find(quick, factor.name, &Factor::name);
+        std::string text = range_of(factor.values);
+        if (at_quick != quick.end() && at_quick->values != factor.values)
+            text += fmt::format("; quick: {}", range_of(at_quick->values));
+        size_t const name = std::max<size_t>(20, factor.name.size() + 1);
+        out += fmt::format("  {:<{}}{}\n", factor.name, name, wrapped(text, name + 2, 22, width));
+    }
+    out += line("measures", fmt::format("{}", fmt::join(study.measures, ", ")));
+    out += "claims\n";
+    for (Claim const& claim : study.claims) {
+        out += fmt::format("  {}\n", wrapped(claim.text, 2, 4, width));
+        std::string const proof = claim.basis.proof.empty() ? "" : "; proof: " + claim.basis.proof;
+        out += "    " +
+               wrapped(fmt::format("{}; band: {}{}", name_of(claim.basis.kind), claim.basis.band, proof), 4, 4, width) +
+               '\n';
+    }
+    return out;
+}
+
+}  // namespace rlslab::studies

@@ -1,0 +1,103 @@
+// rlslab study with other factors, described, and found by paper and subject.
+#include "tests/common/program.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <set>
+#include <sstream>
+
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+/// The rows of a study's table that hold the text, without the lines of provenance.
+std::multiset<std::string> rows_with(std::string const& csv, std::string const& part) {
+    std::multiset<std::string> out;
+    std::istringstream lines(csv);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with("#") && line.find(part) != line.npos) out.insert(line);
+    return out;
+}
+
+TEST_F(Program, VariesTheFactorsOfAStudy) {
+    ASSERT_EQ(shell("rlslab study gain_identities --out own --quiet").code, 0);
+    Outcome const varied =
+        shell("rlslab study gain_identities --set variant=ud,joseph --set lambda=0.9,0.95 --out mine");
+    EXPECT_EQ(varied.code, 0);
+    EXPECT_THAT(varied.out, HasSubstr("not judged: factors changed: variant = ud, joseph; lambda = 0.9, 0.95\n"));
+    EXPECT_THAT(varied.out, Not(HasSubstr("Changed against")));
+    std::string const own = read(folder / "own/gain_identities.csv"), mine = read(folder / "mine/gain_identities.csv");
+    EXPECT_THAT(mine, HasSubstr("# command: rlslab study gain_identities --budget quick --seed 1 --set "
+                                "variant=ud,joseph --set lambda=0.9,0.95\n"));
+    // What both have is the same bits; what is new is new.
+    for (char const* both : {"0.9,ud,", "0.9,joseph,"}) {
+        EXPECT_GT(rows_with(own, both).size(), 0u);
+        EXPECT_EQ(rows_with(own, both), rows_with(mine, both));
+    }
+    EXPECT_GT(rows_with(mine, "0.95,ud,").size(), 0u);
+    EXPECT_EQ(rows_with(mine, "conventional").size(), 0u);
+    json const verdicts = json::parse(read(folder / "mine/verdicts.json")).at("studies").at(0);
+    EXPECT_TRUE(verdicts.at("holds").is_null());
+    for (json const& claim : verdicts.at("claims")) EXPECT_EQ(claim.at("verdict"), "not judged: factors changed");
+    EXPECT_THAT(read(folder / "mine/report.html"), HasSubstr("<b>not judged</b>"));
+}
+TEST_F(Program, VariesInPartsWithTheSameBytes) {
+    std::string const study = "rlslab study gain_identities --set variant=ud,qr --set lambda=0.9";
+    ASSERT_EQ(shell(study + " --out whole --threads 1").code, 0);
+    for (char const* part : {"1/2", "2/2"})
+        ASSERT_EQ(shell(study + " --out part" + part[0] + " --part " + part).code, 0);
+    ASSERT_EQ(shell("rlslab merge part1 part2 --out merged").code, 0);
+    for (char const* file : {"gain_identities.csv", "verdicts.json", "report.html"})
+        EXPECT_EQ(read(folder / "merged" / file), read(folder / "whole" / file)) << file;
+    refused("study gain_identities --out part1 --part 1/2", "holds parts of other studies");
+}
+TEST_F(Program, RefusesWhatIsNoFactorOrCannotBeOne) {
+    std::string const study = "study gain_error ";
+    refused(study + "--set kapa=1",
+            "--set: study gain_error has no factor \"kapa\"; its factors are arithmetic, lambda, "
+            "variant, replicate");
+    refused(study + "--set variant=udd", "--set variant: no value \"udd\" (did you mean \"ud\"?)");
+    refused(study + "--set lambda=1.5",
+            "--set lambda: study gain_error has 1, 0.98 there: expected numbers above 0, at "
+            "most 1, found \"1.5\"");
+    refused(study + "--set lambda=x", "expected numbers above 0, at most 1, found \"x\"");
+    refused(study + "--set replicate=0.5", "expected whole numbers of at least 1, found \"0.5\"");
+    refused(study + "--set lambda", "--set: expected FACTOR=VALUE[,VALUE], found \"lambda\"");
+    refused(study + "--set lambda=0.9,,1", "--set: expected FACTOR=VALUE[,VALUE]");
+    refused(study + "--set lambda=1,1.0", "--set lambda: 1 is there twice");
+    refused(study + "--set lambda=1 --set lambda=0.9", "--set: factor \"lambda\" is set twice");
+    refused(study + "--seeds 20 --record r.json", "--record: does not go with --set and --seeds");
+    refused("study gain_identities --seeds 20", "--seeds: study gain_identities has no factor \"replicate\"");
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+TEST_F(Program, DescribesAStudy) {
+    Outcome const said = shell("rlslab study hilbert --describe");
+    EXPECT_EQ(said.code, 0);
+    for (char const* text : {"question    ", "factors\n", "  matrix              hilbert, laeuchli\n", "measures    ",
+                             "claims\n", "band: ", "time here\n  quick ", "\n  full  "})
+        EXPECT_THAT(said.out, HasSubstr(text));
+    std::istringstream lines(said.out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+TEST_F(Program, FindsStudiesByPaperAndSubject) {
+    auto const found = [&](std::string const& words) {
+        std::set<std::string> out;
+        json const said = json::parse(shell("rlslab list studies " + words + " --json").out);
+        for (json const& study : said.at("studies")) out.insert(study.at("name").get<std::string>());
+        return out;
+    };
+    EXPECT_THAT(found("Bierman 1977"), testing::Contains("bierman"));
+    EXPECT_THAT(found("bierman"), testing::Contains("bierman"));
+    EXPECT_THAT(found("Bierman 1977"), Not(testing::Contains("nist")));
+    EXPECT_THAT(found("forgetting"), testing::IsSupersetOf({"steady_state", "sqrt_lambda_bias"}));
+    EXPECT_EQ(found("").size(), json::parse(shell("rlslab list --json").out).at("studies").size());
+    refused("list studies Nobody 1999", "list studies: none says \"Nobody 1999\" of itself");
+    refused("list variants ud", "\"ud\" is one word too many");
+}
+
+}  // namespace
