@@ -1,7 +1,7 @@
 # cmake -DWHAT=host|cortex_m -DCOMPILERS=g++,clang++ -DSOURCE_DIR=... -DSYSTEM=... -DWORK_DIR=... -P run.cmake
 # Variants of fixed size without exceptions, type information and heap. host: compiled by each compiler, the same bits;
 # misuse ends in the program's own function, or at a trap. cortex_m: three processors, emulated, leave the bits of the
-# host. On the host the first compiler optimises, the others do not: they compile in half the time.
+# host.
 string(REPLACE "," ";" COMPILERS "${COMPILERS}")
 string(REPLACE "," ";" SYSTEM "${SYSTEM}")
 set(folder ${CMAKE_CURRENT_LIST_DIR})
@@ -29,9 +29,6 @@ set(refused "expected size equal to the filter's fixed size\n")
 if(WHAT STREQUAL host)
   set(first "")
   foreach(compiler IN LISTS COMPILERS)
-    if(first)
-      list(APPEND flags -O0)
-    endif()
     build(${WORK_DIR}/digest ${compiler} ${flags} ${folder}/digest.cpp ${board}/host.cpp)
     execute_process(COMMAND ${WORK_DIR}/digest OUTPUT_VARIABLE digest COMMAND_ERROR_IS_FATAL ANY)
     if(NOT digest MATCHES "\nud float 5 " OR NOT digest MATCHES "\nqr_block double 10 "
