@@ -80,6 +80,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-sklearn)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/python3-rlslab/prerm)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Recursive least squares in Python: every textbook variant in float32 and
 float64, with guards, windows and rules of forgetting, and an estimator for
 scikit-learn. The bits are those of the C++ library.")
