@@ -7,7 +7,8 @@
 
 namespace rlslab::program {
 
-/// An entry: "Bierman, G. J. Factorization Methods for .... Academic Press, 1977. No DOI known. Cited, not read. (`ud`)".
+/// An entry: "Carlson, N. A. Fast triangular ... filter. AIAA J. 11(9):1259–1265, 1973. No DOI known. Cited, not read.
+/// (`carlson`)".
 struct Source {
     std::string text;               ///< the whole of it, on one line
     std::vector<std::string> for_;  ///< variants, headers, studies: the names in the brackets at its end

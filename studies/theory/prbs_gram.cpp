@@ -4,6 +4,8 @@
 
 #include <rlslab/variants/variants.hpp>
 
+#include <stdexcept>
+
 namespace rlslab::studies {
 namespace {
 
@@ -14,6 +16,7 @@ std::vector<int> prbs(int m) {
     static std::vector<std::vector<int>> const taps{{3, 2}, {4, 3},       {5, 3}, {6, 5},
                                                     {7, 6}, {8, 6, 5, 4}, {9, 5}, {10, 7}};
     std::vector<int> out;
+    if (m < 3 || m > 10) throw std::invalid_argument("expected a register of 3 to 10 bits");
     for (unsigned state = 1, n = 0; n < (1u << m) - 1; ++n) {
         out.push_back(state & 1u << (m - 1) ? 1 : -1);
         unsigned bit = 0;
