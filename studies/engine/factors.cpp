@@ -83,7 +83,7 @@ double number_of(std::string const& study, std::string const& factor, std::strin
         (!at_least_0 || value >= 0) && (!at_most_1 || value <= 1) && (!below_1 || value < 1))
         return value;
     throw InputError(fmt::format("--set {}: study {} has {} there: expected {}{}{}, found \"{}\"", factor, study,
-                                 texts(own), whole ? fmt::format("whole numbers of at least {}", least) : "numbers",
+                                 range_of(own), whole ? fmt::format("whole numbers of at least {}", least) : "numbers",
                                  whole        ? ""
                                  : positive   ? " above 0"
                                  : at_least_0 ? " of at least 0"
