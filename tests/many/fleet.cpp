@@ -71,7 +71,7 @@ TEST(Fleet, EachFilterHasItsBitsWhateverTheOthersMiss) {
         }
 }
 
-/// A record keeps what the form says; a number that it left out would be another filter's.
+/// A record keeps the members that its form names; a number that it left out would be another filter's.
 template <template <class, int> class V>
 void expect_records_to_hold_all() {
     expect_the_bits_of_each_alone<V<Pack<double, 8>, 3>, V<double, 3>>(20, 84, 1);

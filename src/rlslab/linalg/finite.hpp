@@ -255,8 +255,8 @@ public:
         if (!all(proven)) return detail::finite_solutions<T, N>(L, z, psi, x, determined_);
         return determined_ = proven;
     }
-    /// add_row in two halves for R = diag(sqrt(D)) L', the first before the row is folded in. There true proves what the
-    /// second would return, and that folding the row in does not overflow; false proves nothing.
+    /// add_row in two halves for R = diag(sqrt(D)) L', the first before the row is folded in. There true proves what
+    /// the second would return, and that folding the row in does not overflow; false proves nothing.
     ///
     ///   (1) 1/w = 1 + psi'P psi/lambda = det(R'R after) / det(lambda R'R) <= prod n_j^2 / (lambda D_j) = 1/q, by
     ///       Hadamard's inequality, n_j^2 with the row and D_j without

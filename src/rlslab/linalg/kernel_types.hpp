@@ -260,8 +260,8 @@ struct SweepGentleman {
     RealOf<T> const* c;
     T const *s, *e;
 };
-/// Eliminate, the weights and SweepGentleman in one pass over L, for real numbers and D_i > 0: with b_i = lambda D_i and
-/// v = *inverse = 1/w
+/// Eliminate, the weights and SweepGentleman in one pass over L, for real numbers and D_i > 0: with b_i = lambda D_i
+/// and v = *inverse = 1/w
 ///   x_j -= x_i L_ji                                          for i = 0, 1, ... and j > i
 ///   s_i = x_i / v_i,  v_{i+1} = v_i + x_i^2 / b_i            summed as PrefixSums does
 ///   D_i = b_i + s_i x_i,  c_i = b_i / D_i,  s_i = s_i / D_i

@@ -148,9 +148,9 @@ void sweep_gentleman(StateMatrix<T, N>& L, StateVector<RealOf<T>, N> const& c, S
         kernels::SweepGentleman<T>{L.size(), L.stride(), L.column(0), x.data(), c.data(), s.data(), e.data()});
 }
 
-/// eliminate, gentleman_weights and sweep_gentleman of the row [psi' *eta] in one pass over L, with the same bits; z too.
-/// Returns w_{d+1}. Only where ColumnLengths::begin_row has proven that 1/w_{d+1} does not overflow. x: psi at first, and
-/// the eliminated row afterwards. D, c and s are those after the row.
+/// eliminate, gentleman_weights and sweep_gentleman of the row [psi' eta] in one pass over L, with the same bits; z
+/// too. Returns w_{d+1}. Only where ColumnLengths::begin_row has proven that 1/w_{d+1} does not overflow. x: psi at
+/// first, and the eliminated row afterwards. D, c and s are those after the row.
 template <Hardware T, int N>
 T fold_gentleman(StateMatrix<T, N>& L, StateVector<T, N>& x, StateVector<T, N>& z, T& eta, StateVector<T, N>& D,
                  StateVector<T, N>& c, StateVector<T, N>& s, T const& lambda) {

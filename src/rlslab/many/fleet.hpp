@@ -66,8 +66,8 @@ concept KeepsLanesApart = requires { F::scalar::lanes; } && NamesItsState<F> && 
 /// rows.
 ///
 /// Memory: bytes_per_filter() for each, what an update reads and changes, without the last gain and the zeros of a
-/// triangle (all of F where that is not fixed in size and stores a square); an F for each thread. A row moves that of all through the processor once. Source: layout as in
-/// arrays of structures of arrays; folklore.
+/// triangle (all of F where that is not fixed in size and stores a square); an F for each thread. A row moves that of
+/// all through the processor once. Source: layout as in arrays of structures of arrays; folklore.
 template <KeepsLanesApart F>
 class Fleet {
 public:

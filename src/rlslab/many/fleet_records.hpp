@@ -116,7 +116,7 @@ template <class F>
     requires requires(F f) { is_a_square(f.form()); }
 inline constexpr bool stores_a_square<F> = true;
 
-/// Filters F that began alike, without what they have in common and without their gains: records, each read into an F
+/// Filters F that began alike, without their common constants and their gains: records, each read into an F
 /// for an update and written back. Where the size is not fixed and F stores a square, or its form is not known here,
 /// the record would be most of F, and copying it took longer than it saved (docs/speed.md): those are kept as they are.
 template <class F>
